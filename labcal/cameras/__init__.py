@@ -1,0 +1,1 @@
+"""Cameras: lens models, the paper's camera, rigs, and the image of a dot."""

@@ -1,0 +1,1 @@
+"""From dots to matched tables of pixels and points."""

@@ -1,0 +1,48 @@
+"""What labcal raises on misuse: one root, and a handful of kinds that callers can tell apart.
+
+Expected misfortune (a lost dot, an unusable picture, a solver that stopped) is data with a reason and no
+exception.
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class LabcalError(Exception):
+    """Root of every exception that labcal raises on purpose."""
+
+
+class InputError(LabcalError, ValueError):
+    """A value, a file or a name that cannot be used; the message says what to do."""
+
+
+class InputTypeError(LabcalError, TypeError):
+    """An argument of the wrong type."""
+
+
+class OutputError(LabcalError, OSError):
+    """A file or folder that cannot be written, or that would be overwritten."""
+
+
+class DeviceError(LabcalError, RuntimeError):
+    """A device or a library of this machine that failed or is missing."""
+
+
+class UnknownNameError(InputError):
+    """A name that is not among those known; the message offers the nearest one.
+
+    Parameters
+    ----------
+    kind : str
+        What the name should have named, for example ``"target"``.
+    given : str
+        The name as given.
+    known : iterable of str
+        All names that would have been understood.
+    """
+
+    def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
+        names = sorted(known)
+        nearest = get_close_matches(given, names, n=1, cutoff=0.5)
+        hint = f" Did you mean '{nearest[0]}'?" if nearest else ""
+        super().__init__(f"There is no {kind} named '{given}'.{hint} Known: {', '.join(names)}.")

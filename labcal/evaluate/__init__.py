@@ -1,0 +1,1 @@
+"""Errors in millimetres, against truth or against the target's own lengths."""

@@ -1,0 +1,1 @@
+"""The paper's rows and claims, and benchmarks."""

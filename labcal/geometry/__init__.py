@@ -1,0 +1,1 @@
+"""Poses, rays and triangulation: geometry that knows no lens."""

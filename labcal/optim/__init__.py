@@ -1,0 +1,1 @@
+"""Nonlinear least squares: numerics only, no cameras in it."""

@@ -1,0 +1,1 @@
+"""How work is spread and how results reach the disk; knows nothing of cameras."""

@@ -1,0 +1,93 @@
+"""Descriptions in YAML, found by name among those shipped or by the path of one's own file."""
+
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from labcal.errors import InputError, UnknownNameError
+
+Description = TypeVar("Description", bound=BaseModel)
+
+
+def _shipped(folder: str) -> Traversable:
+    """Return the folder inside the wheel, or at the top of a source tree."""
+    package = files("labcal")
+    inside = package / "data" / folder
+    return inside if inside.is_dir() else package / ".." / folder
+
+
+def description_names(folder: str) -> list[str]:
+    """Return the names of the shipped descriptions in `folder`, sorted."""
+    return sorted(entry.name.removesuffix(".yaml") for entry in _shipped(folder).iterdir() if entry.name.endswith(".yaml"))
+
+
+def explain_validation(error: ValidationError) -> str:
+    """Return what pydantic found wrong, one line a fault, with the path of the key."""
+    lines = []
+    for fault in error.errors(include_url=False):
+        where = ".".join(str(part) for part in fault["loc"]) or "the whole"
+        what = "this key is not known; remove it or check its spelling" if fault["type"] == "extra_forbidden" else fault["msg"]
+        lines.append(f"{where}: {what}")
+    return "; ".join(lines)
+
+
+def parse_yaml(text: str, source: str) -> dict[str, Any]:
+    """Return the mapping in a YAML text.
+
+    Raises
+    ------
+    InputError
+        The text is not YAML, or not a mapping.
+    """
+    try:
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise InputError(f"{source} is not valid YAML: {error}") from error
+    if not isinstance(content, dict):
+        raise InputError(f"{source} should hold a mapping of keys to values, but holds {type(content).__name__}.")
+    return content
+
+
+def description_content(kind: str, folder: str, name: str) -> dict[str, Any]:
+    """Return the raw mapping of a shipped description, or of the YAML file at a path.
+
+    Raises
+    ------
+    UnknownNameError
+        `name` is neither shipped nor the path of a file.
+    InputError
+        The file cannot be read or is no mapping.
+    """
+    if name in description_names(folder):
+        return parse_yaml((_shipped(folder) / f"{name}.yaml").read_text(encoding="utf-8"), f"{kind} '{name}'")
+    path = Path(name)
+    if path.suffix in {".yaml", ".yml"} or path.is_file():
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"The {kind} file {name} cannot be read: {error}") from error
+        return parse_yaml(text, str(path))
+    raise UnknownNameError(kind, name, description_names(folder))
+
+
+def validate_description(model: type[Description], kind: str, name: str, content: dict[str, Any]) -> Description:
+    """Return the checked description.
+
+    Raises
+    ------
+    InputError
+        A key is unknown or missing, or a value is not allowed; every fault is named.
+    """
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        raise InputError(f"The {kind} '{name}' cannot be used: {explain_validation(error)}.") from error
+
+
+def read_description(model: type[Description], kind: str, folder: str, name: str) -> Description:
+    """Find, read and check a description; see :func:`description_content` for the errors."""
+    return validate_description(model, kind, name, description_content(kind, folder, name))

@@ -1,0 +1,101 @@
+"""Results on disk that appear whole or not at all, and never over something else unasked."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+from labcal.errors import OutputError
+
+
+def refuse_existing(path: Path, *, force: bool) -> None:
+    """Raise where `path` exists and may not be replaced.
+
+    Raises
+    ------
+    OutputError
+        `path` exists and `force` is not set.
+    """
+    if path.exists() and not force:
+        raise OutputError(f"{path} exists already. Choose another name, or add --force to replace it.")
+
+
+def write_file(path: Path, content: bytes | str, *, force: bool) -> None:
+    """Write a file whole, through a temporary file beside it.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written (no such folder, no right, disk full).
+    """
+    refuse_existing(path, force=force)
+    data = content.encode() if isinstance(content, str) else content
+    temporary: Path | None = None
+    try:
+        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as handle:
+            temporary = Path(handle.name)
+            handle.write(data)
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(path)
+    except OSError as error:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+        raise OutputError(f"{path} cannot be written: {error.strerror or error}.") from error
+
+
+def _umask() -> int:
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask
+
+
+@contextmanager
+def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path]:
+    """Give a folder to work in that becomes `path` when the work ends well.
+
+    What an interrupted run left behind is given again when `command` is the same, so that the work resumes;
+    what another command left is refused.
+
+    Parameters
+    ----------
+    path : Path
+        The folder to appear.
+    command : str
+        Everything that determines the content, as text.
+    force : bool
+        Replace `path`, and discard what another command left unfinished.
+
+    Yields
+    ------
+    Path
+        The folder ``<name>.unfinished`` beside `path`.
+
+    Raises
+    ------
+    OutputError
+        `path` exists, another command's unfinished output is in the way, or the disk refuses.
+    """
+    refuse_existing(path, force=force)
+    working = path.with_name(path.name + ".unfinished")
+    mark = working / ".command"
+    try:
+        if working.exists() and (not mark.is_file() or mark.read_text(encoding="utf-8") != command):
+            if not force:
+                raise OutputError(
+                    f"{working} is the unfinished output of another command. Repeat that command to finish it, "
+                    "or add --force to discard it."
+                )
+            shutil.rmtree(working)
+        working.mkdir(parents=True, exist_ok=True)
+        mark.write_text(command, encoding="utf-8")
+        yield working
+        mark.unlink()
+        if path.exists():
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+        working.replace(path)
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(f"{path} cannot be written: {error.strerror or error}.") from error

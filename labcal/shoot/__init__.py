@@ -1,0 +1,1 @@
+"""A shoot: the folder of pictures on which the two arms meet, and its truth, kept apart."""

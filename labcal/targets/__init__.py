@@ -1,0 +1,1 @@
+"""Targets: grids of dots with three ring markers, and their artwork."""
