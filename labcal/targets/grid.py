@@ -32,13 +32,11 @@ class Rings(BaseModel):
     y: GridIndex
 
     @model_validator(mode="after")
-    def _form_an_unequal_l(self) -> Self:
+    def _form_an_l(self) -> Self:
         if self.x[1] != self.origin[1] or self.x[0] <= self.origin[0]:
             raise ValueError("the x ring must lie in the row of the origin ring, further along x")
         if self.y[0] != self.origin[0] or self.y[1] <= self.origin[1]:
             raise ValueError("the y ring must lie in the column of the origin ring, further along y")
-        if self.x_steps == self.y_steps:
-            raise ValueError("the two legs of the rings must differ in steps, or the orientation is open")
         return self
 
     @property
