@@ -82,12 +82,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     mark = working / ".command"
     try:
         if working.exists() and (not mark.is_file() or mark.read_text(encoding="utf-8") != command):
-            if not force:
-                raise OutputError(
-                    f"{working} is the unfinished output of another command. Repeat that command to finish it, "
-                    "or add --force to discard it."
-                )
-            shutil.rmtree(working)
+            _refuse_or_discard(working, force=force)
         working.mkdir(parents=True, exist_ok=True)
         mark.write_text(command, encoding="utf-8")
         yield working
@@ -99,3 +94,12 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
         raise
     except OSError as error:
         raise OutputError(f"{path} cannot be written: {error.strerror or error}.") from error
+
+
+def _refuse_or_discard(working: Path, *, force: bool) -> None:
+    if not force:
+        raise OutputError(
+            f"{working} is the unfinished output of another command. "
+            "Repeat that command to finish it, or add --force to discard it."
+        )
+    shutil.rmtree(working)
