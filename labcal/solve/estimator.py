@@ -1,0 +1,135 @@
+"""What all methods have in common: an estimator from pixels to points that checks what it is given."""
+
+from abc import abstractmethod
+from typing import Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+from jaxtyping import Float64
+from numpy.typing import ArrayLike
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from labcal.errors import InputError, InputTypeError
+
+
+class FittedArray(NamedTuple):
+    """A float64 array that a fitted estimator consists of: an attribute and its shape."""
+
+    attribute: str
+    shape: tuple[int, ...]
+
+
+class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # scikit-learn is untyped
+    """A method that learns points from pixels; a scikit-learn regressor.
+
+    X is (n, 2 x cameras) in px with columns x1 y1 x2 y2 ..., Y is (n, 3) in mm, and further outputs where an
+    experiment asks. A method fills in `_fit` and `_predict` and says which arrays it consists of when fitted.
+
+    Attributes
+    ----------
+    method : str
+        The name under which the registry knows the method.
+    fitted_facts : tuple of str
+        Fitted attributes that are a number or a text, kept in a model file beside the arrays.
+    """
+
+    method: ClassVar[str]
+    fitted_facts: ClassVar[tuple[str, ...]] = ()
+
+    def fit(self, X: ArrayLike, Y: ArrayLike) -> Self:
+        """Learn from pixels whose points are known.
+
+        Parameters
+        ----------
+        X : array, (n, 2 x cameras)
+            Pixels, px.
+        Y : array, (n, outputs)
+            Points, mm, and further outputs. One output may be given as (n,).
+
+        Returns
+        -------
+        Self
+            The estimator itself, fitted.
+
+        Raises
+        ------
+        InputError
+            Values that are missing, of the wrong shape, too few, or in a degenerate arrangement.
+        InputTypeError
+            Something that is no array of numbers.
+        """
+        pixels, points = self._checked(X, Y)
+        self.single_output_ = points.ndim == 1
+        points = points.reshape(len(points), -1)
+        self.n_outputs_ = points.shape[1]
+        self._fit(pixels, points)
+        return self
+
+    def predict(self, X: ArrayLike) -> Float64[np.ndarray, "n *outputs"]:
+        """Return the points that belong to pixels.
+
+        Parameters
+        ----------
+        X : array, (n, 2 x cameras)
+            Pixels, px, with the columns of the training.
+
+        Returns
+        -------
+        float64 array
+            (n, outputs), mm; (n,) when the training gave one output as (n,).
+
+        Raises
+        ------
+        InputError
+            Values that are missing, or another number of columns than in training.
+        sklearn.exceptions.NotFittedError
+            `fit` has not been called.
+        """
+        check_is_fitted(self, "n_outputs_")
+        pixels, _ = self._checked(X, None)
+        points = self._predict(pixels)
+        return points[:, 0] if self.single_output_ else points
+
+    @abstractmethod
+    def fitted_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays the fitted estimator consists of, for inputs and outputs of the present number."""
+
+    @abstractmethod
+    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
+        """Learn from checked arrays."""
+
+    @abstractmethod
+    def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
+        """Predict from checked pixels."""
+
+    def _checked(self, X: ArrayLike, Y: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
+        """Return both as finite float64 arrays that fit together; an empty second one when predicting."""
+        try:
+            if Y is None:
+                return validate_data(self, X, reset=False, dtype=np.float64), np.empty(0)
+            pixels, points = validate_data(
+                self, X, Y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
+            )
+        except TypeError as error:
+            raise InputTypeError(f"{self.method}: {error}") from error
+        except ValueError as error:
+            raise InputError(f"{self.method}: {_first_paragraph(error)}{_mending(error)}") from error
+        return pixels, np.asarray(points, dtype=np.float64)
+
+    def __sklearn_tags__(self) -> Any:  # noqa: ANN401 - scikit-learn is untyped
+        """Tell scikit-learn that several outputs at once are expected."""
+        tags = super().__sklearn_tags__()
+        tags.target_tags.multi_output = True
+        return tags
+
+
+def _first_paragraph(error: ValueError) -> str:
+    """Return scikit-learn's message without its advice to impute, which is wrong for measurements."""
+    return str(error).partition("\n")[0]
+
+
+def _mending(error: ValueError) -> str:
+    """Return what to do about values that are not finite."""
+    if "NaN" in str(error) or "infinity" in str(error):
+        return " Leave out the dots that not every camera has measured."
+    return ""
