@@ -4,6 +4,7 @@ from argparse import Namespace
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from labcal.cli.options import add_output, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -26,6 +27,17 @@ def add_parser(commands: CommandGroup) -> None:
         "show", run_show, "Show the dimensions of a target.", example="labcal target show rings-10x8 --json"
     )
     show.add_argument("target", metavar="NAME", help=_NAME_HELP)
+    export = target.add(
+        "export",
+        run_export,
+        "Write a target as a file to print at exact scale, with a ruler to check the print by.",
+        example="labcal target export rings-10x8 -o rings-10x8.pdf",
+    )
+    export.add_argument("target", metavar="NAME", help=_NAME_HELP)
+    add_output(export, "FILE.{svg,pdf,png}", "the file; its ending says which format")
+    export.add_argument(
+        "--dpi", type=positive_number, metavar="N", help="pixels an inch of a PNG (300 where not given)"
+    )
 
 
 @dataclass(frozen=True)
@@ -33,6 +45,17 @@ class TargetList:
     """The JSON document of ``labcal target list``."""
 
     targets: "list[DotGrid]"
+
+
+@dataclass(frozen=True)
+class ExportedTarget:
+    """The JSON document of ``labcal target export``."""
+
+    target: str
+    file: str
+    width_mm: float
+    height_mm: float
+    dpi: int | None
 
 
 def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
@@ -65,4 +88,23 @@ def run_show(arguments: Namespace, session: Session) -> ExitStatus:
         )
         table.add_row(key, shown)
     session.emit(grid, table)
+    return ExitStatus.DONE
+
+
+def run_export(arguments: Namespace, session: Session) -> ExitStatus:
+    """Write a target as a file to print."""
+    from labcal.targets.artwork import export_artwork
+    from labcal.targets.catalogue import load_target
+
+    grid = load_target(arguments.target)
+    artwork = export_artwork(grid, arguments.output, dpi=arguments.dpi, force=arguments.force)
+    result = ExportedTarget(
+        target=grid.name,
+        file=str(arguments.output),
+        width_mm=artwork.width_mm,
+        height_mm=artwork.height_mm,
+        dpi=artwork.dpi,
+    )
+    size = f"{artwork.width_mm:.1f} mm x {artwork.height_mm:.1f} mm"
+    session.emit(result, f"{arguments.output}: {size}. Print at 100 % and check the ruler.")
     return ExitStatus.DONE
