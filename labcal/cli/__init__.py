@@ -40,6 +40,11 @@ from labcal.cli.status import ExitStatus
 
 VERBS = {
     "target": "printable targets at exact scale",
+    "detect": "find the dots in pictures",
+    "calibrate": "calibrate cameras from a hand-held target",
+    "fit": "teach methods a target at known places",
+    "reconstruct": "points in space from dots",
+    "evaluate": "errors of points in millimetres",
 }
 """Every verb with its line in ``labcal --help``; the module of a verb has its name."""
 

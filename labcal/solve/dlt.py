@@ -46,7 +46,9 @@ class Dlt(PointEstimator):
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
         cameras = camera_count(self.method, pixels.shape[1])
         if cameras < CAMERAS:
-            raise InputError(f"{self.method}: X has the columns of one camera, but triangulation needs two or more.")
+            raise InputError(
+                f"{self.method}: X has the columns of one camera, but triangulation needs two or more."
+            )
         refuse_other_than_points(self.method, points.shape[1])
         refuse_few(self.method, len(points), UNKNOWN_POINTS)
         refuse_collinear(self.method, points)

@@ -62,10 +62,12 @@ def projective_map(
     source = homogeneous(sources) @ to_source.T
     image = homogeneous(pixels) @ to_image.T
     nothing = np.zeros_like(source)
-    equations = np.concatenate((
-        np.hstack((source, nothing, -image[:, :1] * source)),
-        np.hstack((nothing, source, -image[:, 1:2] * source)),
-    ))
+    equations = np.concatenate(
+        (
+            np.hstack((source, nothing, -image[:, :1] * source)),
+            np.hstack((nothing, source, -image[:, 1:2] * source)),
+        )
+    )
     _, singular, directions = np.linalg.svd(equations, full_matrices=False)
     if singular[-2] <= AMBIGUOUS * singular[0]:
         raise InputError(
