@@ -32,7 +32,9 @@ class Network:
     def __post_init__(self) -> None:
         """Refuse empty layers."""
         if len(self.sizes) < 2 or min(self.sizes) < 1:  # noqa: PLR2004 - inputs and outputs
-            raise InputError(f"A network needs inputs, outputs and no empty layer, but got the sizes {self.sizes}.")
+            raise InputError(
+                f"A network needs inputs, outputs and no empty layer, but got the sizes {self.sizes}."
+            )
 
     @cached_property
     def spans(self) -> tuple[tuple[int, int], ...]:

@@ -26,10 +26,10 @@ CAMERAS = 2
 class Dlt(PointEstimator):
     """The method ``dlt``: volumes only, two cameras or more, no lens distortion.
 
-    Abdel-Aziz and Karara 1971, with Hartley's normalisation. Points are triangulated linearly: every camera gives
-    two equations ``(x P3 - P1) p = 0`` and ``(y P3 - P2) p = 0``, solved by least squares for p = (X, Y, Z, 1)
-    (Hartley and Sturm, "Triangulation", 1997, the inhomogeneous linear method). With rows P3 of unit length the
-    equations' errors are pixel errors times the depth.
+    Abdel-Aziz and Karara 1971, with Hartley's normalisation. Points are triangulated linearly: every camera
+    gives two equations ``(x P3 - P1) p = 0`` and ``(y P3 - P2) p = 0``, solved by least squares for
+    p = (X, Y, Z, 1) (Hartley and Sturm, "Triangulation", 1997, the inhomogeneous linear method). With rows P3
+    of unit length the equations' errors are pixel errors times the depth.
 
     Attributes
     ----------
@@ -46,7 +46,9 @@ class Dlt(PointEstimator):
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
         cameras = camera_count(self.method, pixels.shape[1])
         if cameras < CAMERAS:
-            raise InputError(f"{self.method}: X has the columns of one camera, but triangulation needs two or more.")
+            raise InputError(
+                f"{self.method}: X has the columns of one camera, but triangulation needs two or more."
+            )
         refuse_other_than_points(self.method, points.shape[1])
         refuse_few(self.method, len(points), UNKNOWN_POINTS)
         refuse_collinear(self.method, points)
@@ -61,4 +63,4 @@ class Dlt(PointEstimator):
         equations = seen[..., None] * third[:, None, :] - first_two
         equations = equations.reshape(len(pixels), -1, 4)
         inverse = np.linalg.pinv(equations[..., :3])
-        return -np.einsum("nij,nj->ni", inverse, equations[..., 3])
+        return np.asarray(-np.einsum("nij,nj->ni", inverse, equations[..., 3]))

@@ -1,7 +1,7 @@
 """What all methods have in common: an estimator from pixels to points that checks what it is given."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,6 +11,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from labcal.errors import InputError, InputTypeError
 
+Estimator = TypeVar("Estimator", bound="PointEstimator")
+
 
 class FittedArray(NamedTuple):
     """A float64 array that a fitted estimator consists of: an attribute and its shape."""
@@ -19,7 +21,7 @@ class FittedArray(NamedTuple):
     shape: tuple[int, ...]
 
 
-class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # scikit-learn is untyped
+class PointEstimator(RegressorMixin, BaseEstimator):
     """A method that learns points from pixels; a scikit-learn regressor.
 
     X is (n, 2 x cameras) in px with columns x1 y1 x2 y2 ..., Y is (n, 3) in mm, and further outputs where an
@@ -36,7 +38,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
     method: ClassVar[str]
     fitted_facts: ClassVar[tuple[str, ...]] = ()
 
-    def fit(self, X: ArrayLike, Y: ArrayLike) -> Self:
+    def fit(self: Estimator, X: ArrayLike, Y: ArrayLike) -> Estimator:  # noqa: PYI019 - the checker of tests rejects Self
         """Learn from pixels whose points are known.
 
         Parameters
@@ -48,7 +50,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
 
         Returns
         -------
-        Self
+        PointEstimator
             The estimator itself, fitted.
 
         Raises
@@ -92,7 +94,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
 
     @abstractmethod
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of, for inputs and outputs of the present number."""
+        """Return which arrays the fitted estimator consists of, for the present inputs and outputs."""
 
     @abstractmethod
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:

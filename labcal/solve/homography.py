@@ -48,7 +48,9 @@ class Homography(PointEstimator):
         seen = pixels.reshape(len(pixels), cameras, 2)
         for camera in range(cameras):
             refuse_collinear(f"{self.method}, camera {camera + 1}", seen[:, camera])
-        maps = np.stack([projective_map(self.method, points[:, :2], seen[:, camera]) for camera in range(cameras)])
+        maps = np.stack(
+            [projective_map(self.method, points[:, :2], seen[:, camera]) for camera in range(cameras)]
+        )
         self.homographies_ = np.linalg.inv(maps)
         self.plane_z_ = np.array(points[0, 2])
 
