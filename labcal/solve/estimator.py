@@ -1,6 +1,8 @@
 """What all methods have in common: an estimator from pixels to points that checks what it is given."""
 
 from abc import abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
@@ -60,7 +62,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         InputTypeError
             Something that is no array of numbers.
         """
-        pixels, points = self._checked(X, Y)
+        pixels, points = self._training(X, Y)
         self.single_output_ = points.ndim == 1
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
@@ -88,8 +90,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
             `fit` has not been called.
         """
         check_is_fitted(self, "n_outputs_")
-        pixels, _ = self._checked(X, None)
-        points = self._predict(pixels)
+        points = self._predict(self._inputs(X))
         return points[:, 0] if self.single_output_ else points
 
     @abstractmethod
@@ -104,19 +105,18 @@ class PointEstimator(RegressorMixin, BaseEstimator):
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         """Predict from checked pixels."""
 
-    def _checked(self, X: ArrayLike, Y: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
-        """Return both as finite float64 arrays that fit together; an empty second one when predicting."""
-        try:
-            if Y is None:
-                return validate_data(self, X, reset=False, dtype=np.float64), np.empty(0)
+    def _training(self, X: ArrayLike, Y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Return both as finite float64 arrays of the same length."""
+        with _own_errors(self.method):
             pixels, points = validate_data(
                 self, X, Y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
             )
-        except TypeError as error:
-            raise InputTypeError(f"{self.method}: {error}") from error
-        except ValueError as error:
-            raise InputError(f"{self.method}: {_first_paragraph(error)}{_mending(error)}") from error
         return pixels, np.asarray(points, dtype=np.float64)
+
+    def _inputs(self, X: ArrayLike) -> np.ndarray:
+        """Return pixels to predict from as a finite float64 array of the trained width."""
+        with _own_errors(self.method):
+            return np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
 
     def __sklearn_tags__(self) -> Any:  # noqa: ANN401 - scikit-learn is untyped
         """Tell scikit-learn that several outputs at once are expected."""
@@ -125,13 +125,17 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         return tags
 
 
-def _first_paragraph(error: ValueError) -> str:
-    """Return scikit-learn's message without its advice to impute, which is wrong for measurements."""
-    return str(error).partition("\n")[0]
-
-
-def _mending(error: ValueError) -> str:
-    """Return what to do about values that are not finite."""
-    if "NaN" in str(error) or "infinity" in str(error):
-        return " Leave out the dots that not every camera has measured."
-    return ""
+@contextmanager
+def _own_errors(method: str) -> Iterator[None]:
+    """Turn scikit-learn's refusals into this project's."""
+    try:
+        yield
+    except TypeError as error:
+        raise InputTypeError(f"{method}: {error}") from error
+    except ValueError as error:
+        message = str(error)
+        if "NaN" in message or "infinity" in message:
+            # Its advice to impute is wrong for measurements.
+            first_line = message.partition("\n")[0]
+            message = f"{first_line} Leave out the dots that not every camera has measured."
+        raise InputError(f"{method}: {message}") from error
