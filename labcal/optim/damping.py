@@ -35,8 +35,9 @@ class Damping:
         """Refuse what cannot work."""
         if not (0 < self.start <= self.ceiling and 0 < self.decrease <= 1 < self.increase):
             raise InputError(
-                f"Damping needs 0 < start <= ceiling and 0 < decrease <= 1 < increase, but got start {self.start:g}, "
-                f"ceiling {self.ceiling:g}, decrease {self.decrease:g}, increase {self.increase:g}."
+                "Damping needs 0 < start <= ceiling and 0 < decrease <= 1 < increase, but got "
+                f"start {self.start:g}, ceiling {self.ceiling:g}, decrease {self.decrease:g}, "
+                f"increase {self.increase:g}."
             )
 
     def after_success(self, mu: float) -> float:

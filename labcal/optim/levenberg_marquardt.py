@@ -17,8 +17,9 @@ def minimize(
 ) -> Solution[Parameters]:
     """Lower the cost of a problem by damped Gauss-Newton steps.
 
-    An epoch is one accepted step. A step is accepted when it lowers the cost; otherwise it is tried again from
-    the same linearisation with more damping. Levenberg 1944; Marquardt 1963; as in Hagan and Menhaj 1994.
+    An epoch is one accepted step. A step is accepted when it lowers the cost; otherwise it is tried again
+    from the same linearisation with more damping. Levenberg 1944; Marquardt 1963; as in Hagan and Menhaj
+    1994.
 
     Parameters
     ----------

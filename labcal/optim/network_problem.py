@@ -10,11 +10,11 @@ from labcal.optim.normal_equations import NormalEquations
 class NetworkProblem:
     """Fit a network's outputs to targets; the cost is the mean squared error over points and outputs.
 
-    J'J is assembled from the structure of the network, never from J itself. The derivative of output k by the
-    weight from value p to neuron i is S[k, i] A[p], with S the sensitivity of the neuron and A what enters the
-    layer. A block of J'J is therefore the sum over points of (sum over k of S[k, i] S'[k, j]) A[p] A'[q]: the
-    outputs are summed before the two factors are multiplied out, and within one layer both factors are
-    symmetric, so that a quarter of the products is enough.
+    J'J is assembled from the structure of the network, never from J itself. The derivative of output k by
+    the weight from value p to neuron i is S[k, i] A[p], with S the sensitivity of the neuron and A what
+    enters the layer. A block of J'J is therefore the sum over points of (sum over k of S[k, i] S'[k, j])
+    A[p] A'[q]: the outputs are summed before the two factors are multiplied out, and within one layer both
+    factors are symmetric, so that a quarter of the products is enough.
 
     Parameters
     ----------

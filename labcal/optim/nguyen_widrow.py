@@ -14,11 +14,11 @@ def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torc
     """Draw weights and biases so that the neurons of a layer share out the range of its inputs.
 
     Inputs are taken to lie in [-1, 1]. Weight vectors of a layer of S neurons and R inputs have random
-    directions and the length 0.7 S^(1/R); biases are spread evenly over plus and minus that length; both are then
-    stretched to the active range of the tanh. The linear outputs start uniform in [-1, 1].
+    directions and the length 0.7 S^(1/R); biases are spread evenly over plus and minus that length; both
+    are then stretched to the active range of the tanh. The linear outputs start uniform in [-1, 1].
 
-    Nguyen and Widrow, "Improving the learning speed of 2-layer neural networks by choosing initial values of the
-    adaptive weights", IJCNN 1990; the details as in MATLAB's ``initnw``.
+    Nguyen and Widrow, "Improving the learning speed of 2-layer neural networks by choosing initial values
+    of the adaptive weights", IJCNN 1990; the details as in MATLAB's ``initnw``.
 
     Parameters
     ----------

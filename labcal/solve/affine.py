@@ -13,8 +13,8 @@ from labcal.solve.scaling import RangeScaling
 class Affine(PointEstimator):
     """The method ``affine``: every output is a linear function of all image coordinates, and a constant.
 
-    Exact for affine cameras. On data that leave a direction undetermined, such as a plane seen by affine cameras,
-    the solution of least norm in scaled inputs is taken.
+    Exact for affine cameras. On data that leave a direction undetermined, such as a plane seen by affine
+    cameras, the solution of least norm in scaled inputs is taken.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Affine(PointEstimator):
         self.coefficients_ = np.linalg.lstsq(self._terms(pixels), points, rcond=1e-12)[0]
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
-        return self._terms(pixels) @ self.coefficients_
+        return np.asarray(self._terms(pixels) @ self.coefficients_)
 
     def _terms(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n terms"]:
         """Return the columns that are combined."""

@@ -26,10 +26,10 @@ CAMERAS = 2
 class Dlt(PointEstimator):
     """The method ``dlt``: volumes only, two cameras or more, no lens distortion.
 
-    Abdel-Aziz and Karara 1971, with Hartley's normalisation. Points are triangulated linearly: every camera gives
-    two equations ``(x P3 - P1) p = 0`` and ``(y P3 - P2) p = 0``, solved by least squares for p = (X, Y, Z, 1)
-    (Hartley and Sturm, "Triangulation", 1997, the inhomogeneous linear method). With rows P3 of unit length the
-    equations' errors are pixel errors times the depth.
+    Abdel-Aziz and Karara 1971, with Hartley's normalisation. Points are triangulated linearly: every camera
+    gives two equations ``(x P3 - P1) p = 0`` and ``(y P3 - P2) p = 0``, solved by least squares for
+    p = (X, Y, Z, 1) (Hartley and Sturm, "Triangulation", 1997, the inhomogeneous linear method). With rows P3
+    of unit length the equations' errors are pixel errors times the depth.
 
     Attributes
     ----------
@@ -63,4 +63,4 @@ class Dlt(PointEstimator):
         equations = seen[..., None] * third[:, None, :] - first_two
         equations = equations.reshape(len(pixels), -1, 4)
         inverse = np.linalg.pinv(equations[..., :3])
-        return -np.einsum("nij,nj->ni", inverse, equations[..., 3])
+        return np.asarray(-np.einsum("nij,nj->ni", inverse, equations[..., 3]))

@@ -1,7 +1,9 @@
 """What all methods have in common: an estimator from pixels to points that checks what it is given."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar, NamedTuple, Self
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,6 +13,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from labcal.errors import InputError, InputTypeError
 
+Estimator = TypeVar("Estimator", bound="PointEstimator")
+
 
 class FittedArray(NamedTuple):
     """A float64 array that a fitted estimator consists of: an attribute and its shape."""
@@ -19,7 +23,7 @@ class FittedArray(NamedTuple):
     shape: tuple[int, ...]
 
 
-class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # scikit-learn is untyped
+class PointEstimator(RegressorMixin, BaseEstimator):
     """A method that learns points from pixels; a scikit-learn regressor.
 
     X is (n, 2 x cameras) in px with columns x1 y1 x2 y2 ..., Y is (n, 3) in mm, and further outputs where an
@@ -36,7 +40,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
     method: ClassVar[str]
     fitted_facts: ClassVar[tuple[str, ...]] = ()
 
-    def fit(self, X: ArrayLike, Y: ArrayLike) -> Self:
+    def fit(self: Estimator, X: ArrayLike, Y: ArrayLike) -> Estimator:  # noqa: PYI019 - the checker of tests rejects Self
         """Learn from pixels whose points are known.
 
         Parameters
@@ -48,7 +52,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
 
         Returns
         -------
-        Self
+        PointEstimator
             The estimator itself, fitted.
 
         Raises
@@ -58,7 +62,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
         InputTypeError
             Something that is no array of numbers.
         """
-        pixels, points = self._checked(X, Y)
+        pixels, points = self._training(X, Y)
         self.single_output_ = points.ndim == 1
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
@@ -86,13 +90,12 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
             `fit` has not been called.
         """
         check_is_fitted(self, "n_outputs_")
-        pixels, _ = self._checked(X, None)
-        points = self._predict(pixels)
+        points = self._predict(self._inputs(X))
         return points[:, 0] if self.single_output_ else points
 
     @abstractmethod
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of, for inputs and outputs of the present number."""
+        """Return which arrays the fitted estimator consists of, for the present inputs and outputs."""
 
     @abstractmethod
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
@@ -102,19 +105,18 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         """Predict from checked pixels."""
 
-    def _checked(self, X: ArrayLike, Y: ArrayLike | None) -> tuple[np.ndarray, np.ndarray]:
-        """Return both as finite float64 arrays that fit together; an empty second one when predicting."""
-        try:
-            if Y is None:
-                return validate_data(self, X, reset=False, dtype=np.float64), np.empty(0)
+    def _training(self, X: ArrayLike, Y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Return both as finite float64 arrays of the same length."""
+        with _own_errors(self.method):
             pixels, points = validate_data(
                 self, X, Y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
             )
-        except TypeError as error:
-            raise InputTypeError(f"{self.method}: {error}") from error
-        except ValueError as error:
-            raise InputError(f"{self.method}: {_first_paragraph(error)}{_mending(error)}") from error
         return pixels, np.asarray(points, dtype=np.float64)
+
+    def _inputs(self, X: ArrayLike) -> np.ndarray:
+        """Return pixels to predict from as a finite float64 array of the trained width."""
+        with _own_errors(self.method):
+            return np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
 
     def __sklearn_tags__(self) -> Any:  # noqa: ANN401 - scikit-learn is untyped
         """Tell scikit-learn that several outputs at once are expected."""
@@ -123,13 +125,17 @@ class PointEstimator(RegressorMixin, BaseEstimator):  # type: ignore[misc] # sci
         return tags
 
 
-def _first_paragraph(error: ValueError) -> str:
-    """Return scikit-learn's message without its advice to impute, which is wrong for measurements."""
-    return str(error).partition("\n")[0]
-
-
-def _mending(error: ValueError) -> str:
-    """Return what to do about values that are not finite."""
-    if "NaN" in str(error) or "infinity" in str(error):
-        return " Leave out the dots that not every camera has measured."
-    return ""
+@contextmanager
+def _own_errors(method: str) -> Iterator[None]:
+    """Turn scikit-learn's refusals into this project's."""
+    try:
+        yield
+    except TypeError as error:
+        raise InputTypeError(f"{method}: {error}") from error
+    except ValueError as error:
+        message = str(error)
+        if "NaN" in message or "infinity" in message:
+            # Its advice to impute is wrong for measurements.
+            first_line = message.partition("\n")[0]
+            message = f"{first_line} Leave out the dots that not every camera has measured."
+        raise InputError(f"{method}: {message}") from error

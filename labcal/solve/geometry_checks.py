@@ -6,7 +6,7 @@ from jaxtyping import Float64
 from labcal.errors import InputError
 
 FLAT = 1e-9
-"""An extent below this fraction of the largest one counts as none; nominal coordinates are exact to rounding."""
+"""An extent below this fraction of the largest one counts as none: nominal places are exact to rounding."""
 
 
 def refuse_few(method: str, given: int, needed: int) -> None:
@@ -68,8 +68,8 @@ def refuse_collinear(method: str, points: Float64[np.ndarray, "n dim"]) -> None:
     first, second = extents(points)[:2]
     if second <= FLAT * first or first == 0:
         raise InputError(
-            f"{method}: all {len(points)} dots lie on one line, which determines neither the second coordinate "
-            f"nor the third. Train on dots of several rows and columns."
+            f"{method}: all {len(points)} dots lie on one line, which leaves the other directions "
+            f"undetermined. Train on dots of several rows and columns."
         )
 
 
@@ -100,6 +100,6 @@ def refuse_several_planes(method: str, points: Float64[np.ndarray, "n 3"]) -> No
     low, high = points[:, 2].min(), points[:, 2].max()
     if high - low > FLAT * extents(points[:, :2])[0]:
         raise InputError(
-            f"{method}: the dots lie on more than one plane, Z runs from {low:.6g} mm to {high:.6g} mm, and this "
-            f"method knows a single Z. Train on one plane, or use the method 'dlt' for a volume."
+            f"{method}: the dots lie on more than one plane, Z runs from {low:.6g} mm to {high:.6g} mm, and "
+            f"this method knows a single Z. Train on one plane, or use the method 'dlt' for a volume."
         )

@@ -22,8 +22,8 @@ from labcal.solve.scaling import RangeScaling
 class Mlp(PointEstimator):
     """The method ``mlp``: tanh hidden layers, linear outputs, inputs and outputs scaled to [-1, 1].
 
-    All data are one batch. Training stops at the goal, after `max_epochs` accepted steps, or where damping finds
-    no better step; `stop_reason_` says which. Not reaching the goal is a result and raises nothing.
+    All data are one batch. Training stops at the goal, after `max_epochs` accepted steps, or where damping
+    finds no better step; `stop_reason_` says which. Not reaching the goal is a result and raises nothing.
 
     Parameters
     ----------
@@ -111,6 +111,6 @@ class Mlp(PointEstimator):
         """Raise where a constructor argument cannot be used; scikit-learn wants that here, not before."""
         if self.goal < 0 or self.max_epochs < 0 or self.random_state < 0:
             raise InputError(
-                f"{self.method}: goal, max_epochs and random_state must not be negative, but are {self.goal}, "
-                f"{self.max_epochs} and {self.random_state}."
+                f"{self.method}: goal, max_epochs and random_state must not be negative, but are "
+                f"{self.goal}, {self.max_epochs} and {self.random_state}."
             )

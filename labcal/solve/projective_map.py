@@ -18,7 +18,7 @@ def normalising_similarity(points: Float64[np.ndarray, "n dim"]) -> Float64[np.n
     count, dimension = points.shape
     mean = points.mean(axis=0)
     scale = np.sqrt(dimension * count) / np.linalg.norm(points - mean)
-    similarity = np.eye(dimension + 1) * scale
+    similarity: np.ndarray = np.eye(dimension + 1) * scale
     similarity[:dimension, dimension] = -scale * mean
     similarity[dimension, dimension] = 1.0
     return similarity
@@ -26,7 +26,8 @@ def normalising_similarity(points: Float64[np.ndarray, "n dim"]) -> Float64[np.n
 
 def homogeneous(points: Float64[np.ndarray, "n dim"]) -> Float64[np.ndarray, "n dim1"]:
     """Return points with a further coordinate 1."""
-    return np.column_stack((points, np.ones(len(points))))
+    with_one: np.ndarray = np.column_stack((points, np.ones(len(points))))
+    return with_one
 
 
 def projective_map(
@@ -68,11 +69,14 @@ def projective_map(
             np.hstack((nothing, source, -image[:, 1:2] * source)),
         )
     )
-    _, singular, directions = np.linalg.svd(equations, full_matrices=False)
-    if singular[-2] <= AMBIGUOUS * singular[0]:
+    # Only the triangle: it has the same singular values and directions, and stays small for many points.
+    triangle = np.linalg.qr(equations, mode="r")
+    _, singular, directions = np.linalg.svd(triangle)
+    if singular[len(directions) - 2] <= AMBIGUOUS * singular[0]:
         raise InputError(
-            f"{method}: the dots are in an arrangement that leaves a camera undetermined (several on one line or "
-            f"plane, or seen at the same pixels). Train on dots that fill the view and differ in depth."
+            f"{method}: the dots are in an arrangement that leaves a camera undetermined (many on one "
+            f"line or plane, or seen at the same pixels). Train on dots that fill the view and differ in "
+            "depth."
         )
     normalised = directions[-1].reshape(3, -1)
     found = np.linalg.solve(to_image, normalised @ to_source)

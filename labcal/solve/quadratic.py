@@ -13,8 +13,8 @@ from labcal.solve.scaling import RangeScaling
 class Quadratic(PointEstimator):
     """The method ``quadratic``: `affine` with all terms of second degree.
 
-    On a plane one camera's coordinates follow from the other's, so that the terms are nearly dependent: directions
-    weaker than 1e-10 of the strongest are left out (least norm).
+    On a plane one camera's coordinates follow from the other's, so that the terms are nearly dependent:
+    directions weaker than 1e-10 of the strongest are left out (least norm).
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Quadratic(PointEstimator):
         self.coefficients_ = np.linalg.lstsq(self._terms(pixels), points, rcond=1e-10)[0]
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
-        return self._terms(pixels) @ self.coefficients_
+        return np.asarray(self._terms(pixels) @ self.coefficients_)
 
     def _terms(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n terms"]:
         """Return the columns that are combined."""

@@ -31,8 +31,8 @@ class RangeScaling:
 
     def scaled(self, values: Float64[np.ndarray, "n columns"]) -> Float64[np.ndarray, "n columns"]:
         """Return the values scaled."""
-        return (values - self.centre) / self.half_range
+        return np.asarray((values - self.centre) / self.half_range)
 
     def restored(self, scaled: Float64[np.ndarray, "n columns"]) -> Float64[np.ndarray, "n columns"]:
         """Return scaled values in their own unit again."""
-        return scaled * self.half_range + self.centre
+        return np.asarray(scaled * self.half_range + self.centre)
