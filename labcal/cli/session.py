@@ -4,7 +4,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TextIO
 
 from labcal.run.progress import NoProgress, Progress
 
@@ -20,16 +20,18 @@ class Session:
 
     Parameters
     ----------
+    stdout : text stream
+        Where the result goes.
     json : bool
         The result is one JSON document.
     quiet : bool
         No messages and no progress bar; results, warnings and errors are still told.
     """
 
-    def __init__(self, *, json: bool = False, quiet: bool = False) -> None:
+    def __init__(self, stdout: TextIO, *, json: bool = False, quiet: bool = False) -> None:
         self.json = json
         self.quiet = quiet
-        self._stdout = sys.stdout
+        self._stdout = stdout
         self._emitted = False
 
     def emit(self, result: object, text: object) -> None:
@@ -93,7 +95,7 @@ class Session:
             raise
 
 
-def _console(stream: Any) -> "Console":  # noqa: ANN401 - rich and the standard library disagree on IO[str]
+def _console(stream: TextIO) -> "Console":
     """Return a console that prints text as it is."""
     from rich.console import Console
 
@@ -101,7 +103,7 @@ def _console(stream: Any) -> "Console":  # noqa: ANN401 - rich and the standard 
     return Console(file=stream, markup=False, highlight=False, emoji=False, width=width)
 
 
-def _rendered(content: object, stream: Any) -> str:  # noqa: ANN401 - as above
+def _rendered(content: object, stream: TextIO) -> str:
     """Return a text with its lines unbroken, or a table within the width, as `stream` shows it."""
     console = _console(stream)
     with console.capture() as captured:
