@@ -4,11 +4,14 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from typing import TextIO
+from typing import Any, TypeAlias
+
+Stream: TypeAlias = Any
+"""A text stream; the checks at run time take no stream in memory for a TextIO."""
 
 
 @contextlib.contextmanager
-def result_stream() -> Iterator[TextIO]:
+def result_stream() -> Iterator[Stream]:
     """Give a stream to the caller's stdout, and send all that others print there to stderr meanwhile.
 
     Mitsuba prints its log from C++, past ``sys.stdout``, so the file descriptor itself is turned. Text is
