@@ -119,7 +119,10 @@ def disc_centroids(ink: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("dpi", [254, 300])
 def test_dots_in_a_picture_are_at_their_places(dpi: int, polarity: Polarity, grid: DotGrid) -> None:
     target = grid.model_copy(update={"polarity": polarity})
-    picture, pixels_per_mm = decoded(draw_artwork(target, ArtworkFormat.PNG, dpi=dpi).content)
+    artwork = draw_artwork(target, ArtworkFormat.PNG, dpi=dpi)
+    picture, pixels_per_mm = decoded(artwork.content)
+    stated = np.array([artwork.height_mm, artwork.width_mm]) * dpi / 25.4
+    assert stated == pytest.approx(picture.shape, abs=1e-6)  # whole pixels
     assert pixels_per_mm == pytest.approx(dpi / 25.4, rel=1e-4)
     white = polarity is Polarity.WHITE_ON_BLACK
     board = picture[: int(65 * pixels_per_mm)]  # without the ruler and the captions
