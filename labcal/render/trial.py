@@ -39,9 +39,9 @@ def try_render() -> str:
         said = done.stderr.strip().splitlines() or ["nothing was said"]
         # A library that aborts tells the reason first, Python tells it last.
         reason = said[0] if done.returncode < 0 else said[-1]
-        raise DeviceError(
-            f"A trial picture failed (exit status {done.returncode}: {reason[:200]}). {install_advice()}"
-        )
+        # Dr.Jit's own library needs it; systems without a compiler may lack it.
+        advice = "Install libatomic (libatomic1 on Debian)." if "libatomic" in reason else install_advice()
+        raise DeviceError(f"A trial picture failed (exit status {done.returncode}: {reason[:200]}). {advice}")
     return done.stdout.strip().splitlines()[-1]
 
 
