@@ -39,10 +39,19 @@ def try_render() -> str:
         said = done.stderr.strip().splitlines() or ["nothing was said"]
         # A library that aborts tells the reason first, Python tells it last.
         reason = said[0] if done.returncode < 0 else said[-1]
-        # Dr.Jit's own library needs it; systems without a compiler may lack it.
-        advice = "Install libatomic (libatomic1 on Debian)." if "libatomic" in reason else install_advice()
-        raise DeviceError(f"A trial picture failed (exit status {done.returncode}: {reason[:200]}). {advice}")
+        raise DeviceError(
+            f"A trial picture failed (exit status {done.returncode}: {reason[:200]}). {_advice(reason)}"
+        )
     return done.stdout.strip().splitlines()[-1]
+
+
+def _advice(reason: str) -> str:
+    """Return how to mend what a trial picture failed of."""
+    if "libatomic" in reason:
+        return "Install libatomic (libatomic1 on Debian); Dr.Jit needs it, and systems without a compiler lack it."
+    if "No module named" in reason:
+        return "Reinstall labcal together with mitsuba and drjit."
+    return install_advice()
 
 
 def _render_here() -> str:

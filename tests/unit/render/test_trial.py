@@ -28,3 +28,9 @@ def test_a_process_that_aborts_is_told(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(sys, "executable", str(fake))
     with pytest.raises(DeviceError, match=r"exit status -6: LLVM ERROR: Cannot select\)"):
         trial.try_render()
+
+
+def test_the_advice_fits_the_reason() -> None:
+    assert "libatomic1" in trial._advice("ImportError: libatomic.so.1: cannot open shared object file")
+    assert "mitsuba" in trial._advice("ModuleNotFoundError: No module named 'mitsuba'")
+    assert "LLVM" in trial._advice("LLVM ERROR: Cannot select")
