@@ -48,7 +48,7 @@ def try_render() -> str:
 def _advice(reason: str) -> str:
     """Return how to mend what a trial picture failed of."""
     if "libatomic" in reason:
-        return "Install libatomic (libatomic1 on Debian); Dr.Jit needs it, and systems without a compiler lack it."
+        return "Install libatomic, which Dr.Jit needs (libatomic1 on Debian and Ubuntu)."
     if "No module named" in reason:
         return "Reinstall labcal together with mitsuba and drjit."
     return install_advice()
