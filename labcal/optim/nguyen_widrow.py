@@ -6,18 +6,20 @@ from jaxtyping import Float64
 
 from labcal.optim.network import Network
 
+OUTPUT_RANGE = 0.5
+"""Weights and biases of the linear outputs start between minus and plus this."""
+
 
 def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torch.Tensor, " parameters"]:
     """Draw weights and biases so that the neurons of a layer share out the range of its inputs.
 
     Inputs are taken to lie in [-1, 1]. Weight vectors of a layer of S neurons and R inputs have random
     directions and the length 0.7 S^(1/R), and biases are uniform over plus and minus that length. The linear
-    outputs start uniform in [-1, 1].
+    outputs start uniform in [-0.5, 0.5].
 
     Nguyen and Widrow, "Improving the learning speed of 2-layer neural networks by choosing initial values
-    of the adaptive weights", IJCNN 1990, which is also what MATLAB's ``nwtan`` of the paper's time does.
-    The later ``initnw`` spaces the biases evenly and doubles everything; from there training takes a quarter
-    more epochs than the paper reports, and the volume is learned less well.
+    of the adaptive weights", IJCNN 1990. MATLAB's ``initnw`` spaces the biases evenly and doubles
+    everything; from there training takes a quarter more epochs than the paper reports (docs/decisions.md).
 
     Parameters
     ----------
@@ -40,5 +42,5 @@ def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torc
         weights *= length / np.linalg.norm(weights, axis=1, keepdims=True)
         biases = random.uniform(-length, length, neurons)
         layer.copy_(torch.from_numpy(np.column_stack((weights, biases))))
-    last.copy_(torch.from_numpy(random.uniform(-1, 1, tuple(last.shape))))
+    last.copy_(torch.from_numpy(random.uniform(-OUTPUT_RANGE, OUTPUT_RANGE, tuple(last.shape))))
     return parameters
