@@ -36,27 +36,32 @@ def find_blobs(grey: GreyPicture) -> Blobs:
     A spot may occur several times, once a level. There is no size to set: levels are halved until nothing
     is left of the picture, and the threshold follows the surroundings, so that light may fall off.
     """
-    centres: list[np.ndarray] = []
-    shapes: list[np.ndarray] = []
-    cuts: list[bool] = []
+    parts: list[Blobs] = []
     level, scale = grey, 1.0
-    low, high = np.percentile(grey[:: 1 + grey.shape[0] // 256, :: 1 + grey.shape[1] // 256], [0.5, 99.5])
+    low, high = _range(grey)
     while min(level.shape) >= _SMALLEST_LEVEL:
-        for contour in _dark_contours(level, _MIN_CONTRAST * float(high - low)):
-            blob = _blob(contour, level.shape)
-            if blob is not None:
-                centre, shape, cut = blob
-                centres.append((centre + 0.5) * scale - 0.5)
-                shapes.append(shape * scale**2)
-                cuts.append(cut)
+        contours = _dark_contours(level, _MIN_CONTRAST * (high - low))
+        if contours:
+            found = _roughly_elliptic(contours, level.shape)
+            parts.append(Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut))
         height, width = level.shape[0] // 2, level.shape[1] // 2
         level = cv2.resize(level[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
         scale *= 2
+    none = Blobs(np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros(0, dtype=bool))
     return Blobs(
-        np.array(centres, dtype=np.float64).reshape(-1, 2),
-        np.array(shapes, dtype=np.float64).reshape(-1, 2, 2),
-        np.array(cuts, dtype=bool),
+        np.concatenate([none.centre, *(part.centre for part in parts)]),
+        np.concatenate([none.shape, *(part.shape for part in parts)]),
+        np.concatenate([none.cut, *(part.cut for part in parts)]),
     )
+
+
+def _range(grey: GreyPicture) -> tuple[float, float]:
+    """Return a low and a high grey value, a few odd pixels left aside."""
+    sample = grey[:: 1 + grey.shape[0] // 256, :: 1 + grey.shape[1] // 256]
+    if sample.size == 0:
+        return 0.0, 0.0
+    low, high = np.percentile(sample, [0.5, 99.5])
+    return float(low), float(high)
 
 
 def _dark_contours(level: np.ndarray, min_contrast: float) -> list[np.ndarray]:
@@ -85,29 +90,55 @@ def _noise(level: np.ndarray) -> float:
     return float(np.median(np.abs(difference))) / (0.6745 * 6**0.5)
 
 
-def _blob(contour: np.ndarray, size: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, bool] | None:
-    """Return centre, outline matrix and whether the frame cuts it; None where it cannot be a dot."""
-    low, high = contour.min(axis=0), contour.max(axis=0)
-    if (high - low).max() > 2 * _LARGEST * max(size):
-        return None
-    if low.min() <= 0 or high[0] >= size[1] - 1 or high[1] >= size[0] - 1:
-        half = (high - low + 1) / 2
-        return (low + high) / 2, np.diag(half**2), True
-    moments = cv2.moments(contour)
-    area = moments["m00"]
-    if area <= 0:
-        return None
-    centre = np.array([moments["m10"], moments["m01"]]) / area
-    mixed = moments["mu11"] / area
-    shape = 4 * np.array([[moments["mu20"] / area, mixed], [mixed, moments["mu02"] / area]])
-    eigenvalues, vectors = np.linalg.eigh(shape)
-    if eigenvalues[0] <= 0:
-        return None
-    axes = np.sqrt(eigenvalues)
+def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blobs:
+    """Return the contours that could be dots, and those that the frame cuts."""
+    count = np.array([len(contour) for contour in contours])
+    start = np.concatenate([[0], np.cumsum(count)[:-1]])
+    owner = np.repeat(np.arange(len(contours)), count)
+    points = np.concatenate(contours).astype(np.float64)
+    low, high = np.minimum.reduceat(points, start), np.maximum.reduceat(points, start)
+    middle, half = (low + high) / 2, (high - low + 1) / 2
+    small = half.max(axis=1) <= _LARGEST * max(size)
+    cut = small & ((low <= 0).any(axis=1) | (high >= np.array(size[::-1]) - 1).any(axis=1))
+
+    area, centre, shape = _polygon_moments(points - middle[owner], start, count)
+    axes, vectors = np.linalg.eigh(shape)
+    sound = small & ~cut & (area > 0) & (axes[:, 0] > 0)
+    axes = np.sqrt(np.where(sound[:, None], axes, 1.0))
     grown = axes + _EXPANSION
-    if grown[0] < _MIN_MINOR or grown[0] < _MIN_ASPECT * grown[1]:
-        return None
-    radii = np.linalg.norm((contour - centre) @ vectors / axes, axis=1)
-    if radii.std() > 0.1 + 0.35 / grown[0]:
-        return None
-    return centre, (vectors * grown**2) @ vectors.T, False
+    sound &= (grown[:, 0] >= _MIN_MINOR) & (grown[:, 0] >= _MIN_ASPECT * grown[:, 1])
+    flat = np.einsum("ki,kij->kj", points - (middle + centre)[owner], vectors[owner]) / axes[owner]
+    radius = np.hypot(flat[:, 0], flat[:, 1])
+    mean = np.add.reduceat(radius, start) / count
+    scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
+    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]  # noqa: PLR2004 - print, and the steps of the pixels
+
+    outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
+    boxes = half[:, :, None] ** 2 * np.eye(2)
+    kept = sound | cut
+    return Blobs(
+        np.where(cut[:, None], middle, middle + centre)[kept],
+        np.where(cut[:, None, None], boxes, outline)[kept],
+        cut[kept],
+    )
+
+
+def _polygon_moments(points: np.ndarray, start: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return area, centroid and four times the covariance of closed polygons (by Green's theorem).
+
+    The square root of the latter's eigenvalues are an ellipse's semi-axes. Where the area is zero so is all else.
+    """
+    following = np.arange(1, len(points) + 1)
+    following[start + count - 1] = start
+    x, y = points.T
+    u, v = points[following].T
+    cross = x * v - u * y
+    total = np.add.reduceat(cross, start)
+    safe = np.where(total == 0, np.inf, total)
+    sums = np.stack([cross * (x + u), cross * (y + v)], axis=-1)
+    centre = np.add.reduceat(sums, start) / (3 * safe[:, None])
+    xx = np.add.reduceat(cross * (x * x + x * u + u * u), start) / (6 * safe)
+    yy = np.add.reduceat(cross * (y * y + y * v + v * v), start) / (6 * safe)
+    xy = np.add.reduceat(cross * (x * v + 2 * x * y + 2 * u * v + u * y), start) / (12 * safe)
+    second = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
+    return np.abs(total) / 2, centre, 4 * (second - centre[:, :, None] * centre[:, None, :])

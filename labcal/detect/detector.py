@@ -7,11 +7,12 @@ import numpy as np
 
 from labcal.detect.blobs import find_blobs
 from labcal.detect.dots import PictureDots
-from labcal.detect.edge_fit import EdgeFit, fit_edge, noise_factor
+from labcal.detect.edge_fit import EdgeFit, fit_edge
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
+from labcal.detect.noise import noise_factor
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
 from labcal.detect.rings import Numbering, number_lattice
 from labcal.detect.smoothness import is_smooth
@@ -169,7 +170,7 @@ def _collect(
         dots,
         key=lambda dot: (dot.index is None, *(dot.index or (0, 0))[::-1], float(dot.seen_at[1]), float(dot.seen_at[0])),
     )
-    factor = noise_factor([dot.fit for dot in dots if dot.fit is not None])
+    factor = noise_factor([dot.fit.scatter for dot in dots if dot.fit is not None])
     missing = np.full((2, 2), np.nan)
     return PictureDots(
         size=size,

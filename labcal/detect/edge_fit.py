@@ -2,24 +2,24 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from scipy.special import ndtr
 
 from labcal.detect.grey import GreyPicture
+from labcal.detect.noise import Scatter
 from labcal.detect.outlines import matrix_root
 
 _ITERATIONS = 12
 _TOLERANCES = (0.05, 5e-4)  # px: change of the centre at which the first and the last round end
-_BAND = (4.0, 2.0)  # half width of the fitted band: blurs, and px
+_BAND = (3.5, 2.0)  # half width of the fitted band: blurs, and px
 _FIRST_BLUR = (0.06, 0.7, 4.0)  # of the radius, at least and at most px
 _LEAST_BLUR = 0.2  # px
 _HOLE_BLURS = 1.5  # blurs kept away from a ring's hole
 _DOT_SHADING = 0.03  # prior standard deviation of the shading across a dot, of its step, a radius
 _PARAMETERS = 12
-_LAGS = 5  # px: window over which the noise of neighbouring pixels is looked at together
-_TELLING = 0.5  # a dot so small that its fit leaves less of the noise's scatter cannot tell it
 _SECTORS = 12
+_TINY = float(np.finfo(np.float32).tiny)
+_HIGHEST_ORDER, _SHORTEST_WAVE = 12, 8.0  # waves around the outline, and px along it, that are not noise
 _PROFILE_BIN = 0.5  # px
 
 
@@ -39,10 +39,8 @@ class EdgeFit:
         Standard deviation of the edge, px.
     departure : float
         Root mean square distance of the outline from the ellipse over twelve sectors, px.
-    observed_scatter, expected_scatter : float
-        The scatter of the fit's gradient as the residuals show it, and as independent noise would give it.
-        Their ratio over many dots corrects the covariances (see :func:`noise_factor`); both 0 for a dot too
-        small to tell.
+    scatter : Scatter
+        What the residuals of this dot tell of the noise.
     """
 
     centre: np.ndarray
@@ -50,13 +48,12 @@ class EdgeFit:
     shape: np.ndarray
     blur: float
     departure: float
-    observed_scatter: float
-    expected_scatter: float
+    scatter: Scatter
 
 
 @dataclass(frozen=True)
 class _Band:
-    """The pixels of a fit: their rectangle's corner and mask, positions and grey values."""
+    """The pixels of a fit: their mask in their rectangle, positions (2, n) and grey values."""
 
     mask: np.ndarray
     position: np.ndarray
@@ -76,7 +73,7 @@ class _State:
 class _Linear:
     """The problem around a state.
 
-    `jacobian` holds centre 2, ellipse 3, blur 1, shading of the board 3 and of the dot 3; `normal` contains the
+    `jacobian` holds centre 2, ellipse 3, blur 1, shading of the board 3 and of the dot 3, in rows; `normal` contains the
     prior, without which the shading inside a small dot could not be told from a shift; `along` is the change of
     grey with the distance from the outline.
     """
@@ -124,18 +121,6 @@ def fit_edge(grey: GreyPicture, centre: np.ndarray, shape: np.ndarray, hole: flo
     return _judge(state, band)
 
 
-def noise_factor(fits: list[EdgeFit]) -> float:
-    """Return by how much the covariances of a picture's fits are too small, at least 1.
-
-    Demosaicing and compression tie the noise of neighbouring pixels together, and noise may differ between the
-    edge and its surroundings. The scatter of the fits' gradients over windows of some pixels, pooled over all dots,
-    shows both (a sandwich estimate; White 1980, Newey and West 1987).
-    """
-    expected = sum(fit.expected_scatter for fit in fits)
-    observed = sum(fit.observed_scatter for fit in fits)
-    return max(1.0, observed / expected) if expected > 0 else 1.0
-
-
 def _band(grey: GreyPicture, state: _State, hole: float, reach: float) -> _Band:
     """Select the pixels near the outline, away from the hole and from other dots."""
     extent = np.sqrt(np.diag(np.linalg.inv(state.flatten @ state.flatten)))
@@ -145,23 +130,22 @@ def _band(grey: GreyPicture, state: _State, hole: float, reach: float) -> _Band:
     high = np.minimum(np.ceil(state.centre + half), np.array(grey.shape[::-1]) - 1).astype(int)
     patch = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
     y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
-    position = np.stack([x, y], axis=-1)
-    rho, distance, *_ = _ellipse_distance(state, position.reshape(-1, 2))
+    position = np.stack([x.ravel(), y.ravel()])
+    rho, distance, *_ = _ellipse_distance(state, position)
     mask = (np.abs(distance) < width) & (rho < reach)
     if hole > 0:
         margin = hole + _HOLE_BLURS * state.blur / float(extent.min())
         mask &= rho > min(margin, (1 + hole) / 2)
-    mask = mask.reshape(patch.shape)
-    return _Band(mask, position[mask], patch[mask])
+    return _Band(mask.reshape(patch.shape), position[:, mask], patch.ravel()[mask])
 
 
 def _ellipse_distance(state: _State, position: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return rho, the distance to the outline, the direction and length of rho's gradient, and flat positions."""
-    flat = (position - state.centre) @ state.flatten
-    rho = np.maximum(np.sqrt((flat**2).sum(axis=1)), 1e-9)
-    gradient = (flat / rho[:, None]) @ state.flatten
-    slope = np.sqrt((gradient**2).sum(axis=1))
-    return rho, (rho - 1) / slope, gradient / slope[:, None], flat, slope
+    flat = state.flatten @ (position - state.centre[:, None])
+    rho = np.maximum(np.sqrt(flat[0] ** 2 + flat[1] ** 2), 1e-9)
+    gradient = state.flatten @ flat / rho
+    slope = np.sqrt(gradient[0] ** 2 + gradient[1] ** 2)
+    return rho, (rho - 1) / slope, gradient / slope, flat, slope
 
 
 def _linearise(state: _State, band: _Band) -> _Linear:
@@ -169,31 +153,31 @@ def _linearise(state: _State, band: _Band) -> _Linear:
     rho, distance, normal, flat, slope = _ellipse_distance(state, band.position)
     inside = ndtr(-distance / state.blur)
     outside = 1 - inside
-    x, y = flat.T
-    jacobian = np.empty((len(rho), _PARAMETERS))
-    shading = jacobian[:, 6:]
-    shading[:, 0], shading[:, 1], shading[:, 2] = outside, outside * x, outside * y
-    shading[:, 3], shading[:, 4], shading[:, 5] = inside, inside * x, inside * y
-    gram, target = shading.T @ shading, shading.T @ band.value
-    flat_dot = np.linalg.solve(gram + 1e-9 * np.trace(gram) * np.eye(6), target)
-    step = abs(float(flat_dot[3] - flat_dot[0]))
-    residual = band.value - shading @ flat_dot
+    x, y = flat
+    jacobian = np.empty((_PARAMETERS, len(rho)))
+    shading = jacobian[6:]
+    shading[0], shading[1], shading[2] = outside, outside * x, outside * y
+    shading[3], shading[4], shading[5] = inside, inside * x, inside * y
+    gram, target = shading @ shading.T, shading @ band.value
+    ridge = 1e-9 * np.trace(gram)
+    plain = np.linalg.solve(gram + ridge * np.eye(6), target)
+    residual = band.value - plain @ shading
     variance = float(residual @ residual) / (len(rho) - _PARAMETERS)
     prior = np.zeros(_PARAMETERS)
-    prior[[10, 11]] = variance / max(_DOT_SHADING * step, np.finfo(np.float32).tiny) ** 2
-    coefficients = np.linalg.solve(gram + np.diag(prior[6:] + 1e-9 * np.trace(gram)), target)
-    residual = band.value - shading @ coefficients
+    prior[[10, 11]] = variance / max(_DOT_SHADING * abs(float(plain[3] - plain[0])), _TINY) ** 2
+    coefficients = np.linalg.solve(gram + np.diag(prior[6:] + ridge), target)
+    residual = band.value - coefficients @ shading
     steps = coefficients[3:] - coefficients[:3]
     along = -(steps[0] + steps[1] * x + steps[2] * y) * np.exp(-0.5 * (distance / state.blur) ** 2)
     along /= state.blur * np.sqrt(2 * np.pi)
-    jacobian[:, 0:2] = -along[:, None] * normal
+    jacobian[0], jacobian[1] = -along * normal[0], -along * normal[1]
     # rho of the ellipse (1 + E) flat grows by flat' E flat / rho; a distance is rho over its slope.
     pull = along / (rho * slope)
-    jacobian[:, 2], jacobian[:, 3], jacobian[:, 4] = pull * x * x, 2 * pull * x * y, pull * y * y
-    jacobian[:, 5] = -along * distance / state.blur
-    gradient = jacobian.T @ residual
+    jacobian[2], jacobian[3], jacobian[4] = pull * x * x, 2 * pull * x * y, pull * y * y
+    jacobian[5] = -along * distance / state.blur
+    gradient = jacobian @ residual
     gradient[6:] = 0  # solved for already, the prior included
-    return _Linear(residual, jacobian, jacobian.T @ jacobian + np.diag(prior), gradient, along)
+    return _Linear(residual, jacobian, jacobian @ jacobian.T + np.diag(prior), gradient, along)
 
 
 def _settle(state: _State, band: _Band, tolerance: float) -> _State | None:
@@ -224,44 +208,37 @@ def _settle(state: _State, band: _Band, tolerance: float) -> _State | None:
 def _judge(state: _State, band: _Band) -> EdgeFit | None:
     """Return the fit with its uncertainty, and how well the outline is an ellipse."""
     linear = _linearise(state, band)
-    residual, jacobian, along = linear.residual, linear.jacobian, linear.along
-    variance = float(residual @ residual) / (len(residual) - _PARAMETERS)
+    rho, distance, _, flat, _ = _ellipse_distance(state, band.position)
+    angle = np.arctan2(flat[1], flat[0])
+    sector = ((angle / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
+    weight = np.bincount(sector, linear.along**2, _SECTORS)
+    moved = np.bincount(sector, linear.along * linear.residual, _SECTORS)
+    moved /= np.maximum(weight, np.finfo(float).tiny)
+
+    # What is the same at every sight of this dot (a print that is no circle, an edge that is no erf) is no noise.
+    perimeter = 2 * np.pi / np.sqrt(np.linalg.det(state.flatten))
+    orders = np.arange(3, min(_HIGHEST_ORDER, int(perimeter / _SHORTEST_WAVE)) + 1)
+    waves = np.power((flat[0] + 1j * flat[1]) / rho, orders[:, None]) * linear.along
+    basis = np.concatenate([linear.jacobian, waves.real, waves.imag])
+    normal = basis @ basis.T
+    normal[:_PARAMETERS, :_PARAMETERS] = linear.normal
     try:
-        inverse = np.linalg.inv(linear.normal)
+        inverse = np.linalg.inv(linear.normal)[:2, :2]
+        noise = linear.residual - np.linalg.solve(normal, basis @ linear.residual) @ basis
     except np.linalg.LinAlgError:
         return None
-    flat = (band.position - state.centre) @ state.flatten
-    sector = ((np.arctan2(flat[:, 1], flat[:, 0]) / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
-    weight = np.bincount(sector, along**2, _SECTORS)
-    moved = np.bincount(sector, along * residual, _SECTORS) / np.maximum(weight, np.finfo(float).tiny)
-    # Where the true edge is no erf, the residual is the same all round: it moves no centre, and is no noise.
-    bins = np.round((_ellipse_distance(state, band.position)[1]) / _PROFILE_BIN).astype(int)
+    bins = np.round(distance / _PROFILE_BIN).astype(int)
     bins -= bins.min()
-    residual = residual - (np.bincount(bins, residual) / np.maximum(np.bincount(bins), 1))[bins]
-    observed = expected = 0.0
-    independent = variance * float((jacobian[:, :2] ** 2).sum())
-    products = np.zeros((*band.mask.shape, _PARAMETERS))
-    score = np.zeros(band.mask.shape)
-    for k in range(2):
-        score[band.mask] = jacobian[:, k] * residual
-        observed += float((score * _windows(score)).sum())
-        # Residuals are orthogonal to the Jacobian, so even independent noise scatters less than J'J says.
-        products[band.mask] = jacobian * jacobian[:, k : k + 1]
-        tied = products.reshape(-1, _PARAMETERS).T @ _windows(products).reshape(-1, _PARAMETERS)
-        expected += variance * float((jacobian[:, k] ** 2).sum() - (inverse * tied).sum())
-    if expected < _TELLING * independent:
-        observed = expected = 0.0
+    noise = noise - (np.bincount(bins, noise) / np.maximum(np.bincount(bins), 1))[bins]
+    freedom = len(noise) - len(basis) - len(np.unique(bins))
+    if freedom < _PARAMETERS:
+        return None
+    variance = float(noise @ noise) / freedom
     return EdgeFit(
         centre=state.centre,
-        covariance=variance * (inverse[:2, :2] + inverse[:2, :2].T) / 2,
+        covariance=variance * (inverse + inverse.T) / 2,
         shape=np.linalg.inv(state.flatten @ state.flatten),
         blur=state.blur,
         departure=float(np.sqrt((moved**2).mean())),
-        observed_scatter=observed,
-        expected_scatter=expected,
+        scatter=Scatter(band.mask, basis, normal, noise, variance),
     )
-
-
-def _windows(values: np.ndarray) -> np.ndarray:
-    """Return the sums over the window around every pixel."""
-    return np.asarray(cv2.boxFilter(values, -1, (_LAGS, _LAGS), normalize=False, borderType=cv2.BORDER_CONSTANT))

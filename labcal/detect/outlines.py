@@ -11,10 +11,10 @@ from labcal.detect.blobs import Blobs
 from labcal.detect.grey import GreyPicture
 from labcal.targets.grid import DotGrid
 
-_RAYS = 32
-_STEPS = 60  # samples along a ray
+_RAYS = 24
+_STEPS = 48  # samples along a ray
 _BATCH = 4096  # spots sampled at once, to bound the memory
-_MIN_RAYS = 24  # with an edge that fits the ellipse
+_MIN_RAYS = 18  # with an edge that fits the ellipse
 _FIRST_EDGE = 0.5  # of the radius: the edge is looked for from here outward
 _LONGEST_RAY = 1.5  # of the radius
 _MIN_MINOR = 1.5  # px
