@@ -19,7 +19,9 @@ from labcal.detect.smoothness import is_smooth
 from labcal.targets.grid import DotGrid, Polarity
 
 _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
-_DEPARTURE = (0.05, 0.15)  # of the radius, and px: an outline further from an ellipse is not measured
+# An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a print
+# may be ragged, a renderer's discs are polygons), and of the radius.
+_DEPARTURE = (2.5, 0.012)
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _ALIKE = 0.5  # in the logarithm of the radius
 
@@ -126,15 +128,21 @@ def _measured(
     """Return the dots of the lattice, fitted."""
     reach = clear_reach(target)
     hole = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
+    fits = [
+        fit_edge(
+            grey, outlines.centre[spot], outlines.shape[spot], hole if index in target.ring_indices else 0.0, reach
+        )
+        for index, spot in named
+    ]
+    departures = [fit.departure for fit in fits if fit is not None]
+    usual = float(np.median(departures)) if departures else 0.0
     dots = []
-    for node, spot in lattice.spots.items():
-        index = numbering.index(node)
-        centre, shape = outlines.centre[spot], outlines.shape[spot]
-        fit = fit_edge(grey, centre, shape, hole if index in target.ring_indices else 0.0, reach)
-        inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
-        if fit is None or fit.departure > _DEPARTURE[0] * outlines.radius[spot] + _DEPARTURE[1]:
-            dots.append(_Dot(index, DotFlag.BAD_FIT, centre, shape))
+    for (index, spot), fit in zip(named, fits, strict=True):
+        if fit is None or fit.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * outlines.radius[spot]:
+            dots.append(_Dot(index, DotFlag.BAD_FIT, outlines.centre[spot], outlines.shape[spot]))
         else:
+            inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
             dots.append(_Dot(index, DotFlag.OK if inside else DotFlag.BEYOND_GRID, fit.centre, fit.shape, fit))
     return dots
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from scipy.special import ndtr
 
@@ -17,6 +18,7 @@ _LEAST_BLUR = 0.2  # px
 _HOLE_BLURS = 1.5  # blurs kept away from a ring's hole
 _DOT_SHADING = 0.03  # prior standard deviation of the shading across a dot, of its step, a radius
 _PARAMETERS = 12
+_CLUTTER = (5.0, 0.08, 2.0)  # standard deviations, and of the step, that clutter differs; blurs from the edge
 _SECTORS = 12
 _TINY = float(np.finfo(np.float32).tiny)
 _HIGHEST_ORDER, _SHORTEST_WAVE = 12, 8.0  # waves around the outline, and px along it, that are not noise
@@ -117,8 +119,9 @@ def fit_edge(grey: GreyPicture, centre: np.ndarray, shape: np.ndarray, hole: flo
         settled = _settle(state, band, tolerance)
         if settled is None or np.linalg.norm(settled.centre - centre) > radius / 2:
             return None
-        state = settled
-    return _judge(state, band)
+        state, band = settled, _without_clutter(settled, band)
+    settled = _settle(state, band, _TOLERANCES[-1])
+    return None if settled is None else _judge(settled, band)
 
 
 def _band(grey: GreyPicture, state: _State, hole: float, reach: float) -> _Band:
@@ -137,6 +140,26 @@ def _band(grey: GreyPicture, state: _State, hole: float, reach: float) -> _Band:
         margin = hole + _HOLE_BLURS * state.blur / float(extent.min())
         mask &= rho > min(margin, (1 + hole) / 2)
     return _Band(mask.reshape(patch.shape), position[:, mask], patch.ravel()[mask])
+
+
+def _without_clutter(state: _State, band: _Band) -> _Band:
+    """Leave out what is neither dot nor board: dirt, glare, other marks, all away from the edge."""
+    linear = _linearise(state, band)
+    distance = _ellipse_distance(state, band.position)[1]
+    size = np.abs(linear.residual)
+    step = float(np.ptp(band.value))
+    odd = (size > max(_CLUTTER[0] * 1.4826 * float(np.median(size)), _CLUTTER[1] * step)) & (
+        np.abs(distance) > _CLUTTER[2] * state.blur
+    )
+    if not odd.any():
+        return band
+    spread = np.zeros(band.mask.shape, dtype=np.uint8)
+    spread[band.mask] = odd
+    near = cv2.dilate(spread, np.ones((5, 5), np.uint8))[band.mask] > 0
+    keep = ~(near & (np.abs(distance) > _CLUTTER[2] * state.blur))
+    mask = band.mask.copy()
+    mask[band.mask] = keep
+    return _Band(mask, band.position[:, keep], band.value[keep])
 
 
 def _ellipse_distance(state: _State, position: np.ndarray) -> tuple[np.ndarray, ...]:

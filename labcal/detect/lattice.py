@@ -16,6 +16,7 @@ _GROW_MISS = 0.25  # of a step, where a node is added
 _KEEP_MISS = 0.12  # of a step, once all neighbours are known
 _MOST_SPOTS = 4000  # beyond this the smallest are left out
 _MOST_COMPONENTS = 12
+_LINKS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1), (2, 0), (-2, 0), (0, 2), (0, -2))
 
 
 @dataclass(frozen=True)
@@ -83,13 +84,17 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
     flatten = np.linalg.inv(matrix_root(outlines.shape[i]))
     arms = (outlines.centre[near] - outlines.centre[i]) @ flatten.T
     length = np.linalg.norm(arms, axis=1)
+    balanced = _nearest_miss(-arms, arms) < _SEED_MISS * length
+    present, near, arms, length = arms, near[balanced], arms[balanced], length[balanced]
+    if len(arms) < 4:  # noqa: PLR2004 - the arms of a cross
+        return None
     cosine = np.abs(arms @ arms.T) / np.outer(length, length)
     ratio = np.log(length[:, None] / length[None, :])
     expected = np.log(target.pitch_x_mm / target.pitch_y_mm)
     square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
-    opposite = _nearest_miss(-arms, arms) / length
+    opposite = _nearest_miss(-arms, present) / length
     corners = [
-        _nearest_miss((first * arms[:, None] + second * arms[None, :]).reshape(-1, 2), arms).reshape(square.shape)
+        _nearest_miss((first * arms[:, None] + second * arms[None, :]).reshape(-1, 2), present).reshape(square.shape)
         / np.minimum(length[:, None], length[None, :])
         for first in (1, -1)
         for second in (1, -1)
@@ -198,16 +203,14 @@ def _miss(node: Node, known: dict[Node, int], outlines: Outlines) -> float:
 
 
 def _largest_part(known: dict[Node, int]) -> dict[Node, int]:
-    """Return the largest set of nodes that hang together by direct steps."""
+    """Return the largest set of nodes that hang together, gaps of one node bridged."""
     left = set(known)
     best: set[Node] = set()
     while left:
         part, edge = set(), {min(left)}
         while edge:
             part |= edge
-            edge = {
-                (a + i, b + j) for a, b in edge for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1)) if (a + i, b + j) in left
-            } - part
+            edge = {(a + i, b + j) for a, b in edge for i, j in _LINKS if (a + i, b + j) in left} - part
         left -= part
         if len(part) > len(best):
             best = part

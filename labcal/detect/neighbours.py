@@ -6,7 +6,7 @@ import numpy as np
 
 Node = tuple[int, int]
 
-_WINDOW = 2  # nodes to either side
+_WINDOWS = (2, 3)  # nodes to either side: the wider one where the near ones are too few
 _FEWEST = 5  # known nodes for a prediction
 
 
@@ -25,7 +25,7 @@ class Prediction:
         return float(np.linalg.norm(np.linalg.solve(self.steps, position - self.position)))
 
 
-def around(node: Node, known: dict[Node, int], window: int = _WINDOW) -> list[Node]:
+def around(node: Node, known: dict[Node, int], window: int = _WINDOWS[0]) -> list[Node]:
     """Return the known nodes around `node`, itself left out."""
     a, b = node
     span = range(-window, window + 1)
@@ -52,12 +52,15 @@ def predict(node: Node, known: dict[Node, int], positions: np.ndarray) -> Predic
     Prediction or None
         None where the neighbours are too few or lie on one line.
     """
-    nodes = around(node, known)
-    if len(nodes) < _FEWEST:
-        return None
-    a, b = (np.array(nodes, dtype=np.float64) - node).T
-    distinct = (len(np.unique(a)), len(np.unique(b)))
-    if min(distinct) < 2:  # noqa: PLR2004 - a line
+    for window in _WINDOWS:
+        nodes = around(node, known, window)
+        if len(nodes) < _FEWEST:
+            continue
+        a, b = (np.array(nodes, dtype=np.float64) - node).T
+        distinct = (len(np.unique(a)), len(np.unique(b)))
+        if min(distinct) > 1:
+            break
+    else:
         return None
     terms = [np.ones_like(a), a, b]
     three, spare = 3, len(nodes) - 4
