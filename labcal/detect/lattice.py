@@ -108,10 +108,21 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
     # Several pairs span the same smallest cell; the one that fits best is taken.
     smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)  # noqa: PLR2004 - cells of a grid differ by 2 or more
     first, second = np.unravel_index(int(smallest.argmin()), smallest.shape)
+    if _is_coarse(arms[first], arms[second], present):
+        return None
     u, v = (outlines.centre[near[k]] - outlines.centre[i] for k in (first, second))
     if u[0] * v[1] - u[1] * v[0] > 0:  # y is down in the picture and up on the board
         first, second = second, first
     return _Seed(i, (int(near[first]), int(near[second])), float(smallest.min()))
+
+
+def _is_coarse(u: np.ndarray, v: np.ndarray, present: np.ndarray) -> bool:
+    """Tell whether spots lie half-way in the cells: a missing neighbour made the seed skip every other one."""
+    limit = _SEED_MISS * min(float(np.linalg.norm(u)), float(np.linalg.norm(v)))
+    corners = np.array([u + v, u - v, -u + v, -u - v]) / 2
+    across = np.array([a / 2 + k * v for a in (u, -u) for k in (-1, 0, 1)])
+    along = np.array([b / 2 + k * u for b in (v, -v) for k in (-1, 0, 1)])
+    return any(int((_nearest_miss(halves, present) < limit).sum()) > 1 for halves in (corners, across, along))
 
 
 def _nearest_miss(wanted: np.ndarray, present: np.ndarray) -> np.ndarray:
