@@ -131,7 +131,11 @@ def _measured(
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
     fits = [
         fit_edge(
-            grey, outlines.centre[spot], outlines.shape[spot], hole if index in target.ring_indices else 0.0, reach
+            grey,
+            outlines.centre[spot],
+            outlines.shape[spot],
+            hole if index in target.ring_indices else 0.0,
+            reach,
         )
         for index, spot in named
     ]
@@ -143,7 +147,9 @@ def _measured(
             dots.append(_Dot(index, DotFlag.BAD_FIT, outlines.centre[spot], outlines.shape[spot]))
         else:
             inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
-            dots.append(_Dot(index, DotFlag.OK if inside else DotFlag.BEYOND_GRID, fit.centre, fit.shape, fit))
+            dots.append(
+                _Dot(index, DotFlag.OK if inside else DotFlag.BEYOND_GRID, fit.centre, fit.shape, fit)
+            )
     return dots
 
 
@@ -176,7 +182,12 @@ def _collect(
     """Sort the dots and put them into arrays."""
     dots = sorted(
         dots,
-        key=lambda dot: (dot.index is None, *(dot.index or (0, 0))[::-1], float(dot.seen_at[1]), float(dot.seen_at[0])),
+        key=lambda dot: (
+            dot.index is None,
+            *(dot.index or (0, 0))[::-1],
+            float(dot.seen_at[1]),
+            float(dot.seen_at[0]),
+        ),
     )
     factor = noise_factor([dot.fit.scatter for dot in dots if dot.fit is not None])
     missing = np.full((2, 2), np.nan)
@@ -187,7 +198,9 @@ def _collect(
         index=np.array([dot.index or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
         has_id=np.array([dot.index is not None for dot in dots], dtype=bool),
         position=np.array([dot.fit.centre if dot.fit else missing[0] for dot in dots], float).reshape(-1, 2),
-        covariance=np.array([dot.fit.covariance * factor if dot.fit else missing for dot in dots], float).reshape(-1, 2, 2),
+        covariance=np.array(
+            [dot.fit.covariance * factor if dot.fit else missing for dot in dots], float
+        ).reshape(-1, 2, 2),
         flag=tuple(dot.flag for dot in dots),
         seen_at=np.array([dot.seen_at for dot in dots], float).reshape(-1, 2),
         outline=np.array([dot.outline for dot in dots], float).reshape(-1, 2, 2),

@@ -87,7 +87,9 @@ class _Linear:
     along: np.ndarray
 
 
-def fit_edge(grey: GreyPicture, centre: np.ndarray, shape: np.ndarray, hole: float, reach: float) -> EdgeFit | None:
+def fit_edge(
+    grey: GreyPicture, centre: np.ndarray, shape: np.ndarray, hole: float, reach: float
+) -> EdgeFit | None:
     """Fit ``B + (D - B) Phi(-d / blur)`` to the band of pixels around a dot's outline.
 
     `d` is the distance from the ellipse outward, to first order ``(rho - 1) / |grad rho|`` (Sampson 1982); `B` and
@@ -216,11 +218,15 @@ def _settle(state: _State, band: _Band, tolerance: float) -> _State | None:
             return None
         # A step that leaves the region where the linearisation means anything is shortened.
         stretch = np.array([[change[2], change[3]], [change[3], change[4]]])
-        length = max(np.sqrt(change[0] ** 2 + change[1] ** 2) / (0.2 * radius), np.abs(stretch).max() / 0.2, 1.0)
+        length = max(
+            np.sqrt(change[0] ** 2 + change[1] ** 2) / (0.2 * radius), np.abs(stretch).max() / 0.2, 1.0
+        )
         flatten = (np.eye(2) + stretch / length) @ state.flatten
         blur = float(np.clip(state.blur + change[5], state.blur / 2, state.blur * 2))
         # Turning the unit circle changes nothing: back to the symmetric matrix.
-        state = _State(state.centre + change[:2] / length, matrix_root(flatten.T @ flatten), max(blur, _LEAST_BLUR))
+        state = _State(
+            state.centre + change[:2] / length, matrix_root(flatten.T @ flatten), max(blur, _LEAST_BLUR)
+        )
         if state.blur > radius:
             return None
         if np.abs(change[:2]).max() < tolerance and np.abs(stretch).max() * radius < 10 * tolerance:

@@ -32,7 +32,9 @@ def grey_picture(image: AnyPicture) -> GreyPicture:
     colour = image.ndim == 3 and image.shape[2] in (3, 4)  # noqa: PLR2004 - dimensions and channels
     single = image.ndim == 3 and image.shape[2] == 1  # noqa: PLR2004 - the same
     if not (colour or single or image.ndim == 2):  # noqa: PLR2004 - the same
-        raise InputError(f"A picture should have shape (h, w), (h, w, 3) or (h, w, 4), but has {image.shape}.")
+        raise InputError(
+            f"A picture should have shape (h, w), (h, w, 3) or (h, w, 4), but has {image.shape}."
+        )
     if colour:
         grey = (image[..., 0].astype(np.float32) + image[..., 2]) / 4 + image[..., 1].astype(np.float32) / 2
     else:

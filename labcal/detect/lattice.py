@@ -16,7 +16,20 @@ _GROW_MISS = 0.25  # of a step, where a node is added
 _KEEP_MISS = 0.12  # of a step, once all neighbours are known
 _MOST_SPOTS = 4000  # beyond this the smallest are left out
 _MOST_COMPONENTS = 12
-_LINKS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1), (2, 0), (-2, 0), (0, 2), (0, -2))
+_LINKS = (
+    (1, 0),
+    (-1, 0),
+    (0, 1),
+    (0, -1),
+    (1, 1),
+    (1, -1),
+    (-1, 1),
+    (-1, -1),
+    (2, 0),
+    (-2, 0),
+    (0, 2),
+    (0, -2),
+)
 
 
 @dataclass(frozen=True)
@@ -94,7 +107,9 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
     square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
     opposite = _nearest_miss(-arms, present) / length
     corners = [
-        _nearest_miss((first * arms[:, None] + second * arms[None, :]).reshape(-1, 2), present).reshape(square.shape)
+        _nearest_miss((first * arms[:, None] + second * arms[None, :]).reshape(-1, 2), present).reshape(
+            square.shape
+        )
         / np.minimum(length[:, None], length[None, :])
         for first in (1, -1)
         for second in (1, -1)
@@ -141,7 +156,9 @@ def _grow(seed: _Seed, outlines: Outlines, tolerance: float) -> dict[Node, int]:
     for node in ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
         place = centre[seed.middle] + node[0] * u + node[1] * v
         nearest = int(similar[np.linalg.norm(centre[similar] - place, axis=1).argmin()])
-        near = np.linalg.norm(centre[nearest] - place) < _SEED_MISS * min(np.linalg.norm(u), np.linalg.norm(v))
+        near = np.linalg.norm(centre[nearest] - place) < _SEED_MISS * min(
+            np.linalg.norm(u), np.linalg.norm(v)
+        )
         if near and nearest not in known.values():
             known[node] = nearest
     tried: dict[Node, int] = {}

@@ -72,4 +72,6 @@ def _observed_and_expected(scatter: Scatter) -> tuple[float, float]:
 
 def _windows(values: np.ndarray) -> np.ndarray:
     """Return the sums over the window around every pixel."""
-    return np.asarray(cv2.boxFilter(values, -1, (_WINDOW, _WINDOW), normalize=False, borderType=cv2.BORDER_CONSTANT))
+    return np.asarray(
+        cv2.boxFilter(values, -1, (_WINDOW, _WINDOW), normalize=False, borderType=cv2.BORDER_CONSTANT)
+    )

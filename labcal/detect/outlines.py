@@ -171,7 +171,9 @@ def _ellipses(points: np.ndarray, found: np.ndarray) -> tuple[np.ndarray, np.nda
         weighted = design * use[..., None]
         normal = np.swapaxes(weighted, 1, 2) @ design + ridge
         a, b, c, d, e = np.linalg.solve(normal, weighted.sum(axis=1)[..., None])[..., 0].T
-        residual = np.where(found, np.abs(np.einsum("nki,ni->nk", design, np.stack([a, b, c, d, e], -1)) - 1), np.inf)
+        residual = np.where(
+            found, np.abs(np.einsum("nki,ni->nk", design, np.stack([a, b, c, d, e], -1)) - 1), np.inf
+        )
         limit = np.maximum(4 * np.median(residual, axis=1), 0.02)  # the median of a spot without edges is inf
         use = found & (residual < limit[:, None])
     quadratic = np.stack([np.stack([a, b], -1), np.stack([b, c], -1)], -2)
@@ -182,7 +184,9 @@ def _ellipses(points: np.ndarray, found: np.ndarray) -> tuple[np.ndarray, np.nda
     centre[~sound] = 0.0
     scale = 1 + np.einsum("ni,nij,nj->n", centre, quadratic, centre)
     sound &= np.linalg.norm(centre, axis=1) < 0.5  # noqa: PLR2004 - of the radius
-    rough = np.where(sound, np.median(residual, axis=1) / 2, np.inf)  # the residual is that of the radius squared
+    rough = np.where(
+        sound, np.median(residual, axis=1) / 2, np.inf
+    )  # the residual is that of the radius squared
     return centre, quadratic / scale[:, None, None], rough
 
 

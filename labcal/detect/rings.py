@@ -13,7 +13,9 @@ from labcal.targets.grid import DotGrid
 _HOLE = 0.3  # of the step from dot to board: the middle of a ring is at least so bright
 _PITCH_TOLERANCE = 0.3  # in the logarithm of pitch_x over pitch_y
 
-_TURNS = tuple(np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]]))
+_TURNS = tuple(
+    np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
+)
 _MIRROR = np.array([[0, 1], [1, 0]])
 
 

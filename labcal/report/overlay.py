@@ -58,7 +58,13 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8
     _draw_axes(canvas, dots, target, 2 * thick)
     _draw_labels(canvas, dots, thick)
     if dots.refusal is not None:
-        _text(canvas, f"refused: {dots.refusal}", (10 * thick, 30 * thick), 0.9 * thick, _COLOURS[DotFlag.BAD_FIT])
+        _text(
+            canvas,
+            f"refused: {dots.refusal}",
+            (10 * thick, 30 * thick),
+            0.9 * thick,
+            _COLOURS[DotFlag.BAD_FIT],
+        )
     return canvas
 
 
@@ -77,7 +83,15 @@ def _draw_dot(canvas: np.ndarray, dots: PictureDots, i: int, colour: Colour, thi
         angle = np.linspace(0, 2 * np.pi, 73)
         circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * np.sqrt(eigenvalues)
         points = np.array([_fixed(q) for q in centre + circle @ vectors.T], dtype=np.int32)
-        cv2.polylines(canvas, [points], isClosed=True, color=colour, thickness=thick, lineType=cv2.LINE_AA, shift=_SUBPIXEL)
+        cv2.polylines(
+            canvas,
+            [points],
+            isClosed=True,
+            color=colour,
+            thickness=thick,
+            lineType=cv2.LINE_AA,
+            shift=_SUBPIXEL,
+        )
         radius = 0.4 * float(np.sqrt(eigenvalues[0]))
     measured = np.isfinite(dots.position[i]).all()
     arms = np.array([[1.0, 0.0], [0.0, 1.0]]) if measured else np.array([[0.7, 0.7], [0.7, -0.7]])
@@ -88,7 +102,11 @@ def _draw_dot(canvas: np.ndarray, dots: PictureDots, i: int, colour: Colour, thi
 
 def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: DotGrid, thick: int) -> None:
     """Draw arrows from the origin ring to the x and the y ring."""
-    places = {tuple(index): q for index, q, known in zip(dots.index.tolist(), dots.seen_at, dots.has_id, strict=True) if known}
+    places = {
+        tuple(index): q
+        for index, q, known in zip(dots.index.tolist(), dots.seen_at, dots.has_id, strict=True)
+        if known
+    }
     origin = places.get(target.rings.origin)
     for ring, name, colour in zip((target.rings.x, target.rings.y), "xy", _AXES, strict=True):
         end = places.get(ring)
@@ -115,7 +133,11 @@ def _draw_labels(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:
             continue
         else:
             name = f"{name} {flag}".strip()
-        reach = np.sqrt(np.diag(dots.outline[i])) if np.isfinite(dots.outline[i]).all() else np.full(2, height / 2)
+        reach = (
+            np.sqrt(np.diag(dots.outline[i]))
+            if np.isfinite(dots.outline[i]).all()
+            else np.full(2, height / 2)
+        )
         x = dots.seen_at[i, 0] + 0.75 * reach[0]
         y = dots.seen_at[i, 1] - 0.75 * reach[1]
         width = 0.6 * height * len(name)

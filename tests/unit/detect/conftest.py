@@ -20,7 +20,11 @@ class Board:
     size: tuple[int, int] = (640, 480)
     focal: float = 700.0
     distortion: tuple[float, float] = (0.0, 0.0)
-    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # degrees: about x, y of the board, then the camera's axis
+    rotation: tuple[float, float, float] = (
+        0.0,
+        0.0,
+        0.0,
+    )  # degrees: about x, y of the board, then the camera's axis
     distance: float = 600.0
     aim: tuple[float, float] = (0.5, 0.5)  # of the board, where the camera looks
     missing: frozenset[tuple[int, int]] = field(default_factory=frozenset)
@@ -101,7 +105,9 @@ class Board:
         for c, r in tg.ring_indices:
             ring |= (col == c) & (row == r)
         dark = off < tg.dot_diameter_mm / 2
-        dark = np.where(ring, (off < tg.ring_outer_diameter_mm / 2) & (off > tg.ring_inner_diameter_mm / 2), dark)
+        dark = np.where(
+            ring, (off < tg.ring_outer_diameter_mm / 2) & (off > tg.ring_inner_diameter_mm / 2), dark
+        )
         x0, y0, x1, y1 = tg.extent_mm
         grow = e * np.array([tg.pitch_x_mm, tg.pitch_y_mm])
         board = front & (x > x0 - grow[0]) & (x < x1 + grow[0]) & (y > y0 - grow[1]) & (y < y1 + grow[1])
