@@ -22,7 +22,11 @@ def _shipped(folder: str) -> Traversable:
 
 def description_names(folder: str) -> list[str]:
     """Return the names of the shipped descriptions in `folder`, sorted."""
-    return sorted(entry.name.removesuffix(".yaml") for entry in _shipped(folder).iterdir() if entry.name.endswith(".yaml"))
+    return sorted(
+        entry.name.removesuffix(".yaml")
+        for entry in _shipped(folder).iterdir()
+        if entry.name.endswith(".yaml")
+    )
 
 
 def explain_validation(error: ValidationError) -> str:
@@ -30,7 +34,11 @@ def explain_validation(error: ValidationError) -> str:
     lines = []
     for fault in error.errors(include_url=False):
         where = ".".join(str(part) for part in fault["loc"]) or "the whole"
-        what = "this key is not known; remove it or check its spelling" if fault["type"] == "extra_forbidden" else fault["msg"]
+        what = (
+            "this key is not known; remove it or check its spelling"
+            if fault["type"] == "extra_forbidden"
+            else fault["msg"]
+        )
         lines.append(f"{where}: {what}")
     return "; ".join(lines)
 
@@ -48,7 +56,9 @@ def parse_yaml(text: str, source: str) -> dict[str, Any]:
     except yaml.YAMLError as error:
         raise InputError(f"{source} is not valid YAML: {error}") from error
     if not isinstance(content, dict):
-        raise InputError(f"{source} should hold a mapping of keys to values, but holds {type(content).__name__}.")
+        raise InputError(
+            f"{source} should hold a mapping of keys to values, but holds {type(content).__name__}."
+        )
     return content
 
 
@@ -74,7 +84,9 @@ def description_content(kind: str, folder: str, name: str) -> dict[str, Any]:
     raise UnknownNameError(kind, name, description_names(folder))
 
 
-def validate_description(model: type[Description], kind: str, name: str, content: dict[str, Any]) -> Description:
+def validate_description(
+    model: type[Description], kind: str, name: str, content: dict[str, Any]
+) -> Description:
     """Return the checked description.
 
     Raises

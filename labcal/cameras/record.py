@@ -1,0 +1,60 @@
+"""A camera as it stands in ``rig.json`` and ``truth.json``."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from labcal.arrays import Pose
+from labcal.cameras.camera import Camera
+
+Row3 = tuple[float, float, float]
+Row4 = tuple[float, float, float, float]
+Matrix3Record = tuple[Row3, Row3, Row3]
+Matrix4Record = tuple[Row4, Row4, Row4, Row4]
+
+
+def matrix4_record(T_ab: Pose) -> Matrix4Record:
+    """Return a 4x4 transform as nested tuples."""
+    rows = [(float(a), float(b), float(c), float(d)) for a, b, c, d in T_ab]
+    return (rows[0], rows[1], rows[2], rows[3])
+
+
+class CameraRecord(BaseModel):
+    """One camera: pixels, OpenCV's coefficient order, millimetres."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    K: Matrix3Record
+    lens: str
+    dist: Annotated[tuple[float, ...], Field(min_length=5)]
+    T_cam_world: Matrix4Record
+    size: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
+
+    @classmethod
+    def of(cls, camera: Camera) -> "CameraRecord":
+        """Return the record of a camera."""
+        K = [(float(a), float(b), float(c)) for a, b, c in camera.K]
+        return cls(
+            K=(K[0], K[1], K[2]),
+            lens=camera.lens,
+            dist=tuple(float(k) for k in camera.dist),
+            T_cam_world=matrix4_record(camera.T_cam_world),
+            size=camera.size,
+        )
+
+    def camera(self) -> Camera:
+        """Return the camera.
+
+        Raises
+        ------
+        InputError
+            The record is no possible camera.
+        """
+        return Camera(
+            K=np.array(self.K),
+            lens=self.lens,
+            dist=np.array(self.dist),
+            T_cam_world=np.array(self.T_cam_world),
+            size=self.size,
+        )

@@ -1,0 +1,98 @@
+"""What a command says: the result on stdout, everything else on stderr."""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from labcal.cli.streams import Stream
+from labcal.run.progress import NoProgress, Progress
+
+
+class Session:
+    """The mouth of a command.
+
+    Parameters
+    ----------
+    stdout : text stream
+        Where the result goes.
+    json : bool
+        The result is one JSON document.
+    quiet : bool
+        No messages and no progress bar; results, warnings and errors are still told.
+    """
+
+    def __init__(self, stdout: Stream, *, json: bool = False, quiet: bool = False) -> None:
+        self.json = json
+        self.quiet = quiet
+        self._stdout = stdout
+        self._emitted = False
+
+    def emit(self, result: object, text: object) -> None:
+        """Give the result, once.
+
+        Parameters
+        ----------
+        result : pydantic model or dataclass
+            The JSON document; NaN in it becomes null.
+        text : str or rich renderable
+            The same for people.
+        """
+        if self._emitted:
+            raise RuntimeError("A command gives one result; emit was called twice.")
+        if self.json:
+            self._write_json(result)
+        else:
+            from labcal.cli.console import rendered
+
+            self._write(rendered(text, self._stdout))
+        self._emitted = True
+
+    def say(self, message: object) -> None:
+        """Tell a person what happens; silent with ``--quiet``."""
+        if not self.quiet:
+            _tell(message)
+
+    def warn(self, message: str) -> None:
+        """Tell a person what should not be missed."""
+        _tell(f"warning: {message}")
+
+    def fail(self, message: str, document: object) -> None:
+        """Tell of an error; the document is left out where a result has been given already."""
+        _tell(f"error: {message}")
+        if self.json and not self._emitted:
+            self._write_json(document)
+
+    @contextmanager
+    def progress(self) -> Iterator[Progress]:
+        """Give a progress bar on stderr; a silent one where nobody watches."""
+        if self.quiet or not sys.stderr.isatty():
+            yield NoProgress()
+            return
+        from labcal.cli.console import console_for
+        from labcal.cli.progress import RichProgress
+
+        with RichProgress(console_for(sys.stderr)) as bar:
+            yield bar
+
+    def _write_json(self, document: object) -> None:
+        from labcal.run.json_text import to_json
+
+        self._write(to_json(document))
+
+    def _write(self, text: str) -> None:
+        """Write to stdout so that a full disk or a reader gone shows now, not when the interpreter ends."""
+        try:
+            self._stdout.write(text)
+            self._stdout.flush()
+        except OSError:
+            # What is left in the buffer would fail again, and an error document would, too.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stdout.fileno())
+            self._emitted = True
+            raise
+
+
+def _tell(content: object) -> None:
+    from labcal.cli.console import rendered
+
+    sys.stderr.write(rendered(content, sys.stderr))

@@ -1,0 +1,76 @@
+"""A shoot on disk: pictures, and a manifest that says what they show."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from labcal.arrays import Pose
+from labcal.errors import InputError
+from labcal.run.descriptions import explain_validation
+from labcal.run.outputs import write_file
+from labcal.shoot.manifest import Manifest, Role, ViewEntry
+from labcal.targets.grid import DotGrid
+
+MANIFEST = "shoot.json"
+
+
+@dataclass(frozen=True)
+class Shoot:
+    """A shoot's folder and its manifest."""
+
+    folder: Path
+    manifest: Manifest
+
+    @property
+    def target(self) -> DotGrid:
+        """The target that was shot."""
+        return self.manifest.target
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """Names of the cameras, in the manifest's order."""
+        return tuple(self.manifest.cameras)
+
+    def views(self, role: Role | None = None) -> tuple[ViewEntry, ...]:
+        """Return the views of a role, or all."""
+        return tuple(view for view in self.manifest.views if role is None or view.role is role)
+
+    def nominal_poses(self) -> dict[str, Pose]:
+        """Return ``T_world_target_nominal`` (mm) of the views that have one."""
+        return {
+            view.name: np.array(view.T_world_target_nominal)
+            for view in self.manifest.views
+            if view.T_world_target_nominal is not None
+        }
+
+
+def open_shoot(folder: Path) -> Shoot:
+    """Open a shoot.
+
+    Raises
+    ------
+    InputError
+        There is no manifest, it is not one that this version reads, or the shoot has no pictures.
+    """
+    path = folder / MANIFEST
+    try:
+        manifest = Manifest.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(
+            f"{folder} is not a shoot: {MANIFEST} cannot be read ({error.strerror}). "
+            "Give the folder that 'labcal render' or 'labcal capture' made."
+        ) from error
+    except ValidationError as error:
+        raise InputError(
+            f"{path} is not a manifest that this version reads: {explain_validation(error)}."
+        ) from error
+    if not manifest.views:
+        raise InputError(f"The shoot {folder} has no pictures. Render or capture it again.")
+    return Shoot(folder, manifest)
+
+
+def write_manifest(folder: Path, manifest: Manifest) -> None:
+    """Write ``shoot.json`` into a folder under construction."""
+    write_file(folder / MANIFEST, manifest.model_dump_json(indent=2) + "\n", force=True)

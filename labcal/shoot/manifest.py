@@ -1,0 +1,66 @@
+"""``shoot.json``: what the measuring arm is told of a shoot. No lens, no true pose, no scene."""
+
+from enum import StrEnum
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from labcal.cameras.record import Matrix4Record
+from labcal.targets.grid import DotGrid
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$")]
+RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
+
+
+class Role(StrEnum):
+    """What a view is for."""
+
+    TRAIN = "train"
+    TEST = "test"
+
+
+class CameraEntry(BaseModel):
+    """A camera as the measuring arm knows it: only its picture size."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    size: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
+    """Width and height in pixels."""
+
+
+class ViewEntry(BaseModel):
+    """One placement of the target, seen by some or all cameras at once."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Name
+    images: Annotated[dict[Name, RelativePath], Field(min_length=1)]
+    """Picture by camera, relative to the shoot's folder."""
+    role: Role
+    T_world_target_nominal: Matrix4Record | None
+    """What the stage says, mm; null when the target is hand-held."""
+
+
+class Manifest(BaseModel):
+    """The whole of ``shoot.json``."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    format: Literal["labcal-shoot"] = "labcal-shoot"
+    format_version: Literal[1] = 1
+    target: DotGrid
+    cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
+    views: tuple[ViewEntry, ...]
+
+    @model_validator(mode="after")
+    def _names_agree(self) -> Self:
+        names = [view.name for view in self.views]
+        if len(set(names)) != len(names):
+            raise ValueError("two views have the same name")
+        for view in self.views:
+            unknown = set(view.images) - set(self.cameras)
+            if unknown:
+                raise ValueError(
+                    f"view '{view.name}' has pictures of unknown cameras: {', '.join(sorted(unknown))}"
+                )
+        return self

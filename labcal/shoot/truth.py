@@ -1,0 +1,137 @@
+"""The truth of a rendered shoot, in a folder of its own that the measuring arm never opens."""
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from labcal.arrays import Mask, Pixels, Points
+from labcal.cameras.record import CameraRecord, Matrix4Record
+from labcal.errors import InputError
+from labcal.run.descriptions import explain_validation
+from labcal.run.outputs import write_file
+from labcal.shoot.manifest import Name
+
+FOLDER = "truth"
+HEADER = (
+    "view", "camera", "col", "row", "X_mm", "Y_mm", "Z_mm",
+    "centre_x_px", "centre_y_px", "centroid_x_px", "centroid_y_px", "visible",
+)  # fmt: skip
+
+
+class TrueView(BaseModel):
+    """Where the target truly was in one view."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    T_world_target: Matrix4Record
+
+
+class Truth(BaseModel):
+    """``truth.json``: the cameras and poses that made the pictures."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    format: Literal["labcal-truth"] = "labcal-truth"
+    format_version: Literal[1] = 1
+    cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
+    views: dict[Name, TrueView]
+
+
+@dataclass(frozen=True)
+class TrueDots:
+    """Every dot of the target in one picture; NaN where it cannot be projected."""
+
+    view: str
+    camera: str
+    index: np.ndarray
+    """(n, 2) integer, (col, row)."""
+    point: Points
+    """(n, 3), world, mm."""
+    centre: Pixels
+    """(n, 2), the image of the dot's centre."""
+    centroid: Pixels
+    """(n, 2), the centre of area of the image of its outer outline."""
+    visible: Mask
+    """(n,), the whole outline is in the frame and nothing hides it."""
+
+
+def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
+    """Write ``truth/truth.json`` and ``truth/dots.csv`` into a shoot under construction."""
+    home = folder / FOLDER
+    home.mkdir(exist_ok=True)
+    write_file(home / "truth.json", truth.model_dump_json(indent=2) + "\n", force=True)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for picture in dots:
+        figures = np.concatenate([picture.point, picture.centre, picture.centroid], axis=1)
+        for (col, row), line, visible in zip(picture.index, figures, picture.visible, strict=True):
+            writer.writerow(
+                [picture.view, picture.camera, col, row, *(repr(float(v)) for v in line), int(visible)]
+            )
+    write_file(home / "dots.csv", text.getvalue(), force=True)
+
+
+def has_truth(folder: Path) -> bool:
+    """Return whether the shoot has its truth beside it."""
+    return (folder / FOLDER / "truth.json").is_file()
+
+
+def read_truth(folder: Path) -> Truth:
+    """Read ``truth.json`` of a shoot.
+
+    Raises
+    ------
+    InputError
+        It is missing, or not one that this version reads.
+    """
+    path = folder / FOLDER / "truth.json"
+    try:
+        return Truth.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"The truth {path} cannot be read: {error.strerror}.") from error
+    except ValidationError as error:
+        raise InputError(
+            f"{path} is not a truth that this version reads: {explain_validation(error)}."
+        ) from error
+
+
+def read_true_dots(folder: Path) -> list[TrueDots]:
+    """Read ``dots.csv`` of a shoot, one entry a picture, in the file's order.
+
+    Raises
+    ------
+    InputError
+        It is missing, or its columns are not those of this version.
+    """
+    path = folder / FOLDER / "dots.csv"
+    try:
+        with path.open(newline="", encoding="utf-8") as handle:
+            header, *lines = csv.reader(handle)
+    except (OSError, ValueError) as error:
+        raise InputError(f"The truth {path} cannot be read: {error}.") from error
+    if tuple(header) != HEADER:
+        raise InputError(f"{path} should have the columns {', '.join(HEADER)}.")
+    pictures: dict[tuple[str, str], list[list[str]]] = {}
+    for line in lines:
+        pictures.setdefault((line[0], line[1]), []).append(line[2:])
+    dots = []
+    for (view, camera), rows in pictures.items():
+        table = np.array(rows, dtype=np.float64)
+        dots.append(
+            TrueDots(
+                view=view,
+                camera=camera,
+                index=table[:, :2].astype(np.int64),
+                point=table[:, 2:5],
+                centre=table[:, 5:7],
+                centroid=table[:, 7:9],
+                visible=table[:, 9] != 0.0,
+            )
+        )
+    return dots
