@@ -1,0 +1,69 @@
+"""A scene: everything that is in the laboratory, as a person writes it down in YAML."""
+
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from labcal.cameras.camera import Camera
+from labcal.scene.camera import CameraDescription
+from labcal.scene.photometry import Photometry
+from labcal.scene.placement import Placement
+from labcal.scene.room import Board, Lamp, Room
+from labcal.shoot.manifest import Name
+from labcal.targets.catalogue import load_target
+from labcal.targets.grid import DotGrid
+
+PASS = 64
+"""Samples a pixel of one pass: more are whole passes, fewer a power of two (DESIGN section 6, Bytes)."""
+
+
+def is_allowed_spp(spp: int) -> bool:
+    """Return whether that many samples a pixel can be traced in passes that give the same bytes each time."""
+    return spp >= 1 and (spp % PASS == 0 or (spp < PASS and spp & (spp - 1) == 0))
+
+
+class Scene(BaseModel):
+    """A laboratory: cameras, a target and where it goes, lamps, room, and how the sensors respond."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Name
+    description: str = ""
+    target: DotGrid
+    """The target; in a file the name of one, or its whole description."""
+    cameras: Annotated[dict[Name, CameraDescription], Field(min_length=1)]
+    placement: Placement
+    lamps: Annotated[tuple[Lamp, ...], Field(min_length=1)]
+    room: Room = Room()
+    board: Board = Board()
+    photometry: Photometry = Photometry()
+    noise: bool = True
+    """Photon and read noise; off for tests of the geometry."""
+    spp: int = 64
+    """Rays a pixel."""
+
+    @field_validator("target", mode="before")
+    @classmethod
+    def _target_by_name(cls, value: object) -> object:
+        return load_target(value) if isinstance(value, str) else value
+
+    @field_validator("spp")
+    @classmethod
+    def _spp_in_passes(cls, value: int) -> int:
+        if not is_allowed_spp(value):
+            raise ValueError(f"should be 1, 2, 4, 8, 16, 32 or a multiple of {PASS}, but is {value}")
+        return value
+
+    def true_cameras(self) -> dict[str, Camera]:
+        """Return the cameras by name, in the scene's order.
+
+        Raises
+        ------
+        InputError
+            A camera is impossible; it is named by the lens or the view that cannot be.
+        """
+        return {name: description.camera() for name, description in self.cameras.items()}
+
+    def with_spp(self, spp: int) -> Self:
+        """Return the scene with other samples a pixel."""
+        return self.model_copy(update={"spp": self._spp_in_passes(spp)})
