@@ -16,8 +16,8 @@ from labcal.scene.model import PASS, Scene
 
 FAR_MM = 12000.0
 """Half the size of floor and wall."""
-RAYS_PER_BAND = 2**23
-"""A band of rows holds no more rays of one pass than this, which bounds the memory (about 1 GB)."""
+RAYS_PER_BAND = 2**21
+"""A band of rows holds no more rays of one pass than this, which bounds the memory."""
 
 
 class Laboratory:
@@ -54,7 +54,7 @@ class Laboratory:
                 "sampler": {"type": "multijitter", "sample_count": samples},
             }
         )
-        self.integrator = mi.load_dict({"type": "direct"})
+        self.integrator = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
         self.scene = mi.load_dict(self._contents())
         self.parameters = mi.traverse(self.scene)
         self.unit_cube = np.array(self.parameters["block-0.vertex_positions"]).reshape(-1, 3)

@@ -2,9 +2,11 @@
 
 from typing import Annotated, Self
 
+import yaml
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from labcal.cameras.camera import Camera
+from labcal.errors import InputError
 from labcal.scene.camera import CameraDescription
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
@@ -51,7 +53,9 @@ class Scene(BaseModel):
     @classmethod
     def _spp_in_passes(cls, value: int) -> int:
         if not is_allowed_spp(value):
-            raise ValueError(f"should be 1, 2, 4, 8, 16, 32 or a multiple of {PASS}, but is {value}")
+            raise InputError(
+                f"The samples a pixel should be 1, 2, 4, 8, 16, 32 or a multiple of {PASS}, but are {value}."
+            )
         return value
 
     def true_cameras(self) -> dict[str, Camera]:
@@ -65,5 +69,16 @@ class Scene(BaseModel):
         return {name: description.camera() for name, description in self.cameras.items()}
 
     def with_spp(self, spp: int) -> Self:
-        """Return the scene with other samples a pixel."""
+        """Return the scene with other samples a pixel.
+
+        Raises
+        ------
+        InputError
+            They cannot be traced in passes that give the same bytes each time.
+        """
         return self.model_copy(update={"spp": self._spp_in_passes(spp)})
+
+    def to_yaml(self) -> str:
+        """Return the scene with all its keys as a file that can be rendered again."""
+        text: str = yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
+        return text
