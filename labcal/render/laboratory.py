@@ -55,7 +55,8 @@ class Laboratory:
             }
         )
         self.integrator = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
-        self.scene = mi.load_dict(self._contents())
+        # Optimised, a scene has its lamps in another order, and so another noise, at every run.
+        self.scene = mi.load_dict(self._contents(), parallel=False, optimize=False)
         self.parameters = mi.traverse(self.scene)
         self.unit_cube = np.array(self.parameters["block-0.vertex_positions"]).reshape(-1, 3)
 
