@@ -16,6 +16,8 @@ from labcal.scene.model import PASS, Scene
 
 FAR_MM = 12000.0
 """Half the size of floor and wall."""
+DARKER = 0.8
+"""Reflectance of every other tile of the floor."""
 RAYS_PER_BAND = 2**21
 """A band of rows holds no more rays of one pass than this, which bounds the memory."""
 
@@ -92,6 +94,17 @@ class Laboratory:
         """Return a colour, or its luminance alone for a grey camera."""
         return colour if self.colour else (float(REC709 @ np.array(colour)),)
 
+    def _tiles(self) -> dict[str, Any]:
+        """Return the floor's pattern."""
+        room = self.description.room
+        red, green, blue = room.floor
+        return {
+            "type": "checkerboard",
+            "color0": self._rgb(room.floor),
+            "color1": self._rgb((DARKER * red, DARKER * green, DARKER * blue)),
+            "to_uv": self.mi.ScalarTransform4f().scale(FAR_MM / room.tile_mm),
+        }
+
     def _print_pose(self, T_world_target: Pose) -> np.ndarray:
         """Return the matrix that takes Mitsuba's rectangle (-1 to 1) to the board."""
         x_min, y_min, x_max, y_max = self.description.target.extent_mm
@@ -114,7 +127,7 @@ class Laboratory:
             "floor": {
                 "type": "rectangle",
                 "to_world": transform().translate([0, 0, room.floor_z_mm]).scale(FAR_MM),
-                "bsdf": {"type": "diffuse", "reflectance": self._rgb(room.floor)},
+                "bsdf": {"type": "diffuse", "reflectance": self._tiles()},
             },
             "wall": {
                 "type": "rectangle",

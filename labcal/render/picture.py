@@ -10,7 +10,7 @@ import numpy as np
 from labcal.errors import OutputError
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratory import Laboratory
-from labcal.render.response import Exposure, develop
+from labcal.render.response import Exposure, develop, expose
 from labcal.render.variant import COLOUR, MONO, renderer
 from labcal.rng import generator
 from labcal.run.outputs import write_file
@@ -44,11 +44,12 @@ def render_picture(job: Job) -> float:
     camera = scene.cameras[case.camera].camera()
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
         light = render_light(Laboratory(mi, scene, camera.size), camera, case)
+    share = expose(light, photometry, job.exposure)
     if photometry.format is PictureFormat.EXR:
-        _write_exr(job.path, light * np.float32(job.exposure.gain))
+        _write_exr(job.path, share)
     else:
         random = generator(case.seed, case.view, case.camera, "sensor noise") if scene.noise else None
-        picture = develop(light, photometry, job.exposure, random)
+        picture = develop(share, photometry, job.exposure, random)
         write_picture(job.path, picture, jpeg_quality=photometry.jpeg_quality)
     return time.perf_counter() - began
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from labcal.render.demosaic import demosaic, mosaic
@@ -35,6 +36,13 @@ def exposure_for(photometry: Photometry, brightest: np.ndarray) -> Exposure:
     strongest = float(brightest.max())
     red, green, blue = (strongest / float(channel) for channel in brightest)
     return Exposure(photometry.white / strongest, (red, green, blue))
+
+
+def expose(light: np.ndarray, photometry: Photometry, exposure: Exposure) -> np.ndarray:
+    """Return the light on the sensor, after the point spread, as a share of the full scale (float32)."""
+    if photometry.blur_px > 0.0:
+        light = cv2.GaussianBlur(light, (0, 0), photometry.blur_px, borderType=cv2.BORDER_REPLICATE)
+    return light * np.float32(exposure.gain)
 
 
 def read_sensor(
@@ -74,14 +82,14 @@ def tone(linear: np.ndarray, curve: ToneCurve) -> np.ndarray:
 
 
 def develop(
-    light: np.ndarray, photometry: Photometry, exposure: Exposure, random: np.random.Generator | None
+    share: np.ndarray, photometry: Photometry, exposure: Exposure, random: np.random.Generator | None
 ) -> np.ndarray:
     """Return the picture that a camera delivers.
 
     Parameters
     ----------
-    light : ndarray, shape (height, width) or (height, width, 3)
-        Radiance; three colours where the sensor has a Bayer mosaic.
+    share : ndarray, shape (height, width) or (height, width, 3)
+        The light of :func:`expose`; three colours where the sensor has a Bayer mosaic.
     photometry : Photometry
     exposure : Exposure
     random : numpy.random.Generator or None
@@ -89,9 +97,8 @@ def develop(
 
     Returns
     -------
-    ndarray of uint8, of the shape of `light`
+    ndarray of uint8, of the shape of `share`
     """
-    share = light * np.float32(exposure.gain)
     if not photometry.bayer:
         picture = read_sensor(share, photometry, random)
     else:

@@ -34,11 +34,12 @@ def handheld_poses(scene: Scene, seed: int) -> list[Pose]:
         raise InputError(f"The target of the scene '{scene.name}' is not hand-held.")
     cameras = list(scene.true_cameras().values())
     eyes = np.mean([camera.centre for camera in cameras], axis=0)
+    right = cameras[0].T_cam_world[0, :3].copy()
     random = generator(seed, "hand-held poses")
     wanted = placement.train + placement.test
     poses: list[Pose] = []
     for _ in range(TRIES_PER_VIEW * wanted):
-        T_world_target = _draw(placement, scene.target, eyes, random)
+        T_world_target = _draw(placement, scene.target, (eyes, right), random)
         if all(_sees_enough(camera, T_world_target, scene.target) for camera in cameras):
             poses.append(T_world_target)
         if len(poses) == wanted:
@@ -49,11 +50,17 @@ def handheld_poses(scene: Scene, seed: int) -> list[Pose]:
     )
 
 
-def _draw(placement: Handheld, target: DotGrid, eyes: np.ndarray, random: np.random.Generator) -> Pose:
-    """Draw one pose around the line from the target's place to the middle of the cameras."""
+def _draw(
+    placement: Handheld,
+    target: DotGrid,
+    viewer: tuple[np.ndarray, np.ndarray],
+    random: np.random.Generator,
+) -> Pose:
+    """Draw one pose about the line to the cameras; `viewer` is their middle and the pictures' right."""
+    eyes, right = viewer
     middle = np.array(placement.centre_mm) + np.array(placement.spread_mm) * random.uniform(-1.0, 1.0, 3)
     towards = (eyes - middle) / np.linalg.norm(eyes - middle)
-    x = np.cross([0.0, 1.0, 0.0], towards)
+    x = right - (right @ towards) * towards
     x /= np.linalg.norm(x)
     facing = np.stack([x, np.cross(towards, x), towards], axis=1)
     tilt = np.radians(placement.tilt_max_deg) * np.sqrt(random.uniform())

@@ -14,7 +14,7 @@ class PictureFormat(StrEnum):
     PNG = "png"
     JPEG = "jpg"
     EXR = "exr"
-    """Linear light before any noise, float32; 1.0 is the full scale of the sensor."""
+    """Linear light on the sensor before any noise, float32; 1.0 is the full scale of the sensor."""
 
 
 class ToneCurve(StrEnum):
@@ -32,6 +32,8 @@ class Photometry(BaseModel):
 
     bayer: bool = False
     """Colour through a mosaic of red, green and blue (rows RG, GB); else grey."""
+    blur_px: Annotated[float, Field(ge=0, le=20)] = 0.6
+    """Standard deviation of the point spread of lens and low-pass filter (a Gauss function)."""
     full_well_e: Positive = 20000.0
     """Electrons of a pixel at full scale."""
     read_noise_e: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 6.0

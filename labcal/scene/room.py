@@ -45,6 +45,8 @@ class Room(BaseModel):
 
     floor_z_mm: Coordinate = -800.0
     floor: Colour = (0.30, 0.31, 0.32)
+    """Every other tile is a little darker."""
+    tile_mm: Length = 500.0
     wall_y_mm: Coordinate = 2600.0
     wall: Colour = (0.55, 0.56, 0.52)
     table_centre_mm: tuple[Coordinate, Coordinate] = (1000.0, 1000.0)
