@@ -4,20 +4,18 @@ import cv2
 import numpy as np
 
 # Malvar, He, Cutler, "High-quality linear interpolation for demosaicing of Bayer-patterned color images",
-# ICASSP 2004, figure 2; each sums to 1.
-GREEN = np.array(
-    [[0, 0, -1, 0, 0], [0, 0, 2, 0, 0], [-1, 2, 4, 2, -1], [0, 0, 2, 0, 0], [0, 0, -1, 0, 0]], np.float32
-) / np.float32(8)  # fmt: skip
+# ICASSP 2004, figure 2, times 16; each sums to 16.
+_GREEN = [[0, 0, -2, 0, 0], [0, 0, 4, 0, 0], [-2, 4, 8, 4, -2], [0, 0, 4, 0, 0], [0, 0, -2, 0, 0]]
+_ROW = [[0, 0, 1, 0, 0], [0, -2, 0, -2, 0], [-2, 8, 10, 8, -2], [0, -2, 0, -2, 0], [0, 0, 1, 0, 0]]
+_DIAGONAL = [[0, 0, -3, 0, 0], [0, 4, 0, 4, 0], [-3, 0, 12, 0, -3], [0, 4, 0, 4, 0], [0, 0, -3, 0, 0]]
+
+GREEN = np.array(_GREEN, np.float32) / np.float32(16)
 """Green at a red or blue pixel."""
-ALONG_ROW = np.array(
-    [[0, 0, 0.5, 0, 0], [0, -1, 0, -1, 0], [-1, 4, 5, 4, -1], [0, -1, 0, -1, 0], [0, 0, 0.5, 0, 0]], np.float32
-) / np.float32(8)  # fmt: skip
+ALONG_ROW = np.array(_ROW, np.float32) / np.float32(16)
 """Red or blue at a green pixel with neighbours of that colour in its row."""
 ALONG_COLUMN = np.ascontiguousarray(ALONG_ROW.T)
 """The same with such neighbours in its column."""
-DIAGONAL = np.array(
-    [[0, 0, -1.5, 0, 0], [0, 2, 0, 2, 0], [-1.5, 0, 6, 0, -1.5], [0, 2, 0, 2, 0], [0, 0, -1.5, 0, 0]], np.float32
-) / np.float32(8)  # fmt: skip
+DIAGONAL = np.array(_DIAGONAL, np.float32) / np.float32(16)
 """Red at a blue pixel, or blue at a red one."""
 
 

@@ -1,8 +1,8 @@
 """The target's print as an analytic Mitsuba texture: exact edges at any magnification, and no bitmap."""
 
 from functools import cache
-from typing import Any
 
+from labcal.render.variant import Jit
 from labcal.targets.grid import DotGrid, Polarity
 
 
@@ -13,7 +13,7 @@ def dots_plugin(variant: str) -> str:
     Parameters
     ----------
     variant : str
-        The variant in use; every variant has a class of its own.
+        The variant in use.
     """
     import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
     import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
@@ -21,7 +21,7 @@ def dots_plugin(variant: str) -> str:
     class DotTexture(mi.Texture):
         """Reflectance of a dot grid over its board; uv runs from 0 to 1 along the board's edges."""
 
-        def __init__(self, props: Any) -> None:  # noqa: ANN401 -- mi.Properties, of the variant
+        def __init__(self, props: Jit) -> None:
             super().__init__(props)
 
         def show(self, target: DotGrid, dark: tuple[float, ...], light: tuple[float, ...]) -> None:
@@ -29,7 +29,7 @@ def dots_plugin(variant: str) -> str:
             self.target = target
             self.dark, self.light = mi.Spectrum(*dark), mi.Spectrum(*light)
 
-        def is_dark(self, uv: Any) -> Any:  # noqa: ANN401
+        def is_dark(self, uv: Jit) -> Jit:
             """Return where the print is dark, from the distance to the nearest dot's centre in mm."""
             target = self.target
             x_min, y_min, x_max, y_max = target.extent_mm
@@ -47,19 +47,23 @@ def dots_plugin(variant: str) -> str:
             inked = (4.0 * r2 <= outer * outer) & (4.0 * r2 >= inner * inner)
             return inked if target.polarity is Polarity.BLACK_ON_WHITE else ~inked
 
-        def eval(self, si: Any, active: Any = True) -> Any:  # noqa: ANN401
+        def eval(self, si: Jit, active: Jit = True) -> Jit:  # noqa: FBT002 -- the signature is Mitsuba's
+            """Return the reflectance at surface points."""
             dark = self.is_dark(si.uv) & active
             return dr.select(dark, self.dark, self.light)
 
-        def mean(self) -> Any:  # noqa: ANN401
+        def mean(self) -> Jit:
+            """Return the reflectance of the bare board, roughly the mean."""
             return dr.mean(self.light)
 
         def is_spatially_varying(self) -> bool:
+            """Return that it varies."""
             return True
 
         def to_string(self) -> str:
+            """Return its name."""
             return "DotTexture[]"
 
-    name = "labcal-dots"
+    name = f"labcal-dots-{variant}"
     mi.register_texture(name, DotTexture)
     return name

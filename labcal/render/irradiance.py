@@ -32,7 +32,7 @@ def render_light(laboratory: Laboratory, camera: Camera, case: Case) -> np.ndarr
     ndarray, shape (height, width) or (height, width, 3)
         float32, in the unit of the scene's lamps.
     """
-    width, height = camera.size
+    height = camera.size[1]
     spp = laboratory.description.spp
     passes = max(1, spp // PASS)
     rows = laboratory.band_rows

@@ -69,7 +69,9 @@ class Laboratory:
         for number, block in enumerate(blocks(self.description, T_world_target)):
             vertices = 0.5 * np.array(block.size_mm) * self.unit_cube
             vertices = vertices @ block.T_world_block[:3, :3].T + block.T_world_block[:3, 3]
-            self.parameters[f"block-{number}.vertex_positions"] = mi.Float(vertices.ravel().astype(np.float32))
+            self.parameters[f"block-{number}.vertex_positions"] = mi.Float(
+                vertices.ravel().astype(np.float32)
+            )
         self.parameters.update()
 
     def trace(self, camera: Camera, first_row: int, samples: int, seed: int) -> np.ndarray:

@@ -45,9 +45,7 @@ def expose(light: np.ndarray, photometry: Photometry, exposure: Exposure) -> np.
     return light * np.float32(exposure.gain)
 
 
-def read_sensor(
-    share: np.ndarray, photometry: Photometry, random: np.random.Generator | None
-) -> np.ndarray:
+def read_sensor(share: np.ndarray, photometry: Photometry, random: np.random.Generator | None) -> np.ndarray:
     """Return the converter's reading of an exposed sensor.
 
     Parameters
@@ -67,7 +65,8 @@ def read_sensor(
     if random is not None:
         electrons = random.poisson(electrons) + random.normal(0.0, photometry.read_noise_e, electrons.shape)
     highest = 2**photometry.adc_bits - 1
-    return np.clip(np.rint(electrons / photometry.full_well_e * highest), 0, highest) / highest
+    reading: np.ndarray = np.clip(np.rint(electrons / photometry.full_well_e * highest), 0, highest) / highest
+    return reading
 
 
 def tone(linear: np.ndarray, curve: ToneCurve) -> np.ndarray:

@@ -1,10 +1,10 @@
 """A Mitsuba sensor that traces a camera's own rays: distortion bends the ray, no picture is resampled."""
 
 from functools import cache
-from typing import Any
 
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import inverse
+from labcal.render.variant import Jit
 
 FILM_SHIFT = 0.5
 """Mitsuba's film has its origin at the corner of the top-left pixel, OpenCV's picture at its centre."""
@@ -27,7 +27,7 @@ def sensor_plugin(variant: str) -> str:
     class TracedSensor(mi.Sensor):
         """Traces ``Camera.trace`` for a band of rows of the picture."""
 
-        def __init__(self, props: Any) -> None:  # noqa: ANN401 -- mi.Properties, of the variant
+        def __init__(self, props: Jit) -> None:
             super().__init__(props)
             self.m_needs_sample_2 = True
             self.m_needs_sample_3 = False
@@ -44,8 +44,14 @@ def sensor_plugin(variant: str) -> str:
             self.T_world_cam = [[dr.opaque(mi.Float, float(n)) for n in row] for row in T_world_cam[:3]]
 
         def sample_ray(
-            self, time: Any, _wavelength: Any, position: Any, _aperture: Any, _active: Any = True  # noqa: ANN401
-        ) -> tuple[Any, Any]:
+            self,
+            time: Jit,
+            _wavelength: Jit,
+            position: Jit,
+            _aperture: Jit,
+            _active: Jit = True,  # noqa: FBT002 -- the signature is Mitsuba's
+        ) -> tuple[Jit, Jit]:
+            """Return rays and their weights at positions (0 to 1) on the film; no ray weighs nothing."""
             width, height = self.film().size()
             u = position.x * width - FILM_SHIFT
             v = position.y * height - FILM_SHIFT + self.first_row
@@ -56,21 +62,29 @@ def sensor_plugin(variant: str) -> str:
                 origin.append(r0 * a + r1 * b + r2 * c + t)
                 a, b, c = traced.direction
                 direction.append(r0 * a + r1 * b + r2 * c)
-            ray = mi.Ray3f(mi.Point3f(*origin), dr.normalize(mi.Vector3f(*direction)), time, [])
+            ray = mi.Ray3f(mi.Point3f(*origin), dr.normalize(mi.Vector3f(*direction)), time)
             return ray, mi.Spectrum(dr.select(traced.ok, mi.Float(1.0), mi.Float(0.0)))
 
         def sample_ray_differential(
-            self, time: Any, wavelength: Any, position: Any, aperture: Any, active: Any = True  # noqa: ANN401
-        ) -> tuple[Any, Any]:
+            self,
+            time: Jit,
+            wavelength: Jit,
+            position: Jit,
+            aperture: Jit,
+            active: Jit = True,  # noqa: FBT002 -- the signature is Mitsuba's
+        ) -> tuple[Jit, Jit]:
+            """Return the same without differentials, which only bitmaps would use."""
             ray, weight = self.sample_ray(time, wavelength, position, aperture, active)
             return mi.RayDifferential3f(ray), weight
 
-        def bbox(self) -> Any:  # noqa: ANN401
+        def bbox(self) -> Jit:
+            """Return an empty box: the sensor takes no part in the scene."""
             return mi.ScalarBoundingBox3f()
 
         def to_string(self) -> str:
+            """Return its name."""
             return "TracedSensor[]"
 
-    name = "labcal-traced"
+    name = f"labcal-traced-{variant}"
     mi.register_sensor(name, TracedSensor)
     return name

@@ -131,7 +131,8 @@ def _image(scene: Scene, view: str, camera: str) -> str:
 def _command(scene: Scene, settings: RenderSettings) -> str:
     """Return everything that determines the bytes."""
     return json.dumps(
-        {"render": scene.model_dump(mode="json"), "seed": settings.seed, "views": settings.views}, sort_keys=True
+        {"render": scene.model_dump(mode="json"), "seed": settings.seed, "views": settings.views},
+        sort_keys=True,
     )
 
 
@@ -159,9 +160,7 @@ def _write_truth(working: Path, scene: Scene, views: tuple[PlannedView, ...]) ->
         cameras={name: CameraRecord.of(camera) for name, camera in cameras.items()},
         views={view.name: TrueView(T_world_target=matrix4_record(view.T_world_target)) for view in views},
     )
-    dots = [
-        true_dots(scene.target, view, name, camera) for view in views for name, camera in cameras.items()
-    ]
+    dots = [true_dots(scene.target, view, name, camera) for view in views for name, camera in cameras.items()]
     write_truth(working, truth, dots)
     write_file(working / FOLDER / "scene.yaml", scene.to_yaml(), force=True)
 

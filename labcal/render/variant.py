@@ -3,9 +3,12 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
+from typing import Any
 
 from labcal.render.llvm import ensure_llvm
 
+Jit = Any
+"""A value of Dr.Jit or Mitsuba; its class is another one in every variant."""
 MONO = "llvm_ad_mono"
 COLOUR = "llvm_ad_rgb"
 

@@ -1,4 +1,4 @@
-"""How independent cases are spread: one after the other, or over processes; the interface is the standard's."""
+"""How independent cases are spread, serially or over processes: the standard library's own interface."""
 
 import multiprocessing
 from collections.abc import Callable, Iterator
