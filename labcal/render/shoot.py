@@ -12,7 +12,7 @@ from labcal.errors import DeviceError, InputError
 from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
-from labcal.run.executor import executor
+from labcal.run.executor import open_executor
 from labcal.run.outputs import unfinished_folder, write_file
 from labcal.run.progress import Progress
 from labcal.scene.check import check_scene
@@ -110,7 +110,7 @@ def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, floa
     progress.advance(len(jobs) - len(missing))
     seconds = {}
     try:
-        with executor(min(workers, max(1, len(missing)))) as pool:
+        with open_executor(min(workers, max(1, len(missing)))) as pool:
             futures = {pool.submit(render_picture, job): job for job in missing}
             for future in as_completed(futures):
                 seconds[futures[future].path.name] = future.result()

@@ -28,7 +28,7 @@ class SerialExecutor(Executor):
 
 
 @contextmanager
-def executor(workers: int) -> Iterator[Executor]:
+def open_executor(workers: int) -> Iterator[Executor]:
     """Give an executor, and end it with what it has not begun when the caller fails.
 
     Processes are started afresh (*spawn*), so that none inherits the state of a renderer or of threads. A

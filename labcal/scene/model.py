@@ -1,6 +1,6 @@
 """A scene: everything that is in the laboratory, as a person writes it down in YAML."""
 
-from typing import Annotated, Self
+from typing import Annotated
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -68,7 +68,7 @@ class Scene(BaseModel):
         """
         return {name: description.camera() for name, description in self.cameras.items()}
 
-    def with_spp(self, spp: int) -> Self:
+    def with_spp(self, spp: int) -> "Scene":
         """Return the scene with other samples a pixel.
 
         Raises

@@ -1,6 +1,6 @@
 """How a scene places its target: on a stage, at places known to the measuring arm, or in the hand."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -32,7 +32,7 @@ class Stage(BaseModel):
     views: Annotated[tuple[StageView, ...], Field(min_length=1)]
 
     @model_validator(mode="after")
-    def _names_differ(self) -> Self:
+    def _names_differ(self) -> "Stage":
         names = [view.name for view in self.views]
         if len(set(names)) != len(names):
             raise ValueError("two views have the same name")
@@ -59,7 +59,7 @@ class Handheld(BaseModel):
     """Largest turn about the normal."""
 
     @model_validator(mode="after")
-    def _has_views(self) -> Self:
+    def _has_views(self) -> "Handheld":
         if self.train + self.test == 0:
             raise ValueError("train and test are both 0, so there are no views")
         return self

@@ -1,7 +1,7 @@
 """The dot grid: where the dots are, how large, and which three of them are rings."""
 
 from enum import StrEnum
-from typing import Annotated, Self
+from typing import Annotated
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -32,7 +32,7 @@ class Rings(BaseModel):
     y: GridIndex
 
     @model_validator(mode="after")
-    def _form_an_l(self) -> Self:
+    def _form_an_l(self) -> "Rings":
         if self.x[1] != self.origin[1] or self.x[0] <= self.origin[0]:
             raise ValueError("the x ring must lie in the row of the origin ring, further along x")
         if self.y[0] != self.origin[0] or self.y[1] <= self.origin[1]:
@@ -74,7 +74,7 @@ class DotGrid(BaseModel):
     """Bare board around the centres of the outermost dots."""
 
     @model_validator(mode="after")
-    def _fits_together(self) -> Self:
+    def _fits_together(self) -> "DotGrid":
         if self.ring_inner_diameter_mm >= self.ring_outer_diameter_mm:
             raise ValueError("ring_inner_diameter_mm must be smaller than ring_outer_diameter_mm")
         if max(self.dot_diameter_mm, self.ring_outer_diameter_mm) >= min(self.pitch_x_mm, self.pitch_y_mm):
