@@ -24,6 +24,10 @@ class OutputError(LabcalError, OSError):
     """A file or folder that cannot be written, or that would be overwritten."""
 
 
+class DiskFullError(OutputError):
+    """The disk is full; what was begun has been removed."""
+
+
 class DeviceError(LabcalError, RuntimeError):
     """A device or a library of this machine that failed or is missing."""
 

@@ -1,5 +1,6 @@
 """Results on disk that appear whole or not at all, and never over something else unasked."""
 
+import errno
 import os
 import shutil
 from collections.abc import Iterator
@@ -7,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
-from labcal.errors import OutputError
+from labcal.errors import DiskFullError, OutputError
 
 
 def refuse_existing(path: Path, *, force: bool) -> None:
@@ -42,13 +43,32 @@ def write_file(path: Path, content: bytes | str, *, force: bool) -> None:
     except OSError as error:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
-        raise OutputError(f"{path} cannot be written: {error.strerror or error}.") from error
+        raise _refusal(path, error) from error
+
+
+def _refusal(path: Path, error: OSError) -> OutputError:
+    """Return what to raise where the operating system refuses to write `path`."""
+    if error.errno in {errno.ENOSPC, errno.EDQUOT}:
+        return DiskFullError(
+            f"The disk is full: {path} cannot be written. Free some space, or write elsewhere."
+        )
+    return OutputError(f"{path} cannot be written: {error.strerror or error}.")
 
 
 def _umask() -> int:
     mask = os.umask(0o022)
     os.umask(mask)
     return mask
+
+
+def _discard_unfinished(working: Path, *, force: bool) -> None:
+    """Remove what another command left unfinished, or refuse to."""
+    if not force:
+        raise OutputError(
+            f"{working} is the unfinished output of another command. Repeat that command to finish it, "
+            "or add --force to discard it."
+        )
+    shutil.rmtree(working)
 
 
 @contextmanager
@@ -82,7 +102,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     mark = working / ".command"
     try:
         if working.exists() and (not mark.is_file() or mark.read_text(encoding="utf-8") != command):
-            _refuse_or_discard(working, force=force)
+            _discard_unfinished(working, force=force)
         working.mkdir(parents=True, exist_ok=True)
         mark.write_text(command, encoding="utf-8")
         yield working
@@ -93,13 +113,4 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(f"{path} cannot be written: {error.strerror or error}.") from error
-
-
-def _refuse_or_discard(working: Path, *, force: bool) -> None:
-    if not force:
-        raise OutputError(
-            f"{working} is the unfinished output of another command. "
-            "Repeat that command to finish it, or add --force to discard it."
-        )
-    shutil.rmtree(working)
+        raise _refusal(path, error) from error

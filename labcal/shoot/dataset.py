@@ -1,6 +1,5 @@
 """A shoot on disk: pictures, and a manifest that says what they show."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,37 +11,9 @@ from labcal.errors import InputError
 from labcal.run.descriptions import explain_validation
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
-from labcal.shoot.pictures import read_picture
 from labcal.targets.grid import DotGrid
 
 MANIFEST = "shoot.json"
-
-
-@dataclass(frozen=True)
-class Picture:
-    """One picture of a shoot: where it is and whose it is."""
-
-    view: str
-    camera: str
-    path: Path
-    size: tuple[int, int]
-
-    def read(self) -> np.ndarray:
-        """Return the picture; see :func:`read_picture`.
-
-        Raises
-        ------
-        InputError
-            It cannot be read, or is not of the size that the shoot states.
-        """
-        picture = read_picture(self.path)
-        height, width = picture.shape[:2]
-        if (width, height) != self.size:
-            raise InputError(
-                f"The picture {self.path} is {width} x {height}, but the shoot says that camera "
-                f"'{self.camera}' takes {self.size[0]} x {self.size[1]}. Put the original back."
-            )
-        return picture
 
 
 @dataclass(frozen=True)
@@ -65,12 +36,6 @@ class Shoot:
     def views(self, role: Role | None = None) -> tuple[ViewEntry, ...]:
         """Return the views of a role, or all."""
         return tuple(view for view in self.manifest.views if role is None or view.role is role)
-
-    def pictures(self) -> Iterator[Picture]:
-        """Yield every picture, view by view."""
-        for view in self.manifest.views:
-            for camera, relative in view.images.items():
-                yield Picture(view.name, camera, self.folder / relative, self.manifest.cameras[camera].size)
 
     def nominal_poses(self) -> dict[str, Pose]:
         """Return ``T_world_target_nominal`` (mm) of the views that have one."""

@@ -1,0 +1,128 @@
+"""From pixels in several cameras to points, with covariances, and the epipolar distance between pixels."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Mask, Pixels, PointCovariances, Points
+from labcal.cameras.camera import Camera
+from labcal.geometry.rays import closest_points
+
+STEPS = 10
+"""Gauss-Newton steps; from the rays' meeting point three are enough."""
+
+
+@dataclass(frozen=True)
+class TriangulatedPoints:
+    """Points in the world; NaN and not ok where the pixels determine none."""
+
+    point: Points
+    """(n, 3), mm."""
+    covariance: PointCovariances
+    """(n, 3, 3), mm squared, from the covariances of the pixels; the cameras count as exact."""
+    ok: Mask
+    """(n,)"""
+
+
+def triangulate(
+    cameras: Sequence[Camera],
+    q: Float64[np.ndarray, "n cameras 2"],
+    covariance: Float64[np.ndarray, "n cameras 2 2"],
+) -> TriangulatedPoints:
+    """Return the points whose images lie nearest to the given pixels, weighted by their covariances.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+        At least two, in the order of `q`.
+    q : ndarray, shape (n, cameras, 2)
+        Pixels of the same points.
+    covariance : ndarray, shape (n, cameras, 2, 2)
+        Their covariances, px squared.
+
+    Notes
+    -----
+    Gauss-Newton on the reprojection error from the point nearest to all rays; with normal pixel noise this is
+    the maximum-likelihood point, and the inverse normal matrix its covariance.
+    """
+    rays = [camera.rays(q[:, i]) for i, camera in enumerate(cameras)]
+    p = closest_points(
+        np.stack([ray.origin for ray in rays], axis=1), np.stack([ray.direction for ray in rays], axis=1)
+    )
+    known = np.isfinite(covariance).all(axis=(1, 2, 3)) & np.isfinite(p).all(axis=1)
+    weight = np.linalg.inv(np.where(known[:, None, None, None], covariance, np.eye(2)))
+    cov = np.full((len(q), 3, 3), np.nan)
+    for _ in range(STEPS):
+        normal, gradient = _normal_equations(cameras, p, q, weight)
+        known = known & np.isfinite(gradient).all(axis=1) & np.isfinite(normal).all(axis=(1, 2))
+        known[known] = np.linalg.cond(normal[known]) < 1e14  # noqa: PLR2004 -- float64 resolves no more
+        cov[known] = np.linalg.inv(normal[known])
+        p[known] -= np.einsum("nij,nj->ni", cov[known], gradient[known])
+    p[~known] = np.nan
+    cov[~known] = np.nan
+    return TriangulatedPoints(p, cov, known)
+
+
+def _normal_equations(
+    cameras: Sequence[Camera], p: np.ndarray, q: np.ndarray, weight: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    normal = np.zeros((len(p), 3, 3))
+    gradient = np.zeros((len(p), 3))
+    for i, camera in enumerate(cameras):
+        J = camera.point_jacobian(p)
+        residual = camera.project(p).q - q[:, i]
+        WJ = weight[:, i] @ J
+        normal += np.einsum("nki,nkj->nij", J, WJ)
+        gradient += np.einsum("nki,nk->ni", WJ, residual)
+    return normal, gradient
+
+
+def triangulation_limit(
+    cameras: Sequence[Camera], p: Points, covariance: Float64[np.ndarray, "n cameras 2 2"]
+) -> PointCovariances:
+    """Return the Cramer-Rao bound of points seen by exactly known cameras, shape (n, 3, 3), mm squared.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+        The true cameras.
+    p : ndarray, shape (n, 3)
+        True points, mm.
+    covariance : ndarray, shape (n, cameras, 2, 2)
+        Covariances of the pixel positions, px squared.
+    """
+    q = np.stack([camera.project(p).q for camera in cameras], axis=1)
+    normal, _ = _normal_equations(cameras, p, q, np.linalg.inv(covariance))
+    bound: np.ndarray = np.linalg.inv(normal)
+    return bound
+
+
+def epipolar_distances(camera_a: Camera, camera_b: Camera, q_a: Pixels, q_b: Pixels) -> np.ndarray:
+    """Return how far pixels of `camera_b` lie from the epipolar curves of their partners in `camera_a`.
+
+    Parameters
+    ----------
+    camera_a, camera_b : Camera
+        Any lens: the curve is followed through the camera models.
+    q_a, q_b : ndarray, shape (n, 2)
+        Pixels of the same points.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Signed distance in px of camera b; NaN where there is no ray.
+    """
+    rays_a, rays_b = camera_a.rays(q_a), camera_b.rays(q_b)
+    p = closest_points(
+        np.stack([rays_a.origin, rays_b.origin], axis=1),
+        np.stack([rays_a.direction, rays_b.direction], axis=1),
+    )
+    along = np.einsum("ni,ni->n", p - rays_a.origin, rays_a.direction)[:, None]
+    on_ray = rays_a.origin + along * rays_a.direction
+    q_curve = camera_b.project(on_ray).q
+    tangent = np.einsum("nij,nj->ni", camera_b.point_jacobian(on_ray), rays_a.direction)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    offset = q_b - q_curve
+    return np.asarray(tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0])

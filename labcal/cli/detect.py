@@ -1,0 +1,147 @@
+"""``labcal detect``: dots in pictures."""
+
+from argparse import Namespace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from labcal.cli.options import add_output, add_workers
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+
+if TYPE_CHECKING:
+    from labcal.correspond.measure import Measurement
+    from labcal.targets.grid import DotGrid
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    parser = commands.add(
+        "detect",
+        run,
+        "Find the dots in the pictures of a shoot, or in loose pictures, and number them by the target.",
+        example="labcal detect photos --target rings-10x8 --cameras '_0=left,_1=right' -o detections.csv",
+    )
+    parser.add_argument(
+        "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
+    )
+    parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
+    add_output(parser, "detections.csv", "table of dots to write")
+    parser.add_argument(
+        "--overlay", type=Path, metavar="DIR", help="folder for pictures with the dots drawn in"
+    )
+    parser.add_argument(
+        "--cameras",
+        metavar="ENDINGS",
+        help="cameras of loose pictures by the end of the name: '_0=left,_1=right'",
+    )
+    add_workers(parser)
+
+
+@dataclass(frozen=True)
+class PictureResult:
+    """One picture in the JSON document of ``labcal detect``."""
+
+    image: str
+    status: Literal["ok", "refused"]
+    reason: str | None
+    dots: int
+    expected: int
+
+
+@dataclass(frozen=True)
+class DetectResult:
+    """The JSON document of ``labcal detect``."""
+
+    images: list[PictureResult]
+    indexed: int
+    refused: int
+
+
+def run(arguments: Namespace, session: Session) -> ExitStatus:
+    """Detect, write the table, tell what came of each picture."""
+    from labcal.correspond.detections import detections_csv
+    from labcal.correspond.sources import find_sources, parse_camera_endings
+    from labcal.run.outputs import refuse_existing, write_file
+    from labcal.workflow import measure
+
+    refuse_existing(arguments.output, force=arguments.force)
+    sources = find_sources(
+        arguments.pictures, parse_camera_endings(arguments.cameras) if arguments.cameras else {}
+    )
+    target = choose_target(arguments.target, arguments.pictures)
+    with session.progress() as progress:
+        detections, measurements = measure(sources, target, arguments.workers, progress)
+    if arguments.overlay is not None:
+        _write_overlays(arguments.overlay, measurements, target, force=arguments.force)
+    write_file(arguments.output, detections_csv(detections), force=arguments.force)
+    result = _result(measurements, target)
+    session.emit(result, _table(result))
+    if result.indexed == 0:
+        return ExitStatus.UNUSABLE
+    return ExitStatus.PARTIAL if result.refused else ExitStatus.DONE
+
+
+def choose_target(name: str | None, pictures: Sequence[str]) -> "DotGrid":
+    """Return the target named, or that of the shoot.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no target of that name.
+    InputError
+        No target is named, and the pictures are no shoot.
+    """
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import MANIFEST, open_shoot
+    from labcal.targets.catalogue import load_target
+
+    if name is not None:
+        return load_target(name)
+    if len(pictures) == 1 and (Path(pictures[0]) / MANIFEST).exists():
+        return open_shoot(Path(pictures[0])).target
+    raise InputError(
+        "Say which target the pictures show: --target NAME ('labcal target list' shows the names)."
+    )
+
+
+def _result(measurements: "list[Measurement]", target: "DotGrid") -> DetectResult:
+    images = [
+        PictureResult(
+            image=found.source.image,
+            status="ok" if found.indexed else "refused",
+            reason=found.reason,
+            dots=0 if found.dots is None else int(found.dots.ok.sum()),
+            expected=target.count,
+        )
+        for found in measurements
+    ]
+    indexed = sum(image.status == "ok" for image in images)
+    return DetectResult(images, indexed, len(images) - indexed)
+
+
+def _table(result: DetectResult) -> object:
+    from rich.table import Table
+
+    table = Table(
+        "picture", "dots", "what came of it", caption=f"{result.indexed} indexed, {result.refused} refused"
+    )
+    for image in result.images:
+        table.add_row(image.image, f"{image.dots} of {image.expected}", image.reason or "ok")
+    return table
+
+
+def _write_overlays(
+    folder: Path, measurements: "list[Measurement]", target: "DotGrid", *, force: bool
+) -> None:
+    from labcal.report.overlay import draw_overlay
+    from labcal.run.outputs import make_folder
+    from labcal.shoot.pictures import write_picture
+
+    make_folder(folder)
+    for found in measurements:
+        if found.dots is not None:
+            path = folder / f"{found.source.view}_{found.source.camera}.png"
+            write_picture(path, draw_overlay(found.source.read(), found.dots, target), force=force)

@@ -1,0 +1,77 @@
+"""``labcal evaluate``: errors of points in millimetres."""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+
+if TYPE_CHECKING:
+    from labcal.evaluate.against_truth import TruthErrors
+    from labcal.evaluate.own_lengths import LengthErrors
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    parser = commands.add(
+        "evaluate",
+        run,
+        "Tell the errors of points, against the truth or, without one, against the target's own lengths.",
+        example="labcal evaluate points.csv shoot",
+    )
+    parser.add_argument("points", type=Path, metavar="points.csv", help="from 'labcal reconstruct'")
+    parser.add_argument("shoot", type=Path, metavar="SHOOT")
+    parser.add_argument(
+        "--detections",
+        type=Path,
+        metavar="FILE",
+        help="what the points came from; gives the limit of any method",
+    )
+
+
+def run(arguments: Namespace, session: Session) -> ExitStatus:
+    """Evaluate and tell."""
+    from labcal.correspond.detections import read_detections
+    from labcal.correspond.points import read_points
+    from labcal.evaluate.against_truth import TruthErrors
+    from labcal.shoot.dataset import open_shoot
+    from labcal.workflow import evaluate
+
+    points = read_points(arguments.points)
+    shoot = open_shoot(arguments.shoot)
+    detections = None if arguments.detections is None else read_detections(arguments.detections)
+    errors = evaluate(points, shoot, detections)
+    session.emit(errors, _against_truth(errors) if isinstance(errors, TruthErrors) else _of_lengths(errors))
+    return ExitStatus.DONE
+
+
+def _against_truth(errors: "TruthErrors") -> object:
+    from rich.table import Table
+
+    x, y, z = errors.mean_signed_mm
+    caption = f"{errors.scored}; {errors.not_scored} others not scored; alignment: {errors.alignment}"
+    table = Table("error against truth", "mm", caption=caption)
+    table.add_row("points", str(errors.n))
+    table.add_row("mean, with sign (x, y, z)", f"{x:+.4f}, {y:+.4f}, {z:+.4f}")
+    for name, value in (
+        ("mean length", errors.mae_mm),
+        ("RMS", errors.rmse_mm),
+        ("95th percentile", errors.p95_mm),
+        ("greatest", errors.max_mm),
+        ("limit of any method (RMS)", errors.limit_mm),
+    ):
+        table.add_row(name, f"{value:.4f}")
+    table.add_row("within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f} %")
+    return table
+
+
+def _of_lengths(errors: "LengthErrors") -> object:
+    from rich.table import Table
+
+    table = Table("error of lengths on the target", "", caption=f"{errors.n} lengths")
+    table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
+    table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
+    table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")
+    return table

@@ -1,0 +1,132 @@
+"""``labcal fit``: a method learns from a target at known places."""
+
+from argparse import Namespace
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labcal.cli.options import add_output, add_seed, add_workers
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+
+if TYPE_CHECKING:
+    from labcal.correspond.training import TrainingData
+    from labcal.solve.fitted_model import FittedModel
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    parser = commands.add(
+        "fit",
+        run,
+        "Fit methods to the training views of a shoot whose stage tells where the target was.",
+        example="labcal fit shoot --method affine,mlp -o model.safetensors",
+    )
+    parser.add_argument("shoot", type=Path, metavar="SHOOT")
+    parser.add_argument(
+        "--method", required=True, metavar="NAME[,NAME]", help="affine, quadratic, homography, dlt, mlp"
+    )
+    add_output(
+        parser, "MODEL", "model to write; with several methods their names are added before the ending"
+    )
+    parser.add_argument(
+        "--detections", metavar="FILE", help="detections.csv of the shoot, instead of detecting anew"
+    )
+    add_seed(parser)
+    add_workers(parser)
+
+
+@dataclass(frozen=True)
+class MethodResult:
+    """One method in the JSON document of ``labcal fit``."""
+
+    method: str
+    file: str | None
+    n: int
+    training_rmse_mm: float
+    epochs: int | None
+    stop_reason: str | None
+    error: str | None
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """The JSON document of ``labcal fit``."""
+
+    models: list[MethodResult]
+
+
+def run(arguments: Namespace, session: Session) -> ExitStatus:
+    """Fit each method and write its model."""
+    from labcal.cli.inputs import detections_of
+    from labcal.errors import InputError
+    from labcal.run.outputs import refuse_existing
+    from labcal.shoot.dataset import open_shoot
+    from labcal.solve.model_file import save_model
+    from labcal.solve.registry import make_estimator
+    from labcal.workflow import fit, training_data
+
+    names = arguments.method.split(",")
+    estimators = [make_estimator(name) for name in names]
+    paths = [_path(arguments.output, name, alone=len(names) == 1) for name in names]
+    for path in paths:
+        refuse_existing(path, force=arguments.force)
+    shoot = open_shoot(arguments.shoot)
+    source = arguments.detections or str(arguments.shoot)
+    detections = detections_of(source, shoot.target, arguments.workers, session)
+    data = training_data(shoot, detections)
+    results = []
+    for path, estimator in zip(paths, estimators, strict=True):
+        if "random_state" in estimator.get_params():
+            estimator.set_params(random_state=arguments.seed)
+        try:
+            model = fit(data, estimator)
+        except InputError as error:
+            if len(names) == 1:
+                raise
+            session.warn(f"{estimator.method}: {error}")
+            results.append(_refused(estimator.method, str(error)))
+            continue
+        save_model(path, model, force=arguments.force)
+        results.append(_fitted(model, data, path))
+    result = FitResult(results)
+    session.emit(result, _table(result))
+    failed = sum(model.error is not None for model in results)
+    if failed == len(results):
+        return ExitStatus.UNUSABLE
+    return ExitStatus.PARTIAL if failed else ExitStatus.DONE
+
+
+def _path(output: Path, method: str, *, alone: bool) -> Path:
+    return output if alone else output.with_name(f"{output.stem}-{method}{output.suffix}")
+
+
+def _refused(method: str, reason: str) -> MethodResult:
+    return MethodResult(method, None, 0, float("nan"), None, None, reason)
+
+
+def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodResult:
+    from labcal.evaluate.statistics import error_statistics
+
+    estimator = model.estimator
+    return MethodResult(
+        method=estimator.method,
+        file=str(path),
+        n=len(data.X),
+        training_rmse_mm=error_statistics(estimator.predict(data.X), data.Y).rmse_mm,
+        epochs=getattr(estimator, "n_iter_", None),
+        stop_reason=getattr(estimator, "stop_reason_", None),
+        error=None,
+    )
+
+
+def _table(result: FitResult) -> object:
+    from rich.table import Table
+
+    table = Table("method", "dots", "RMS on the trained dots [mm]", "epochs", "model")
+    for model in result.models:
+        epochs = "" if model.epochs is None else f"{model.epochs} ({model.stop_reason})"
+        fate = model.error or str(model.file)
+        table.add_row(model.method, str(model.n), f"{model.training_rmse_mm:.4f}", epochs, fate)
+    return table

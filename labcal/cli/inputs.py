@@ -1,0 +1,31 @@
+"""What several commands are given: a shoot or its detections, and the target that it shows."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labcal.cli.session import Session
+
+if TYPE_CHECKING:
+    from labcal.correspond.detections import Detections
+    from labcal.targets.grid import DotGrid
+
+
+def detections_of(source: str, target: "DotGrid", workers: int, session: Session) -> "Detections":
+    """Return the dots in a table, or find them in the pictures of a shoot.
+
+    Pictures without ids are told as warnings.
+    """
+    from labcal.correspond.detections import read_detections
+    from labcal.correspond.sources import shoot_sources
+    from labcal.shoot.dataset import open_shoot
+    from labcal.workflow import measure
+
+    if Path(source).is_file():
+        return read_detections(Path(source))
+    shoot = open_shoot(Path(source))
+    with session.progress() as progress:
+        detections, measurements = measure(shoot_sources(shoot), target, workers, progress)
+    for found in measurements:
+        if found.reason is not None:
+            session.warn(f"{found.source.image}: {found.reason}")
+    return detections

@@ -1,0 +1,110 @@
+"""``labcal target``: printable targets at exact scale."""
+
+from argparse import Namespace
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from labcal.cli.options import add_output, positive_number
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+
+if TYPE_CHECKING:
+    from labcal.targets.grid import DotGrid
+
+_NAME_HELP = "name of a target, or path of a YAML file"
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    target = commands.add_group(
+        "target",
+        "List, show and print targets of dots.",
+        example="labcal target export rings-10x8 -o rings-10x8.pdf",
+    )
+    target.add("list", run_list, "List the targets that labcal ships.", example="labcal target list")
+    show = target.add(
+        "show", run_show, "Show the dimensions of a target.", example="labcal target show rings-10x8 --json"
+    )
+    show.add_argument("target", metavar="NAME", help=_NAME_HELP)
+    export = target.add(
+        "export",
+        run_export,
+        "Write a target as a file to print at exact scale, with a ruler to check the print by.",
+        example="labcal target export rings-10x8 -o rings-10x8.pdf",
+    )
+    export.add_argument("target", metavar="NAME", help=_NAME_HELP)
+    add_output(export, "FILE.{svg,pdf,png}", "the file; its ending says which format")
+    export.add_argument(
+        "--dpi", type=positive_number, metavar="N", help="pixels an inch of a PNG (300 where not given)"
+    )
+
+
+@dataclass(frozen=True)
+class TargetList:
+    """The JSON document of ``labcal target list``."""
+
+    targets: "list[DotGrid]"
+
+
+@dataclass(frozen=True)
+class ExportedTarget:
+    """The JSON document of ``labcal target export``."""
+
+    target: str
+    file: str
+    width_mm: float
+    height_mm: float
+    dpi: int | None
+
+
+def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
+    """List the shipped targets."""
+    from rich.table import Table
+
+    from labcal.targets.catalogue import load_target, target_names
+
+    targets = [load_target(name) for name in target_names()]
+    table = Table("target", "dots", "pitch [mm]", "dot [mm]", "what it is")
+    for grid in targets:
+        pitch = f"{grid.pitch_x_mm:.6g} x {grid.pitch_y_mm:.6g}"
+        dots = f"{grid.cols} x {grid.rows}"
+        table.add_row(grid.name, dots, pitch, f"{grid.dot_diameter_mm:g}", grid.description)
+    session.emit(TargetList(targets), table)
+    return ExitStatus.DONE
+
+
+def run_show(arguments: Namespace, session: Session) -> ExitStatus:
+    """Show one target."""
+    from rich.table import Table
+
+    from labcal.targets.catalogue import load_target
+
+    grid = load_target(arguments.target)
+    table = Table("key", "value")
+    for key, value in grid.model_dump(mode="json").items():
+        shown = (
+            ", ".join(f"{name} {place}" for name, place in value.items()) if key == "rings" else str(value)
+        )
+        table.add_row(key, shown)
+    session.emit(grid, table)
+    return ExitStatus.DONE
+
+
+def run_export(arguments: Namespace, session: Session) -> ExitStatus:
+    """Write a target as a file to print."""
+    from labcal.targets.artwork import export_artwork
+    from labcal.targets.catalogue import load_target
+
+    grid = load_target(arguments.target)
+    artwork = export_artwork(grid, arguments.output, dpi=arguments.dpi, force=arguments.force)
+    result = ExportedTarget(
+        target=grid.name,
+        file=str(arguments.output),
+        width_mm=artwork.width_mm,
+        height_mm=artwork.height_mm,
+        dpi=artwork.dpi,
+    )
+    size = f"{artwork.width_mm:.1f} mm x {artwork.height_mm:.1f} mm"
+    session.emit(result, f"{arguments.output}: {size}. Print at 100 % and check the ruler.")
+    return ExitStatus.DONE

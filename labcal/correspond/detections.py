@@ -1,0 +1,163 @@
+"""``detections.csv``: the dots of many pictures in one table."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from labcal.correspond.sources import Source
+from labcal.detect.dots import PictureDots
+from labcal.detect.flags import DotFlag
+from labcal.errors import InputError
+
+HEADER = (
+    "view", "camera", "image", "width_px", "height_px", "col", "row",
+    "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Detections:
+    """Dots of many pictures, a line each, in columns of equal length."""
+
+    view: np.ndarray
+    """(n,) of str"""
+    camera: np.ndarray
+    """(n,) of str"""
+    image: np.ndarray
+    """(n,) of str, the path as given."""
+    size: Int64[np.ndarray, "n 2"]
+    """Width and height of the picture, px."""
+    index: Int64[np.ndarray, "n 2"]
+    """(col, row), which mean something only where `has_id`."""
+    has_id: Bool[np.ndarray, " n"]
+    position: Float64[np.ndarray, "n 2"]
+    """Centre of area of the outer outline, px; NaN where not measured."""
+    covariance: Float64[np.ndarray, "n 2 2"]
+    """Of `position`, px squared."""
+    flag: np.ndarray
+    """(n,) of str, a :class:`DotFlag`."""
+
+    def __len__(self) -> int:
+        return len(self.view)
+
+    @property
+    def ok(self) -> Bool[np.ndarray, " n"]:
+        """The dots that are measurements of the declared grid."""
+        return np.asarray(self.flag == DotFlag.OK.value)
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """Names of the cameras, in order of appearance."""
+        return tuple(dict.fromkeys(self.camera.tolist()))
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """Names of the views, in order of appearance."""
+        return tuple(dict.fromkeys(self.view.tolist()))
+
+    def where(self, mask: Bool[np.ndarray, " n"]) -> "Detections":
+        """Return the lines where the mask holds."""
+        return Detections(
+            self.view[mask], self.camera[mask], self.image[mask], self.size[mask], self.index[mask],
+            self.has_id[mask], self.position[mask], self.covariance[mask], self.flag[mask],
+        )  # fmt: skip
+
+    def picture_size(self, camera: str) -> tuple[int, int]:
+        """Return a camera's picture size.
+
+        Raises
+        ------
+        InputError
+            Its pictures differ in size.
+        """
+        sizes = np.unique(self.size[self.camera == camera], axis=0)
+        if len(sizes) != 1:
+            listed = ", ".join(f"{w} x {h}" for w, h in sizes)
+            raise InputError(
+                f"The pictures of camera '{camera}' differ in size ({listed}), but a camera takes one size. "
+                "Tell cameras apart with --cameras, or leave the odd pictures out."
+            )
+        return (int(sizes[0, 0]), int(sizes[0, 1]))
+
+
+def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detections:
+    """Return one table of what was found in each picture."""
+    pairs = list(zip(sources, pictures, strict=True))
+    counts = [len(dots.flag) for _, dots in pairs]
+    sizes = np.array([dots.size for _, dots in pairs], dtype=np.int64).reshape(-1, 2)
+    flags = [flag.value for _, dots in pairs for flag in dots.flag]
+    return Detections(
+        view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), counts),
+        camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), counts),
+        image=np.repeat(np.array([source.image for source in sources], dtype=np.str_), counts),
+        size=np.repeat(sizes, counts, axis=0),
+        index=np.concatenate([dots.index for _, dots in pairs]).astype(np.int64),
+        has_id=np.concatenate([dots.has_id for _, dots in pairs]),
+        position=np.concatenate([dots.position for _, dots in pairs]),
+        covariance=np.concatenate([dots.covariance for _, dots in pairs]),
+        flag=np.array(flags, dtype=np.str_),
+    )
+
+
+def detections_csv(table: Detections) -> str:
+    """Return the text of ``detections.csv``; figures are written so that they read back exactly."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for i in range(len(table)):
+        index = table.index[i].tolist() if table.has_id[i] else ["", ""]
+        (xx, xy), (_, yy) = table.covariance[i].tolist()
+        writer.writerow(
+            [table.view[i], table.camera[i], table.image[i], *table.size[i].tolist(), *index,
+             *(repr(v) for v in (*table.position[i].tolist(), xx, xy, yy)), table.flag[i]]
+        )  # fmt: skip
+    return text.getvalue()
+
+
+def read_detections(path: Path) -> Detections:
+    """Read ``detections.csv``.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, has other columns, or a line in it is damaged; the line is named.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as handle:
+            lines = list(csv.reader(handle))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"The detections {path} cannot be read: {error}.") from error
+    if not lines or tuple(lines[0]) != HEADER:
+        raise InputError(f"{path} is no table of detections: its first line should be {','.join(HEADER)}.")
+    flags = {flag.value for flag in DotFlag}
+    figures = np.full((len(lines) - 1, 5), np.nan)
+    whole = np.zeros((len(lines) - 1, 4), dtype=np.int64)
+    has_id = np.zeros(len(lines) - 1, dtype=bool)
+    for i, line in enumerate(lines[1:]):
+        try:
+            _, _, _, width, height, col, row, x, y, xx, xy, yy, flag = line
+            has_id[i] = col != "" and row != ""
+            whole[i] = [int(width), int(height), int(col or 0), int(row or 0)]
+            figures[i] = [float(v) for v in (x, y, xx, xy, yy)]
+            known = flag in flags
+        except ValueError:
+            known = False
+        if not known:
+            raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}")
+    names = np.array([line[:3] for line in lines[1:]], dtype=np.str_).reshape(-1, 3)
+    return Detections(
+        view=names[:, 0],
+        camera=names[:, 1],
+        image=names[:, 2],
+        size=whole[:, :2],
+        index=whole[:, 2:],
+        has_id=has_id,
+        position=figures[:, :2],
+        covariance=figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
+        flag=np.array([line[-1] for line in lines[1:]], dtype=np.str_),
+    )

@@ -1,0 +1,107 @@
+"""Dots seen by all cameras at once, as the table that solvers learn from and predict on."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from labcal.arrays import Points, Pose
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.geometry.poses import transform
+from labcal.targets.grid import DotGrid
+
+
+@dataclass(frozen=True)
+class Matches:
+    """Dots that every camera measured in the same view, sorted by view, row and column."""
+
+    cameras: tuple[str, ...]
+    view: np.ndarray
+    """(n,) of str"""
+    index: Int64[np.ndarray, "n 2"]
+    """(col, row)"""
+    q: Float64[np.ndarray, "n cameras 2"]
+    """Positions, px."""
+    covariance: Float64[np.ndarray, "n cameras 2 2"]
+    """Of the positions, px squared."""
+
+    def __len__(self) -> int:
+        return len(self.view)
+
+    @property
+    def X(self) -> Float64[np.ndarray, "n columns"]:
+        """Positions as columns x1 y1 x2 y2 ..., px."""
+        return self.q.reshape(len(self.q), -1)
+
+    def where(self, mask: np.ndarray) -> "Matches":
+        """Return the lines where the mask holds."""
+        return Matches(self.cameras, self.view[mask], self.index[mask], self.q[mask], self.covariance[mask])
+
+
+def match(detections: Detections, cameras: Sequence[str]) -> Matches:
+    """Return the dots that all of `cameras` measured in the same view.
+
+    Parameters
+    ----------
+    detections : Detections
+        Only dots flagged ``ok`` enter.
+    cameras : sequence of str
+        The cameras wanted, in the order of the columns.
+
+    Raises
+    ------
+    InputError
+        A camera is missing from the detections.
+    """
+    missing = [name for name in cameras if name not in detections.cameras]
+    if missing:
+        raise InputError(
+            f"There are no detections of camera {', '.join(missing)}, "
+            f"only of {', '.join(detections.cameras) or 'none'}."
+        )
+    usable = detections.where(detections.ok)
+    lines: dict[tuple[str, int, int], dict[str, int]] = {}
+    for i, (view, camera, (col, row)) in enumerate(
+        zip(usable.view.tolist(), usable.camera.tolist(), usable.index.tolist(), strict=True)
+    ):
+        lines.setdefault((view, row, col), {})[camera] = i
+    order = {view: i for i, view in enumerate(usable.views)}
+    keys = sorted(
+        (key for key, seen in lines.items() if all(name in seen for name in cameras)),
+        key=lambda key: (order[key[0]], key[1], key[2]),
+    )
+    rows = np.array([[lines[key][name] for name in cameras] for key in keys], dtype=np.int64).reshape(
+        -1, len(cameras)
+    )
+    return Matches(
+        cameras=tuple(cameras),
+        view=np.array([view for view, _, _ in keys], dtype=np.str_),
+        index=np.array([(col, row) for _, row, col in keys], dtype=np.int64).reshape(-1, 2),
+        q=usable.position[rows],
+        covariance=usable.covariance[rows],
+    )
+
+
+def stage_points(matches: Matches, target: DotGrid, T_world_target: Mapping[str, Pose]) -> Points:
+    """Return where the matched dots are in the world, from the target's pose in each view.
+
+    Parameters
+    ----------
+    matches : Matches
+    target : DotGrid
+    T_world_target : mapping of str to ndarray of shape (4, 4)
+        Pose of the target by view, mm.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        Millimetres; NaN for views without a pose.
+    """
+    p_target = target.points(matches.index)
+    p = np.full(p_target.shape, np.nan)
+    for view, T in T_world_target.items():
+        mask = matches.view == view
+        p[mask] = transform(T, p_target[mask])
+    return p

@@ -1,0 +1,53 @@
+"""Detection in many pictures, spread over an executor."""
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+from labcal.correspond.sources import Source
+from labcal.detect.detector import detect_dots
+from labcal.detect.dots import PictureDots
+from labcal.detect.flags import advice
+from labcal.errors import InputError
+from labcal.run.progress import Progress
+from labcal.targets.grid import DotGrid
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What came of one picture."""
+
+    source: Source
+    dots: PictureDots | None
+    """None where the file could not be read."""
+    reason: str | None
+    """Why the picture has no ids, for people; None where it has."""
+
+    @property
+    def indexed(self) -> bool:
+        """Whether dots of this picture have ids."""
+        return self.reason is None
+
+
+def measure_picture(source: Source, target: DotGrid) -> Measurement:
+    """Read and measure one picture; a file that cannot be read is a result with a reason."""
+    try:
+        picture = source.read()
+    except InputError as error:
+        return Measurement(source, None, str(error))
+    dots = detect_dots(picture, target)
+    return Measurement(
+        source, dots, None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
+    )
+
+
+def measure_pictures(
+    sources: Sequence[Source], target: DotGrid, executor: Executor, progress: Progress
+) -> list[Measurement]:
+    """Measure pictures, in the order of `sources` whatever the order of work."""
+    progress.start("detecting dots", len(sources))
+    found = []
+    for measurement in executor.map(measure_picture, sources, [target] * len(sources)):
+        found.append(measurement)
+        progress.advance()
+    return found

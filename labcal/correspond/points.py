@@ -1,0 +1,104 @@
+"""``points.csv``: reconstructed points, a line a dot."""
+
+import csv
+import io
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Int64
+
+from labcal.arrays import PointCovariances, Points
+from labcal.errors import InputError
+
+HEADER = (
+    "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
+    "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz", "flag",
+)  # fmt: skip
+_UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
+
+
+class PointFlag(StrEnum):
+    """What to think of a point."""
+
+    OK = "ok"
+    """Reconstructed."""
+    EXTRAPOLATED = "extrapolated"
+    """Outside the volume that the method was trained in."""
+    NO_SOLUTION = "no-solution"
+    """The pixels determine no point."""
+
+
+@dataclass(frozen=True)
+class ReconstructedPoints:
+    """Points in columns of equal length, in the frame of the model."""
+
+    view: np.ndarray
+    """(n,) of str"""
+    index: Int64[np.ndarray, "n 2"]
+    """(col, row)"""
+    point: Points
+    """(n, 3), mm; NaN where there is none."""
+    covariance: PointCovariances
+    """(n, 3, 3), mm squared; NaN where the method states none."""
+    flag: np.ndarray
+    """(n,) of str, a :class:`PointFlag`."""
+
+    def __len__(self) -> int:
+        return len(self.view)
+
+    def where(self, mask: np.ndarray) -> "ReconstructedPoints":
+        """Return the lines where the mask holds."""
+        return ReconstructedPoints(
+            self.view[mask], self.index[mask], self.point[mask], self.covariance[mask], self.flag[mask]
+        )
+
+
+def points_csv(points: ReconstructedPoints) -> str:
+    """Return the text of ``points.csv``; figures are written so that they read back exactly."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for i in range(len(points)):
+        figures = [*points.point[i].tolist(), *points.covariance[i][_UPPER].tolist()]
+        writer.writerow(
+            [points.view[i], *points.index[i].tolist(), *(repr(v) for v in figures), points.flag[i]]
+        )
+    return text.getvalue()
+
+
+def read_points(path: Path) -> ReconstructedPoints:
+    """Read ``points.csv``.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, has other columns, or a line in it is damaged; the line is named.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as handle:
+            lines = list(csv.reader(handle))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"The points {path} cannot be read: {error}.") from error
+    if not lines or tuple(lines[0]) != HEADER:
+        raise InputError(f"{path} is no table of points: its first line should be {','.join(HEADER)}.")
+    index = np.zeros((len(lines) - 1, 2), dtype=np.int64)
+    figures = np.full((len(lines) - 1, 9), np.nan)
+    for i, line in enumerate(lines[1:]):
+        try:
+            _, col, row, *numbers, _ = line
+            index[i] = [int(col), int(row)]
+            figures[i] = [float(v) for v in numbers]
+        except ValueError as error:
+            raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}") from error
+    covariance = np.empty((len(figures), 3, 3))
+    covariance[:, _UPPER[0], _UPPER[1]] = figures[:, 3:]
+    covariance[:, _UPPER[1], _UPPER[0]] = figures[:, 3:]
+    return ReconstructedPoints(
+        view=np.array([line[0] for line in lines[1:]], dtype=np.str_),
+        index=index,
+        point=figures[:, :3],
+        covariance=covariance,
+        flag=np.array([line[-1] for line in lines[1:]], dtype=np.str_),
+    )

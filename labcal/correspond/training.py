@@ -1,0 +1,58 @@
+"""What a method learns from: matched dots whose places the stage tells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Points
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match, stage_points
+from labcal.errors import InputError
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+
+
+@dataclass(frozen=True)
+class TrainingData:
+    """Pixels and the points that belong to them."""
+
+    cameras: tuple[str, ...]
+    image_sizes: tuple[tuple[int, int], ...]
+    """Width and height of each camera's pictures, px."""
+    view: np.ndarray
+    """(n,) of str"""
+    X: Float64[np.ndarray, "n columns"]
+    """Columns x1 y1 x2 y2 ..., px."""
+    Y: Points
+    """(n, 3), stage world, mm."""
+
+
+def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
+    """Return the dots of the training views that all cameras measured.
+
+    Raises
+    ------
+    InputError
+        The target was hand-held, or no dot of a training view was measured by all cameras.
+    """
+    poses = shoot.nominal_poses()
+    trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in poses]
+    if not trained:
+        raise InputError(
+            f"The target in {shoot.folder} was hand-held: no training view tells where it was, so there is "
+            "nothing to fit to. Use 'labcal calibrate', or shoot the target on a stage."
+        )
+    matches = match(detections, shoot.cameras)
+    matches = matches.where(np.isin(matches.view, trained))
+    if len(matches) == 0:
+        raise InputError(
+            "No dot of a training view was measured by all cameras; see the flags in the detections."
+        )
+    return TrainingData(
+        cameras=shoot.cameras,
+        image_sizes=tuple(detections.picture_size(name) for name in shoot.cameras),
+        view=matches.view,
+        X=matches.X,
+        Y=stage_points(matches, shoot.target, poses),
+    )

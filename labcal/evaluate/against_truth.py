@@ -1,0 +1,139 @@
+"""Errors of reconstructed points against the truth of a rendered shoot."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from labcal.arrays import Mask, Points
+from labcal.cameras.triangulation import triangulation_limit
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import Matches, match, stage_points
+from labcal.correspond.points import ReconstructedPoints
+from labcal.errors import InputError
+from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
+from labcal.geometry.hull import inside_hull
+from labcal.geometry.poses import rigid_alignment, transform
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+from labcal.shoot.truth import Truth, read_truth
+
+_HULL_TOLERANCE_MM = 1e-3
+
+
+@dataclass(frozen=True)
+class TruthErrors(ErrorStatistics):
+    """The JSON document of ``labcal evaluate`` where the truth is known."""
+
+    limit_mm: float
+    """What perfectly known cameras would have reached from the same detections; NaN without detections."""
+    coverage95: float
+    """Share of points within the 95% ellipsoid that the method states; NaN where it states none."""
+    alignment: Literal["none", "rigid"]
+    """`rigid` where the model's world is not the truth's, as with a hand-held target."""
+    scored: str
+    """Which points count, in words."""
+    not_scored: int
+    """Reconstructed points that do not count: trained on, outside the trained hull, or without a solution."""
+
+
+def errors_against_truth(
+    points: ReconstructedPoints, shoot: Shoot, detections: Detections | None
+) -> TruthErrors:
+    """Compare points with where the dots truly were.
+
+    Where the shoot has test views at known places, only their dots within the hull of the trained dots count.
+
+    Parameters
+    ----------
+    points : ReconstructedPoints
+    shoot : Shoot
+        Its folder holds the truth.
+    detections : Detections or None
+        What the points came from, for the limit.
+
+    Raises
+    ------
+    InputError
+        The points are not of this shoot, or none of them counts.
+    """
+    truth = read_truth(shoot.folder)
+    unknown = sorted(set(points.view.tolist()) - set(truth.views))
+    if unknown:
+        raise InputError(
+            f"The points hold view '{unknown[0]}', which the shoot {shoot.folder} does not have."
+        )
+    true = _true_points(points.view, points.index, shoot, truth)
+    counts, scored = _scored(points, true, shoot)
+    counts &= np.isfinite(points.point).all(axis=1)
+    if not counts.any():
+        raise InputError(f"None of the {len(points)} points can be scored; {scored} would be.")
+    kept, true = points.where(counts), true[counts]
+    handheld = not shoot.nominal_poses()
+    predicted, covariance = kept.point, kept.covariance
+    if handheld:
+        T_true_model = rigid_alignment(true, predicted)
+        R = T_true_model[:3, :3]
+        predicted, covariance = transform(T_true_model, predicted), R @ covariance @ R.T
+    figures = error_statistics(predicted, true)
+    return TruthErrors(
+        n=figures.n,
+        mean_signed_mm=figures.mean_signed_mm,
+        mae_mm=figures.mae_mm,
+        rmse_mm=figures.rmse_mm,
+        p95_mm=figures.p95_mm,
+        max_mm=figures.max_mm,
+        limit_mm=float("nan") if detections is None else _limit(kept, shoot, truth, detections),
+        coverage95=coverage(predicted - true, covariance),
+        alignment="rigid" if handheld else "none",
+        scored=scored,
+        not_scored=int((~counts).sum()),
+    )
+
+
+def _true_points(view: np.ndarray, index: np.ndarray, shoot: Shoot, truth: Truth) -> Points:
+    """Return where dots truly were, by view."""
+    p_target = shoot.target.points(index)
+    p = np.full(p_target.shape, np.nan)
+    for name, true_view in truth.views.items():
+        p[view == name] = transform(np.array(true_view.T_world_target), p_target[view == name])
+    return p
+
+
+def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot) -> tuple[Mask, str]:
+    """Return which points count, and that in words."""
+    nominal = shoot.nominal_poses()
+    tested = {view.name for view in shoot.views(Role.TEST)}
+    trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in nominal]
+    if not (tested and trained):
+        return np.ones(len(points), dtype=bool), "all points"
+    p_target = shoot.target.points()
+    hull_of = np.concatenate([transform(nominal[name], p_target) for name in trained])
+    of_test = np.isin(points.view, sorted(tested))
+    return of_test & inside_hull(
+        true, hull_of, _HULL_TOLERANCE_MM
+    ), "points of test views within the trained hull"
+
+
+def _limit(kept: ReconstructedPoints, shoot: Shoot, truth: Truth, detections: Detections) -> float:
+    """Return the RMS error that exactly known cameras would leave, from the detections' covariances."""
+    matches = match(detections, shoot.cameras)
+    wanted = {
+        (view, *index)
+        for view, index in zip(kept.view.tolist(), map(tuple, kept.index.tolist()), strict=True)
+    }
+    chosen = matches.where(_contained(matches, wanted))
+    finite = np.isfinite(chosen.covariance).all(axis=(1, 2, 3))
+    chosen = chosen.where(finite)
+    if len(chosen) == 0:
+        return float("nan")
+    poses = {name: np.array(view.T_world_target) for name, view in truth.views.items()}
+    true = stage_points(chosen, shoot.target, poses)
+    cameras = [truth.cameras[name].camera() for name in shoot.cameras]
+    bound = triangulation_limit(cameras, true, chosen.covariance)
+    return float(np.sqrt(np.trace(bound, axis1=1, axis2=2).mean()))
+
+
+def _contained(matches: Matches, wanted: set[tuple[str, int, int]]) -> Mask:
+    keys = zip(matches.view.tolist(), map(tuple, matches.index.tolist()), strict=True)
+    return np.array([(view, *index) in wanted for view, index in keys], dtype=bool)

@@ -1,0 +1,71 @@
+"""Figures that sum up 3-D errors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from labcal.arrays import PointCovariances, Points
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class ErrorStatistics:
+    """Errors of n points, predicted minus true, mm."""
+
+    n: int
+    mean_signed_mm: tuple[float, float, float]
+    """Mean error in x, y and z, with its sign."""
+    mae_mm: float
+    """Mean length of the 3-D error."""
+    rmse_mm: float
+    """Root mean square length of the 3-D error."""
+    p95_mm: float
+    """95th percentile of the length."""
+    max_mm: float
+    """Greatest length."""
+
+
+def error_statistics(predicted: Points, true: Points) -> ErrorStatistics:
+    """Return the figures for points, of which at least one must be finite in both; the rest is left out.
+
+    Parameters
+    ----------
+    predicted, true : ndarray, shape (n, 3)
+        Millimetres.
+    """
+    error = predicted - true
+    error = error[np.isfinite(error).all(axis=1)]
+    if len(error) == 0:
+        nan = float("nan")
+        return ErrorStatistics(0, (nan, nan, nan), nan, nan, nan, nan)
+    length = np.linalg.norm(error, axis=1)
+    x, y, z = error.mean(axis=0).tolist()
+    return ErrorStatistics(
+        n=len(error),
+        mean_signed_mm=(x, y, z),
+        mae_mm=float(length.mean()),
+        rmse_mm=float(np.sqrt((length**2).mean())),
+        p95_mm=float(np.percentile(length, 95)),
+        max_mm=float(length.max()),
+    )
+
+
+def coverage(error: Points, covariance: PointCovariances) -> float:
+    """Return the share of errors that lie within their own 95% ellipsoid; NaN where no covariance is stated.
+
+    Parameters
+    ----------
+    error : ndarray, shape (n, 3)
+        Millimetres.
+    covariance : ndarray, shape (n, 3, 3)
+        As the method states it, mm squared.
+    """
+    stated = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(error).all(axis=1)
+    if not stated.any():
+        return float("nan")
+    distance = np.einsum(
+        "ni,ni->n", error[stated], np.linalg.solve(covariance[stated], error[stated, :, None])[..., 0]
+    )
+    return float((distance <= chi2.ppf(CONFIDENCE, 3)).mean())

@@ -1,0 +1,36 @@
+"""What the Levenberg-Marquardt loop asks of a least-squares problem."""
+
+from typing import Protocol, TypeVar, runtime_checkable
+
+Parameters = TypeVar("Parameters")
+"""Whatever a problem optimises: a tensor, an array, cameras and poses. The loop never looks inside."""
+
+Produced_co = TypeVar("Produced_co", covariant=True)
+"""The same, where a class only gives them out."""
+
+
+@runtime_checkable  # so that tests can check annotations
+class Linearization(Protocol[Produced_co]):
+    """A problem's residuals r and their Jacobian J at one point, ready to be solved for steps."""
+
+    @property
+    def gradient_norm(self) -> float:
+        """Return the largest absolute component of J'r."""
+
+    def stepped(self, mu: float) -> Produced_co | None:
+        """Return the parameters after the step that solves (J'J + mu I) step = -J'r.
+
+        How the system is solved is the problem's own affair: dense, or by elimination of views. None means
+        that it was not numerically positive definite at this damping.
+        """
+
+
+@runtime_checkable
+class Problem(Protocol[Parameters]):
+    """A cost to be made small, and how to linearise it."""
+
+    def cost(self, parameters: Parameters) -> float:
+        """Return the cost, any increasing function of the sum of squared residuals."""
+
+    def linearize(self, parameters: Parameters) -> Linearization[Parameters]:
+        """Return residuals and Jacobian at `parameters`."""

@@ -1,0 +1,25 @@
+"""What this machine offers: processors, memory and disk."""
+
+import os
+import shutil
+from pathlib import Path
+
+
+def usable_cores() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def memory_bytes() -> int | None:
+    """Return the size of the main memory, or None where the system does not tell."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # Windows has no sysconf
+        return None
+
+
+def free_disk_bytes(folder: Path) -> int:
+    """Return the free space of the disk that holds `folder`."""
+    return shutil.disk_usage(folder).free

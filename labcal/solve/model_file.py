@@ -1,0 +1,211 @@
+"""Fitted models on disk: safetensors with a JSON header. Loading never runs code from the file."""
+
+import json
+from dataclasses import fields
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import safetensors.numpy
+from pydantic import ValidationError
+from safetensors import SafetensorError, safe_open
+
+from labcal.errors import InputError
+from labcal.run.descriptions import explain_validation
+from labcal.run.outputs import write_file
+from labcal.solve.estimator import PointEstimator
+from labcal.solve.fitted_model import FittedModel, TrainingBox
+from labcal.solve.model_header import VERSION, ModelHeader
+from labcal.solve.registry import make_estimator
+
+# One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
+METADATA_KEY = "labcal"
+BOX_PREFIX = "box."
+LENGTH_BYTES = 8
+
+
+class ModelKind(StrEnum):
+    """What a MODEL on the command line can be."""
+
+    FITTED = "fitted model"
+    RIG = "rig"
+
+
+def model_kind(path: Path) -> ModelKind:
+    """Return whether a file holds a fitted model or JSON, which only a rig can be.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its name does not matter.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or begins like neither.
+    """
+    try:
+        with path.open("rb") as handle:
+            begin = handle.read(64)
+    except OSError as error:
+        raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
+    # A safetensors file begins with the length of its header, which begins with a brace.
+    if begin[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and begin[LENGTH_BYTES - 2 : LENGTH_BYTES] == b"\0\0":
+        return ModelKind.FITTED
+    if begin.lstrip().startswith(b"{"):
+        return ModelKind.RIG
+    raise InputError(f"{path} is neither a model from `labcal fit` nor a rig.json from `labcal calibrate`.")
+
+
+def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
+    """Write a fitted model.
+
+    Parameters
+    ----------
+    path : Path
+        The file to appear.
+    model : FittedModel
+        What to write.
+    force : bool
+        Replace a file that exists.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+    """
+    estimator = model.estimator
+    arrays = {
+        spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.fitted_arrays()
+    }
+    for field in fields(TrainingBox):
+        arrays[BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
+    header = ModelHeader(
+        format="labcal-model",
+        version=VERSION,
+        method=estimator.method,
+        parameters={name: _plain(value) for name, value in estimator.get_params().items()},
+        facts={name: _plain(getattr(estimator, name)) for name in estimator.fitted_facts},
+        inputs=estimator.n_features_in_,
+        outputs=estimator.n_outputs_,
+        cameras=model.cameras,
+        image_sizes=model.image_sizes,
+        planar=model.box.planar,
+        digest="",
+    ).signed(arrays)
+    write_file(path, safetensors.numpy.save(arrays, {METADATA_KEY: header.text()}), force=force)
+
+
+def load_model(path: Path) -> FittedModel:
+    """Read a fitted model; its predictions are the same bytes as before it was saved.
+
+    Parameters
+    ----------
+    path : Path
+        A file that :func:`save_model` wrote.
+
+    Returns
+    -------
+    FittedModel
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is truncated, is of another kind or of a newer version, has been changed, or
+        holds what its method does not have.
+    UnknownNameError
+        The method is not known here.
+    """
+    try:
+        with safe_open(path, framework="numpy") as file:
+            metadata = file.metadata() or {}
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - no mapping
+    except SafetensorError as error:
+        raise InputError(
+            f"The model {path} is truncated, damaged, or no model at all ({error}). Fit it again, or copy it "
+            "anew."
+        ) from error
+    except OSError as error:
+        raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
+    header = _header(path, metadata.get(METADATA_KEY))
+    if header.signed(arrays).digest != header.digest:
+        raise InputError(
+            f"The model {path} has been changed since it was written: its digest is wrong. Fit it again."
+        )
+    box = _box(path, header, arrays)
+    estimator = _estimator(path, header, arrays)
+    return FittedModel(estimator, header.cameras, header.image_sizes, box)
+
+
+def _header(path: Path, text: str | None) -> ModelHeader:
+    """Return the checked header, its version before all else."""
+    if text is None:
+        raise InputError(f"{path} is a safetensors file, but no model of labcal.")
+    try:
+        content = json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise InputError(f"The header of the model {path} is no JSON: {error}.") from error
+    version = content.get("version") if isinstance(content, dict) else None
+    if isinstance(version, int) and version > VERSION:
+        raise InputError(
+            f"The model {path} is of version {version}, but this labcal reads up to {VERSION}. Install a "
+            "newer labcal."
+        )
+    try:
+        return ModelHeader.model_validate_json(text)
+    except ValidationError as error:
+        raise InputError(
+            f"The header of the model {path} cannot be used: {explain_validation(error)}."
+        ) from error
+
+
+def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> PointEstimator:
+    """Return the fitted estimator; only attributes that its class declares are set."""
+    estimator = make_estimator(header.method)
+    if header.parameters.keys() != estimator.get_params().keys() or header.facts.keys() != set(
+        estimator.fitted_facts
+    ):
+        raise InputError(
+            f"The model {path} names parameters that the method '{header.method}' does not have."
+        )
+    estimator.set_params(**header.parameters)
+    estimator.n_features_in_ = header.inputs
+    estimator.n_outputs_ = header.outputs
+    estimator.single_output_ = False
+    for name, value in header.facts.items():
+        setattr(estimator, name, value)
+    for attribute, shape in estimator.fitted_arrays():
+        setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
+    return estimator
+
+
+def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> TrainingBox:
+    """Return the checked training box."""
+    outputs, inputs = (header.outputs,), (header.inputs,)
+    return TrainingBox(
+        low_mm=_checked(path, arrays, BOX_PREFIX + "low_mm", outputs),
+        high_mm=_checked(path, arrays, BOX_PREFIX + "high_mm", outputs),
+        low_px=_checked(path, arrays, BOX_PREFIX + "low_px", inputs),
+        high_px=_checked(path, arrays, BOX_PREFIX + "high_px", inputs),
+    )
+
+
+def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Return one array of the file if it is as the method needs it."""
+    array = arrays.get(name)
+    if array is None or array.dtype != np.float64 or array.shape != shape or not np.isfinite(array).all():
+        raise InputError(f"The model {path} lacks the array '{name}' as finite float64 of shape {shape}.")
+    return array
+
+
+def _array(value: np.ndarray) -> np.ndarray:
+    """Return an array as it is written: in one piece, in rows."""
+    return np.ascontiguousarray(value, dtype=np.float64).reshape(np.shape(value))
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - scikit-learn is untyped
+    """Return a parameter or fact without NumPy's scalar types, which JSON does not know."""
+    if isinstance(value, np.generic):
+        return value.item()
+    return tuple(_plain(element) for element in value) if isinstance(value, list | tuple) else value

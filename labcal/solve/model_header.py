@@ -1,0 +1,68 @@
+"""The JSON header of a model file, and the digest that shows damage."""
+
+import hashlib
+import json
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+VERSION = 1
+"""Version of the format that this program writes, and the newest that it reads."""
+
+Value = bool | int | float | str | tuple[int, ...]
+"""A constructor argument or a fitted fact."""
+
+
+class ModelHeader(BaseModel):
+    """Everything in a model file but the arrays.
+
+    Attributes
+    ----------
+    format, version
+        What the file is.
+    method : str
+        The method's name.
+    parameters : mapping
+        The estimator's constructor arguments.
+    facts : mapping
+        Its fitted attributes that are a number or a text.
+    inputs, outputs : int
+        Columns of X and of Y.
+    cameras : tuple of str
+        Names in the order of the columns.
+    image_sizes : tuple
+        Width and height, px, of each camera.
+    planar : bool
+        Whether all points were trained at one Z; for readers other than this program.
+    digest : str
+        SHA-256 over this header, with an empty digest, and all arrays.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    format: Literal["labcal-model"]
+    version: int
+    method: str
+    parameters: dict[str, Value]
+    facts: dict[str, Value]
+    inputs: int
+    outputs: int
+    cameras: tuple[str, ...]
+    image_sizes: tuple[tuple[int, int], ...]
+    planar: bool
+    digest: str
+
+    def text(self) -> str:
+        """Return the header as JSON, always the same for the same content."""
+        return json.dumps(self.model_dump(), sort_keys=True, allow_nan=False)
+
+    def signed(self, arrays: dict[str, np.ndarray]) -> "ModelHeader":
+        """Return the header with the digest of itself and these arrays."""
+        blank = self.model_copy(update={"digest": ""})
+        digest = hashlib.sha256(blank.text().encode())
+        for name in sorted(arrays):
+            array = arrays[name]
+            digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return blank.model_copy(update={"digest": digest.hexdigest()})

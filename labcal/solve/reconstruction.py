@@ -1,0 +1,76 @@
+"""Points in space from matched dots, by a fitted method or by a rig."""
+
+from pathlib import Path
+
+import numpy as np
+
+from labcal.cameras.rig import Rig, read_rig
+from labcal.cameras.triangulation import triangulate
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import Matches, match
+from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.errors import InputError
+from labcal.solve.fitted_model import FittedModel
+from labcal.solve.model_file import ModelKind, load_model, model_kind
+
+
+def load_reconstructor(path: Path) -> FittedModel | Rig:
+    """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
+
+    Raises
+    ------
+    InputError
+        The file is neither, or is damaged.
+    """
+    return read_rig(path) if model_kind(path) is ModelKind.RIG else load_model(path)
+
+
+def reconstruct_points(model: FittedModel | Rig, detections: Detections) -> ReconstructedPoints:
+    """Return the points of all dots that every camera of the model measured.
+
+    Parameters
+    ----------
+    model : FittedModel or Rig
+        A fitted method gives points in the stage's world and states no covariance; a rig triangulates, with
+        covariances from the pixels', in its own world.
+    detections : Detections
+
+    Raises
+    ------
+    InputError
+        A camera of the model is missing, its pictures are of another size, or no dot was seen by all cameras.
+    """
+    cameras = tuple(model.cameras)
+    matches = match(detections, cameras)
+    if len(matches) == 0:
+        raise InputError(f"No dot was measured by all of the cameras {', '.join(cameras)} in the same view.")
+    if isinstance(model, Rig):
+        _require_sizes(detections, {name: record.size for name, record in model.cameras.items()})
+        return _by_rig(model, matches)
+    _require_sizes(detections, dict(zip(cameras, model.image_sizes, strict=True)))
+    return _by_method(model, matches)
+
+
+def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) -> None:
+    for camera, expected in sizes.items():
+        given = detections.picture_size(camera)
+        if given != tuple(expected):
+            raise InputError(
+                f"Camera '{camera}' was calibrated with pictures of {expected[0]} x {expected[1]}, but "
+                f"these are {given[0]} x {given[1]}. Calibrate again with pictures of this size."
+            )
+
+
+def _by_rig(rig: Rig, matches: Matches) -> ReconstructedPoints:
+    if len(rig.cameras) == 1:
+        raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
+    found = triangulate([rig.camera(name) for name in matches.cameras], matches.q, matches.covariance)
+    flag = np.where(found.ok, PointFlag.OK.value, PointFlag.NO_SOLUTION.value)
+    return ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag)
+
+
+def _by_method(model: FittedModel, matches: Matches) -> ReconstructedPoints:
+    point = np.ascontiguousarray(model.estimator.predict(matches.X)[:, :3])
+    flag = np.where(model.box.holds(point), PointFlag.OK.value, PointFlag.EXTRAPOLATED.value)
+    covariance = np.full((len(point), 3, 3), np.nan)
+    return ReconstructedPoints(matches.view, matches.index, point, covariance, flag)

@@ -1,0 +1,224 @@
+"""Targets as SVG, PDF and PNG at exact scale, with a ruler to check the print by."""
+
+import io
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path as FilePath
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.patches import Rectangle as RectanglePatch
+from matplotlib.path import Path as Outline
+
+from labcal.errors import InputError, UnknownNameError
+from labcal.run.machine import memory_bytes
+from labcal.run.outputs import refuse_existing, write_file
+from labcal.targets.grid import DotGrid, Polarity
+from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out
+
+MM_PER_INCH = 25.4
+POINTS_PER_INCH = 72
+DEFAULT_DPI = 300
+
+_HAIRLINE_MM = 0.15
+_BYTES_PER_PIXEL = 8  # the canvas, and the copy that is compressed
+_ASSUMED_MEMORY = 4 * 2**30  # where the system does not tell
+
+
+class ArtworkFormat(StrEnum):
+    """The formats, named by the ending of the file."""
+
+    SVG = "svg"
+    PDF = "pdf"
+    PNG = "png"
+
+
+_UNDATED = {
+    ArtworkFormat.SVG: {"Date": None},
+    ArtworkFormat.PDF: {"CreationDate": None},
+    ArtworkFormat.PNG: {},
+}
+
+
+@dataclass(frozen=True)
+class Artwork:
+    """A drawn target: the content of the file, the size of the paper, and the pixels an inch of a PNG."""
+
+    content: bytes
+    width_mm: float
+    height_mm: float
+    dpi: int | None
+
+
+def export_artwork(grid: DotGrid, path: FilePath, *, dpi: int | None = None, force: bool = False) -> Artwork:
+    """Write a target as a file to print; the ending of the name says which format.
+
+    Parameters
+    ----------
+    grid : DotGrid
+        The target.
+    path : pathlib.Path
+        The file, ending in ``.svg``, ``.pdf`` or ``.png``.
+    dpi : int, optional
+        Pixels an inch of a PNG, 300 where left out.
+    force : bool
+        Replace an existing file.
+
+    Raises
+    ------
+    InputError
+        The ending is not known, `dpi` is given for a format without pixels, or the PNG would not fit into
+        memory.
+    OutputError
+        The file exists or cannot be written.
+    """
+    kind = path.suffix.removeprefix(".").lower()
+    if kind not in set(ArtworkFormat):
+        raise UnknownNameError("artwork format (the ending of the file's name)", kind, ArtworkFormat)
+    refuse_existing(path, force=force)
+    artwork = draw_artwork(grid, ArtworkFormat(kind), dpi=dpi)
+    write_file(path, artwork.content, force=force)
+    return artwork
+
+
+def draw_artwork(grid: DotGrid, kind: ArtworkFormat, *, dpi: int | None = None) -> Artwork:
+    """Return a target as the content of a file; see :func:`export_artwork`."""
+    if kind is not ArtworkFormat.PNG and dpi is not None:
+        raise InputError(
+            f"A resolution (dpi) means nothing to {kind.upper()}, which has no pixels; leave it out."
+        )
+    sheet = lay_out(grid)
+    used_dpi = _resolution(sheet, dpi) if kind is ArtworkFormat.PNG else None
+    width, height = _paper_size(sheet, used_dpi)
+    resolution = used_dpi or POINTS_PER_INCH
+    with _own_style():
+        figure = Figure(
+            figsize=(width / MM_PER_INCH, height / MM_PER_INCH), dpi=resolution, facecolor="white"
+        )
+        FigureCanvasAgg(figure)
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        axes.set_xlim(sheet.paper.x_min, sheet.paper.x_min + width)
+        axes.set_ylim(sheet.paper.y_max - height, sheet.paper.y_max)
+        _draw_board(axes, grid, sheet)
+        _draw_ruler(axes, sheet)
+        _draw_captions(axes, sheet)
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format=kind.value, dpi=resolution, metadata=_UNDATED[kind])
+    return Artwork(buffer.getvalue(), width, height, used_dpi)
+
+
+@contextmanager
+def _own_style() -> Iterator[None]:
+    """Draw as decided here; the user's own settings of matplotlib could change the scale."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams["svg.hashsalt"] = "labcal"  # else the ids, and so the bytes, differ from run to run
+        mpl.rcParams["font.family"] = "DejaVu Sans"  # comes with matplotlib
+        mpl.rcParams["pdf.fonttype"] = 42  # outlines that every printer takes
+        yield
+
+
+def _paper_size(sheet: Sheet, dpi: int | None) -> tuple[float, float]:
+    """Return the paper's size, rounded up to whole pixels if there are any: that keeps the scale exact."""
+    if dpi is None:
+        return sheet.paper.width, sheet.paper.height
+    pixel = MM_PER_INCH / dpi
+    return math.ceil(sheet.paper.width / pixel) * pixel, math.ceil(sheet.paper.height / pixel) * pixel
+
+
+def _resolution(sheet: Sheet, dpi: int | None) -> int:
+    """Return the resolution to use, or refuse one that needs more than half of the memory."""
+    wanted = DEFAULT_DPI if dpi is None else dpi
+    if wanted < 1:
+        raise InputError(f"The resolution is {wanted} dpi, but should be at least 1.")
+    available = (memory_bytes() or _ASSUMED_MEMORY) / 2
+    square_inches = sheet.paper.width * sheet.paper.height / MM_PER_INCH**2
+    if square_inches * wanted**2 * _BYTES_PER_PIXEL > available:
+        largest = math.floor(math.sqrt(available / (square_inches * _BYTES_PER_PIXEL)))
+        size = f"{sheet.paper.width:.0f} mm x {sheet.paper.height:.0f} mm"
+        raise InputError(
+            f"A picture of {size} at {wanted} dpi does not fit into the memory of this machine. "
+            f"Give at most --dpi {largest}, or export SVG or PDF, which have no pixels."
+        )
+    return wanted
+
+
+def _draw_board(axes: Axes, grid: DotGrid, sheet: Sheet) -> None:
+    """Draw the dots on their ground, and marks outside the board's corners to cut along."""
+    board = sheet.board
+    dots = "black"
+    if grid.polarity is Polarity.WHITE_ON_BLACK:
+        dots = "white"
+        ground = RectanglePatch(
+            (board.x_min, board.y_min), board.width, board.height, facecolor="black", linewidth=0, snap=False
+        )
+        axes.add_patch(ground)
+    axes.add_patch(PathPatch(dot_outlines(grid), facecolor=dots, linewidth=0, snap=False, gid="dots"))
+    near, far = 1.0, 4.0
+    for x, outward in ((board.x_min, -1), (board.x_max, 1)):
+        for y, upward in ((board.y_min, -1), (board.y_max, 1)):
+            _line(axes, (x + near * outward, x + far * outward), (y, y))
+            _line(axes, (x, x), (y + near * upward, y + far * upward))
+
+
+def dot_outlines(grid: DotGrid) -> Outline:
+    """Return the outlines of all dots as one path, in millimetres in the target's frame.
+
+    The hole of a ring runs the other way round, so that filling leaves it empty. A circle is matplotlib's,
+    eight cubic curves, true to 1e-5 of the radius.
+    """
+    circle = Outline.unit_circle()
+    vertices = np.asarray(circle.vertices)
+    # The last vertex belongs to "close" and has no place of its own.
+    reversed_vertices = np.concatenate([vertices[-2::-1], vertices[-1:]])
+    centres = grid.points()[:, :2]
+    radii = grid.outer_diameters_mm() / 2
+    outer = centres[:, None] + radii[:, None, None] * vertices
+    holes = [centres[row * grid.cols + col] for col, row in grid.ring_indices]
+    inner = np.stack(holes)[:, None] + grid.ring_inner_diameter_mm / 2 * reversed_vertices
+    circles = np.concatenate([outer, inner])
+    return Outline(circles.reshape(-1, 2), np.tile(np.asarray(circle.codes), len(circles)))
+
+
+def _draw_ruler(axes: Axes, sheet: Sheet) -> None:
+    """Draw a line every millimetre, longer ones with figures every ten."""
+    left, top = sheet.ruler
+    _line(axes, (left, left + RULER_MM), (top, top), gid="ruler")
+    for mm in range(round(RULER_MM) + 1):
+        length = 4.0 if mm % 10 == 0 else 3.0 if mm % 5 == 0 else 2.0
+        _line(axes, (left + mm, left + mm), (top, top - length))
+        if mm % 10 == 0:
+            label = f"{mm} mm" if mm == RULER_MM else str(mm)
+            axes.text(left + mm, top - 5.0, label, fontsize=_points(2.2), ha="center", va="top")
+
+
+def _draw_captions(axes: Axes, sheet: Sheet) -> None:
+    for caption in sheet.captions:
+        axes.text(caption.x, caption.y, caption.text, fontsize=_points(CAPTION_SIZE_MM), va="baseline")
+
+
+def _line(axes: Axes, x: tuple[float, float], y: tuple[float, float], *, gid: str | None = None) -> None:
+    """Draw a hairline that ends exactly at its ends and is not moved to whole pixels."""
+    axes.add_patch(
+        PathPatch(
+            Outline(np.array([x, y]).T),
+            fill=False,
+            edgecolor="black",
+            linewidth=_points(_HAIRLINE_MM),
+            capstyle="butt",
+            snap=False,
+            gid=gid,
+        )
+    )
+
+
+def _points(mm: float) -> float:
+    return mm / MM_PER_INCH * POINTS_PER_INCH

@@ -1,0 +1,103 @@
+"""The sheet that a target is printed on: where the board, the ruler and the captions are."""
+
+from dataclasses import dataclass
+
+from labcal.targets.grid import DotGrid
+
+RULER_MM = 100.0
+"""Length of the printed ruler, between the middles of its end lines."""
+
+CAPTION_SIZE_MM = 2.8
+"""Size of the printed text (8 points)."""
+
+# All in millimetres.
+_BORDER = 10.0  # most printers reach to within 5 mm of the paper's edge
+_GAP_TO_RULER = 8.0  # the cut marks lie in it
+_RULER_HEIGHT = 9.0  # lines and figures
+_LINE_HEIGHT = 4.5
+_CAPTION_WIDTH_PER_LETTER = 0.75 * CAPTION_SIZE_MM
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """An upright rectangle in the target's frame, in millimetres."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
+
+    @property
+    def width(self) -> float:
+        """Extent along x."""
+        return self.x_max - self.x_min
+
+    @property
+    def height(self) -> float:
+        """Extent along y."""
+        return self.y_max - self.y_min
+
+
+@dataclass(frozen=True)
+class Caption:
+    """A line of text that begins at (x, y), its baseline, in the target's frame, in millimetres."""
+
+    x: float
+    y: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What is on the paper, in the target's frame: millimetres, x right, y up, (0, 0) the dot (0, 0).
+
+    Parameters
+    ----------
+    paper : Rectangle
+        The whole sheet; larger than the board, so that ruler and captions stay clear of it.
+    board : Rectangle
+        The target itself. Where the target's margin would cut its outermost dots, or leave no rim around
+        them, the board is larger than the target's extent.
+    ruler : tuple of float
+        (x, y) of the left end of the ruler, which is :data:`RULER_MM` long.
+    captions : tuple of Caption
+        Name, pitch, and how to print.
+    """
+
+    paper: Rectangle
+    board: Rectangle
+    ruler: tuple[float, float]
+    captions: tuple[Caption, ...]
+
+
+def lay_out(grid: DotGrid) -> Sheet:
+    """Return the sheet for a target; the board stands in the middle, the ruler and the captions below it."""
+    board = _board(grid)
+    lines = (
+        f"{grid.name}: {grid.cols} x {grid.rows} dots, {grid.polarity}",
+        f"pitch {grid.pitch_x_mm:.6g} mm x {grid.pitch_y_mm:.6g} mm, dots {grid.dot_diameter_mm:.6g} mm",
+        "print at 100 %, check the ruler; dot (0, 0) is at the lower left",
+    )
+    text_width = _CAPTION_WIDTH_PER_LETTER * max(len(line) for line in lines)
+    # Figures stand out by a few millimetres beyond both ends of the ruler, within the border.
+    width = max(board.width, RULER_MM, text_width) + 2 * _BORDER
+    middle = (board.x_min + board.x_max) / 2
+    left = middle - width / 2 + _BORDER
+    ruler_top = board.y_min - _GAP_TO_RULER
+    first_line = ruler_top - _RULER_HEIGHT - _LINE_HEIGHT
+    captions = tuple(Caption(left, first_line - n * _LINE_HEIGHT, line) for n, line in enumerate(lines))
+    paper = Rectangle(
+        x_min=middle - width / 2,
+        y_min=captions[-1].y - _BORDER,
+        x_max=middle + width / 2,
+        y_max=board.y_max + _BORDER,
+    )
+    return Sheet(paper, board, (left, ruler_top), captions)
+
+
+def _board(grid: DotGrid) -> Rectangle:
+    """Return the target's extent, with a rim of half a radius at least around the outermost dots."""
+    radius = max(grid.dot_diameter_mm, grid.ring_outer_diameter_mm) / 2
+    grow = max(0.0, 1.5 * radius - grid.margin_mm)
+    x_min, y_min, x_max, y_max = grid.extent_mm
+    return Rectangle(x_min - grow, y_min - grow, x_max + grow, y_max + grow)

@@ -1,0 +1,84 @@
+"""The chain from pictures to errors in millimetres, each step a function of plain values.
+
+::
+
+    render_shoot ─► SHOOT ─► measure ─► fit, or calibrate_handheld ─► reconstruct_points ─► evaluate
+
+The command line adds reading, writing and printing.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import epipolar_distances
+from labcal.correspond.detections import Detections, gather
+from labcal.correspond.matching import match
+from labcal.correspond.measure import Measurement, measure_pictures
+from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.sources import Source, shoot_sources
+from labcal.correspond.training import TrainingData, training_data
+from labcal.errors import InputError
+from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
+from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
+from labcal.run.executor import open_executor
+from labcal.run.progress import NoProgress, Progress
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.truth import has_truth
+from labcal.solve.estimator import PointEstimator
+from labcal.solve.fitted_model import FittedModel, TrainingBox
+from labcal.targets.grid import DotGrid
+
+__all__ = ["detect", "epipolar_rms", "evaluate", "fit", "measure", "training_data"]
+
+
+def measure(
+    sources: Sequence[Source], target: DotGrid, workers: int = 1, progress: Progress | None = None
+) -> tuple[Detections, list[Measurement]]:
+    """Find the dots in pictures; return all of them, and what came of each picture.
+
+    Raises
+    ------
+    InputError
+        No picture could be read at all.
+    """
+    with open_executor(workers) as executor:
+        measurements = measure_pictures(sources, target, executor, progress or NoProgress())
+    readable = [(found.source, found.dots) for found in measurements if found.dots is not None]
+    if not readable:
+        raise InputError(f"None of the {len(sources)} pictures can be used. {measurements[0].reason}")
+    return gather([source for source, _ in readable], [dots for _, dots in readable]), measurements
+
+
+def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> Detections:
+    """Return the dots of a shoot, found by its own target."""
+    return measure(shoot_sources(shoot), shoot.target, workers, progress)[0]
+
+
+def fit(data: TrainingData, estimator: PointEstimator) -> FittedModel:
+    """Teach a method the dots of the training views, whose places the stage tells."""
+    box = TrainingBox.of(data.X, data.Y)
+    return FittedModel(estimator.fit(data.X, data.Y), data.cameras, data.image_sizes, box)
+
+
+def evaluate(
+    points: ReconstructedPoints, shoot: Shoot, detections: Detections | None = None
+) -> TruthErrors | LengthErrors:
+    """Return the errors of points, against the truth where the shoot has one, else against lengths."""
+    if has_truth(shoot.folder):
+        return errors_against_truth(points, shoot, detections)
+    return errors_of_lengths(points, shoot.target)
+
+
+def epipolar_rms(rig: Rig, detections: Detections) -> float:
+    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera."""
+    first, *others = rig.cameras
+    distances = [np.empty(0)]
+    for other in others:
+        matches = match(detections, (first, other))
+        pair = (rig.camera(first), rig.camera(other))
+        distances.append(epipolar_distances(*pair, matches.q[:, 0], matches.q[:, 1]))
+    all_distances = np.concatenate(distances)
+    known = all_distances[np.isfinite(all_distances)]
+    return float(np.sqrt((known**2).mean())) if len(known) else float("nan")

@@ -1,0 +1,125 @@
+import numpy as np
+import pytest
+import torch
+
+from labcal.errors import InputError
+from labcal.optim.network import Network
+from labcal.optim.network_problem import NetworkProblem
+from labcal.optim.nguyen_widrow import nguyen_widrow
+from labcal.optim.threads import one_thread
+
+SIZES = [(4, 3), (4, 6, 3), (4, 5, 7, 3), (3, 4, 5, 6, 2), (1, 1, 1)]
+
+
+def draw(sizes: tuple[int, ...], points: int) -> tuple[Network, torch.Tensor, torch.Tensor, torch.Tensor]:
+    random = np.random.default_rng(5)
+    network = Network(sizes)
+    parameters = nguyen_widrow(network, random)
+    inputs = torch.from_numpy(random.uniform(-1, 1, (points, sizes[0])))
+    targets = torch.from_numpy(random.uniform(-1, 1, (points, sizes[-1])))
+    return network, parameters, inputs, targets
+
+
+def test_forward_agrees_with_torch_modules() -> None:
+    network, parameters, inputs, _ = draw((4, 5, 7, 3), 11)
+    modules: list[torch.nn.Module] = []
+    for index, layer in enumerate(network.layers(parameters)):
+        linear = torch.nn.Linear(layer.shape[1] - 1, layer.shape[0], dtype=torch.float64)
+        linear.weight.data, linear.bias.data = layer[:, :-1], layer[:, -1]
+        modules += [linear] if index == 2 else [linear, torch.nn.Tanh()]
+    expected = torch.nn.Sequential(*modules)(inputs).detach()
+    torch.testing.assert_close(network.forward(parameters, inputs)[1], expected, rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("sizes", SIZES)
+def test_jacobian_agrees_with_autograd(sizes: tuple[int, ...]) -> None:
+    network, parameters, inputs, _ = draw(sizes, 6)
+    expected = torch.autograd.functional.jacobian(lambda p: network.forward(p, inputs)[1], parameters)
+    torch.testing.assert_close(network.jacobian(parameters, inputs), expected, rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("sizes", SIZES)
+def test_normal_equations_agree_with_autograd(sizes: tuple[int, ...]) -> None:
+    network, parameters, inputs, targets = draw(sizes, 9)
+
+    def residuals(p: torch.Tensor) -> torch.Tensor:
+        return (network.forward(p, inputs)[1] - targets).flatten()
+
+    J, r = torch.autograd.functional.jacobian(residuals, parameters), residuals(parameters)
+    system = NetworkProblem(network, inputs, targets).linearize(parameters)
+    torch.testing.assert_close(system.matrix.tril(), (J.T @ J).tril(), rtol=1e-12, atol=1e-12)
+    torch.testing.assert_close(system.gradient, J.T @ r, rtol=1e-12, atol=1e-12)
+    assert system.gradient_norm == pytest.approx(float((J.T @ r).abs().max()), rel=1e-12)
+    step = torch.linalg.solve(J.T @ J + 0.1 * torch.eye(len(parameters), dtype=torch.float64), -J.T @ r)
+    stepped = system.stepped(0.1)
+    assert stepped is not None
+    torch.testing.assert_close(stepped, parameters + step, rtol=1e-9, atol=1e-10)
+
+
+def test_a_singular_system_gives_no_step_when_undamped() -> None:
+    network, parameters, inputs, targets = draw((4, 6, 3), 2)
+    assert NetworkProblem(network, inputs, targets).linearize(parameters).stepped(-1e-6) is None
+
+
+def test_cost_is_the_mean_over_points_and_outputs() -> None:
+    network, parameters, inputs, targets = draw((4, 6, 3), 8)
+    errors = (network.forward(parameters, inputs)[1] - targets).numpy()
+    cost = NetworkProblem(network, inputs, targets).cost(parameters)
+    assert cost == pytest.approx(np.sum(errors**2) / 24, rel=1e-14)
+
+
+def test_parameter_count_of_the_paper() -> None:
+    assert Network((4, 20, 30, 3)).parameter_count == 823
+
+
+@pytest.mark.parametrize("sizes", [(4,), (4, 0, 3)])
+def test_networks_without_neurons_are_refused(sizes: tuple[int, ...]) -> None:
+    with pytest.raises(InputError, match="no empty layer"):
+        Network(sizes)
+
+
+def test_nguyen_widrow_lengths_spread_and_range() -> None:
+    network = Network((4, 20, 30, 3))
+    first, second, last = network.layers(nguyen_widrow(network, np.random.default_rng(1)))
+    for layer, inputs in ((first, 4), (second, 20)):
+        length = 2 * 0.7 * len(layer) ** (1 / inputs)
+        torch.testing.assert_close(
+            layer[:, :-1].norm(dim=1), torch.full((len(layer),), length, dtype=torch.float64)
+        )
+        biases = layer[:, -1].abs().sort().values
+        spread = torch.linspace(-1, 1, len(layer), dtype=torch.float64).abs().sort().values * length
+        torch.testing.assert_close(biases, spread)
+    assert last.abs().max() <= 1
+    # Uniform on [-1, 1]: 93 values have a standard deviation of 1/sqrt(3) within 4 sigma.
+    assert abs(float(last.std()) - 3**-0.5) < 4 * 0.26 / 93**0.5
+
+
+def test_nguyen_widrow_neurons_bend_inside_the_inputs_range() -> None:
+    # What the method is for: each neuron's plane of zero activation cuts the cube of inputs or nearly so.
+    network = Network((4, 20, 3))
+    layer = network.layers(nguyen_widrow(network, np.random.default_rng(2)))[0]
+    distance = layer[:, -1].abs() / layer[:, :-1].norm(dim=1)
+    assert float(distance.max()) <= 1 + 1e-12
+
+
+def test_nguyen_widrow_is_the_same_for_the_same_generator() -> None:
+    network = Network((4, 20, 30, 3))
+    one, same, other = (nguyen_widrow(network, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    assert torch.equal(one, same)
+    assert not torch.equal(one, other)
+
+
+def fail_in_one_thread() -> None:
+    with one_thread():
+        raise RuntimeError(f"{torch.get_num_threads()} inside")
+
+
+def test_one_thread_restores_the_number_of_threads_even_after_an_error() -> None:
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        with pytest.raises(RuntimeError, match="1 inside"):
+            fail_in_one_thread()
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
