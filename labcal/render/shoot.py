@@ -76,6 +76,8 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
         scene = scene.with_spp(settings.spp)
     if settings.views is not None and settings.views < 1:
         raise InputError(f"The number of views must be at least 1, but is {settings.views}.")
+    if settings.workers < 1:
+        raise InputError(f"The number of workers must be at least 1, but is {settings.workers}.")
     check_scene(scene, settings.seed)
     every_view = planned_views(scene, settings.seed)
     views = every_view[: settings.views]

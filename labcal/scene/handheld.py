@@ -7,13 +7,13 @@ from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.errors import InputError
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import pose, transform
 from labcal.rng import generator
 from labcal.scene.model import Scene
 from labcal.scene.placement import Handheld
 from labcal.targets.grid import DotGrid
 
-TRIES_PER_VIEW = 500
+TRIES_PER_VIEW = 100
 SHARE_VISIBLE = 0.6
 """Share of the dots that every camera must see whole."""
 
@@ -74,6 +74,9 @@ def _draw(
 def _sees_enough(camera: Camera, T_world_target: Pose, target: DotGrid) -> bool:
     """Return whether the camera sees the rings and most dots whole, from the front."""
     if float((camera.centre - T_world_target[:3, 3]) @ T_world_target[:3, 2]) <= 0.0:
+        return False
+    middles = camera.project(transform(T_world_target, target.points(np.array(target.ring_indices))))
+    if not camera.in_picture(middles.q).all():  # spares the outlines of most poses that fail
         return False
     images = dot_images(camera, T_world_target, target.points(), 0.5 * target.outer_diameters_mm())
     visible = images.ok & camera.in_picture(images.outline).all(axis=-1)

@@ -9,7 +9,7 @@ from labcal.scene.room import Lamp
 from labcal.scene.views import PlannedView
 
 PATCHES = 8
-"""A lamp is summed over 8 x 8 patches; at a metre and more the sum is good to 0.1%."""
+"""A lamp is summed over 8 x 8 patches; at a metre and more the sum is good to 0.2%."""
 BOARD_POINTS = 9
 REC709 = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear red, green and blue in luminance (ITU-R BT.709), for grey cameras."""

@@ -32,7 +32,7 @@ def test_points_are_the_targets_own_at_its_place():
 
 
 def test_a_dot_that_the_frame_cuts_is_not_visible():
-    scene = load_scene("webcam-plane", ("cameras.left.look_at_mm=[1330, 1010, 200]",))
+    scene = load_scene("webcam-plane", ("cameras.left.look_at_mm=[1500, 1010, 200]",))
     camera = scene.true_cameras()["left"]
     dots = true_dots(scene.target, planned_views(scene, 0)[0], "left", camera)
     radius = 7.0  # px, no dot is larger
