@@ -65,7 +65,11 @@ def test_the_same_bytes_twice_and_with_two_workers(tmp_path):
         "truth/scene.yaml",
         "truth/truth.json",
         "truth/dots.csv",
-        *(f"images/{view}_{camera}.jpg" for view in ("train", "test-shifted") for camera in ("left", "right")),
+        *(
+            f"images/{view}_{camera}.jpg"
+            for view in ("train", "test-shifted")
+            for camera in ("left", "right")
+        ),
     }
     assert files(once.folder) == files(again.folder)
     assert files(once.folder) == files(two.folder)

@@ -28,7 +28,7 @@ def test_sensor_rays_are_the_cameras_own(name):
     q = random.uniform([-0.5, -0.5], [width - 0.5, height - 0.5], (100_000, 2))
     first_row = 64
     with renderer(MONO) as mi:
-        laboratory = Laboratory(mi, load_scene("webcam-plane"), camera.size)
+        laboratory = Laboratory(mi, load_scene("still-plane"), camera.size)
         laboratory.sensor.aim(camera, first_row)
         film = laboratory.sensor.film().size()
         position = (q + 0.5 - [0, first_row]) / np.array([film[0], film[1]])
@@ -50,7 +50,7 @@ def test_where_the_lens_has_no_ray_the_picture_is_black():
     q = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
     expected = camera.rays(q).ok
     with renderer(MONO) as mi:
-        laboratory = Laboratory(mi, load_scene("webcam-plane"), camera.size)
+        laboratory = Laboratory(mi, load_scene("still-plane"), camera.size)
         laboratory.sensor.aim(camera, 0)
         position = (q + 0.5) / np.array([640, laboratory.sensor.film().size()[1]])
         _, weight = laboratory.sensor.sample_ray(

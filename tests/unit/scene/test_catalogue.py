@@ -39,7 +39,9 @@ def test_off_is_false_and_nested_values_are_set():
 
 
 def test_keys_left_at_their_default_can_be_set():
-    assert load_scene("webcam-plane", ("room.tile_mm=250", "board.dark=[0.1, 0.1, 0.1]")).room.tile_mm == 250.0
+    assert (
+        load_scene("webcam-plane", ("room.tile_mm=250", "board.dark=[0.1, 0.1, 0.1]")).room.tile_mm == 250.0
+    )
 
 
 @pytest.mark.parametrize(
@@ -94,7 +96,8 @@ def test_a_scene_survives_its_own_yaml(tmp_path):
 def test_train_and_test_views_are_as_the_paper_has_them():
     volume = load_scene("webcam-volume").placement
     heights = {
-        role: [view.origin_mm[2] for view in volume.views if view.role is role] for role in (Role.TRAIN, Role.TEST)
+        role: [view.origin_mm[2] for view in volume.views if view.role is role]
+        for role in (Role.TRAIN, Role.TEST)
     }
     assert heights[Role.TRAIN] == pytest.approx([0.0, 1000 / 3, 2000 / 3, 1000.0])
     assert heights[Role.TEST] == pytest.approx([500 / 3, 500.0, 2500 / 3, 1000 / 3])

@@ -16,7 +16,8 @@ def test_light_of_a_panel_overhead_is_the_configuration_factors():
     # A small patch facing a parallel rectangle with a corner above it (Howell, entry B-3), four times.
     a, b = 0.2, 0.3  # half sides over height
     factor = (2.0 / np.pi) * (
-        a / np.hypot(1, a) * np.arctan(b / np.hypot(1, a)) + b / np.hypot(1, b) * np.arctan(a / np.hypot(1, b))
+        a / np.hypot(1, a) * np.arctan(b / np.hypot(1, a))
+        + b / np.hypot(1, b) * np.arctan(a / np.hypot(1, b))
     )
     # The panel's sides lie along x and y in one order or the other; from below its middle both are the same.
     light = irradiance(lamp(), np.zeros((1, 3)), np.array([0.0, 0.0, 1.0]))

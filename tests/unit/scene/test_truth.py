@@ -15,7 +15,11 @@ def test_centres_agree_with_opencv(name):
         for camera_name, camera in scene.true_cameras().items():
             dots = true_dots(scene.target, view, camera_name, camera)
             expected, _ = cv2.projectPoints(
-                dots.point, rotation_vector(camera.T_cam_world), camera.T_cam_world[:3, 3], camera.K, camera.dist
+                dots.point,
+                rotation_vector(camera.T_cam_world),
+                camera.T_cam_world[:3, 3],
+                camera.K,
+                camera.dist,
             )
             shown = dots.visible
             assert shown.sum() >= 60
