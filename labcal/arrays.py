@@ -4,7 +4,7 @@ Arrays are float64; missing values are NaN. Leading dimensions run view, camera,
 """
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int
 
 Pixels = Float64[np.ndarray, "*batch 2"]
 """Pixel positions q, (0, 0) at the centre of the top-left pixel."""
@@ -23,6 +23,12 @@ Pose = Float64[np.ndarray, "4 4"]
 
 Matrix3 = Float64[np.ndarray, "3 3"]
 """A rotation or a camera matrix."""
+
+DotIndices = Int[np.ndarray, "n 2"]
+"""(col, row) of dots."""
+
+Lengths = Float64[np.ndarray, "*batch"]
+"""One length an element, in millimetres."""
 
 PixelCovariances = Float64[np.ndarray, "*batch 2 2"]
 """Covariances of pixel positions, in px squared."""

@@ -27,18 +27,19 @@ the JSON document. Errors are raised, never printed: :mod:`labcal.cli.failure` t
 an exit status.
 """
 
-import contextlib
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 
 from labcal import __version__
 from labcal.cli.failure import report_failure
-from labcal.cli.parser import CommandGroup, Parser
+from labcal.cli.parser import CommandGroup, Parser, UsageError
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.cli.streams import result_stream
 
 VERBS = {
+    "doctor": "what works on this machine and what to install for the rest",
     "target": "printable targets at exact scale",
     "detect": "find the dots in pictures",
     "calibrate": "calibrate cameras from a hand-held target",
@@ -82,24 +83,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if argv is None else argv)
     # Known before the arguments are understood, since wrong ones are reported in JSON, too.
-    session = Session(json="--json" in words, quiet="--quiet" in words)
+    json, quiet = "--json" in words, "--quiet" in words
     try:
         if not words:
             build_parser(None).print_help(sys.stderr)
             return ExitStatus.UNUSABLE
         arguments = build_parser(words[0]).parse_args(words)
-        with _only_json_on_stdout(session):
-            return int(arguments.run(arguments, session))
     except SystemExit as stop:  # argparse, after --help and --version
         return stop.code if isinstance(stop.code, int) else ExitStatus.DONE
-    except BrokenPipeError:
-        return ExitStatus.NOBODY_READS
-    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the one place where every error ends
-        return report_failure(error, session)
-
-
-@contextlib.contextmanager
-def _only_json_on_stdout(session: Session) -> Iterator[None]:
-    """Send what libraries print to stderr, where the caller expects one JSON document."""
-    with contextlib.redirect_stdout(sys.stderr) if session.json else contextlib.nullcontext():
-        yield
+    except UsageError as error:
+        return report_failure(error, Session(sys.stdout, json=json, quiet=quiet))
+    with result_stream() as stream:
+        session = Session(stream, json=json, quiet=quiet)
+        try:
+            return int(arguments.run(arguments, session))
+        except BrokenPipeError:
+            return ExitStatus.NOBODY_READS
+        except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the one place where every error ends
+            return report_failure(error, session)

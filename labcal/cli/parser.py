@@ -57,7 +57,7 @@ class Parser(argparse.ArgumentParser):
 
 def _hint(given: str, names: Iterable[str]) -> str:
     """Return the nearest name as a question, or nothing."""
-    nearest = get_close_matches(given, list(names), n=1, cutoff=0.5)
+    nearest = get_close_matches(given, list(names), n=1, cutoff=0.6)
     return f"; did you mean '{nearest[0]}'?" if nearest else ""
 
 

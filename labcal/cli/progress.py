@@ -1,7 +1,6 @@
 """A progress bar in the terminal."""
 
 from types import TracebackType
-from typing import Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
@@ -20,7 +19,7 @@ class RichProgress:
         )
         self._current: TaskID | None = None
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "RichProgress":
         """Take hold of the terminal's last lines."""
         self._bars.start()
         return self

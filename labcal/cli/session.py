@@ -4,15 +4,9 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
 
+from labcal.cli.streams import Stream
 from labcal.run.progress import NoProgress, Progress
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-_WIDTH_OF_A_FILE = 200
-"""Columns for tables where no terminal says how wide it is."""
 
 
 class Session:
@@ -20,16 +14,18 @@ class Session:
 
     Parameters
     ----------
+    stdout : text stream
+        Where the result goes.
     json : bool
         The result is one JSON document.
     quiet : bool
         No messages and no progress bar; results, warnings and errors are still told.
     """
 
-    def __init__(self, *, json: bool = False, quiet: bool = False) -> None:
+    def __init__(self, stdout: Stream, *, json: bool = False, quiet: bool = False) -> None:
         self.json = json
         self.quiet = quiet
-        self._stdout = sys.stdout
+        self._stdout = stdout
         self._emitted = False
 
     def emit(self, result: object, text: object) -> None:
@@ -47,21 +43,23 @@ class Session:
         if self.json:
             self._write_json(result)
         else:
-            self._write(_rendered(text, self._stdout))
+            from labcal.cli.console import rendered
+
+            self._write(rendered(text, self._stdout))
         self._emitted = True
 
     def say(self, message: object) -> None:
         """Tell a person what happens; silent with ``--quiet``."""
         if not self.quiet:
-            sys.stderr.write(_rendered(message, sys.stderr))
+            _tell(message)
 
     def warn(self, message: str) -> None:
         """Tell a person what should not be missed."""
-        sys.stderr.write(_rendered(f"warning: {message}", sys.stderr))
+        _tell(f"warning: {message}")
 
     def fail(self, message: str, document: object) -> None:
         """Tell of an error; the document is left out where a result has been given already."""
-        sys.stderr.write(_rendered(f"error: {message}", sys.stderr))
+        _tell(f"error: {message}")
         if self.json and not self._emitted:
             self._write_json(document)
 
@@ -71,9 +69,10 @@ class Session:
         if self.quiet or not sys.stderr.isatty():
             yield NoProgress()
             return
+        from labcal.cli.console import console_for
         from labcal.cli.progress import RichProgress
 
-        with RichProgress(_console(sys.stderr)) as bar:
+        with RichProgress(console_for(sys.stderr)) as bar:
             yield bar
 
     def _write_json(self, document: object) -> None:
@@ -93,17 +92,7 @@ class Session:
             raise
 
 
-def _console(stream: Any) -> "Console":  # noqa: ANN401 - rich and the standard library disagree on IO[str]
-    """Return a console that prints text as it is."""
-    from rich.console import Console
+def _tell(content: object) -> None:
+    from labcal.cli.console import rendered
 
-    width = None if stream.isatty() else _WIDTH_OF_A_FILE
-    return Console(file=stream, markup=False, highlight=False, emoji=False, width=width)
-
-
-def _rendered(content: object, stream: Any) -> str:  # noqa: ANN401 - as above
-    """Return a text with its lines unbroken, or a table within the width, as `stream` shows it."""
-    console = _console(stream)
-    with console.capture() as captured:
-        console.print(content, soft_wrap=isinstance(content, str))
-    return captured.get()
+    sys.stderr.write(rendered(content, sys.stderr))

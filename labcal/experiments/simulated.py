@@ -43,20 +43,26 @@ class NoiseReading(StrEnum):
     PIXEL = "5% of a pixel"
 
 
+GIMBALS_MM = ((400.0, 500.0, 2400.0), (1600.0, 500.0, 2400.0))
+LOOK_AT_MM = (1000.0, 1000.0, 400.0)
+"""The paper gives no poses: one rig for all rows, 2 m from the middle of the volume that it looks at.
+
+It must not look at the middle of the plane of row 06, where a longer lens and a larger plane look the same.
+"""
+
+
 def cameras(focal_length_mm: float) -> tuple[PaperCamera, PaperCamera]:
-    """Return the two cameras, which look down at the area from about 2 m; the paper gives no poses."""
-    return (
-        _looking_at_area(focal_length_mm, np.array([550.0, 700.0, 2200.0])),
-        _looking_at_area(focal_length_mm, np.array([1450.0, 700.0, 2200.0])),
-    )
+    """Return the two cameras."""
+    left, right = (_looking_at(np.array(LOOK_AT_MM), np.array(at), focal_length_mm) for at in GIMBALS_MM)
+    return left, right
 
 
-def _looking_at_area(focal_length_mm: float, gimbal: np.ndarray) -> PaperCamera:
-    """Return a camera on a gimbal, panned and tilted towards the middle of the volume.
+def _looking_at(centre: np.ndarray, gimbal: np.ndarray, focal_length_mm: float) -> PaperCamera:
+    """Return a camera on a gimbal, panned and tilted towards a point.
 
     The view is the last row of R (Eq. 4), (sin theta sin alpha, -cos theta sin alpha, cos alpha).
     """
-    view = np.array([1000.0, 1000.0, 400.0]) - gimbal
+    view = centre - gimbal
     x, y, z = view / np.linalg.norm(view)
     return PaperCamera(focal_length_mm, gimbal, float(np.arctan2(x, -y)), float(np.arccos(z)), np.zeros(3))
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labcal.arrays import Points
+from labcal.arrays import DotIndices, Lengths, Points
 
 Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 GridIndex = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
@@ -101,12 +101,12 @@ class DotGrid(BaseModel):
         """The (col, row) of the origin, x and y rings."""
         return (self.rings.origin, self.rings.x, self.rings.y)
 
-    def indices(self) -> np.ndarray:
+    def indices(self) -> DotIndices:
         """Return (col, row) of every dot, row by row from dot (0, 0), shape (count, 2), integer."""
         row, col = np.divmod(np.arange(self.count), self.cols)
         return np.stack([col, row], axis=-1)
 
-    def points(self, indices: np.ndarray | None = None) -> Points:
+    def points(self, indices: DotIndices | None = None) -> Points:
         """Return the centres of dots in the target's frame.
 
         Parameters
@@ -123,8 +123,8 @@ class DotGrid(BaseModel):
         pitch = np.array([self.pitch_x_mm, self.pitch_y_mm])
         return np.concatenate([wanted * pitch, np.zeros((len(wanted), 1))], axis=-1)
 
-    def outer_diameters_mm(self) -> np.ndarray:
-        """Return the diameter of every dot's outer outline, in the order of :meth:`indices`."""
+    def outer_diameters_mm(self) -> Lengths:
+        """Return the diameter in mm of every dot's outer outline, in the order of :meth:`indices`."""
         diameters = np.full(self.count, self.dot_diameter_mm)
         for col, row in self.ring_indices:
             diameters[row * self.cols + col] = self.ring_outer_diameter_mm

@@ -1,0 +1,34 @@
+from pathlib import Path
+
+import pytest
+
+from labcal.cli.options import add_output, add_seed, add_workers
+from labcal.cli.parser import Parser, UsageError
+from labcal.run.machine import usable_cores
+
+
+@pytest.fixture
+def parser() -> Parser:
+    parser = Parser(prog="x")
+    add_output(parser, "DIR", "the folder")
+    add_seed(parser)
+    add_workers(parser)
+    return parser
+
+
+def test_what_is_not_given_is_seed_0_and_all_cores(parser: Parser) -> None:
+    found = parser.parse_args(["-o", "out"])
+    assert (found.output, found.force, found.seed, found.workers) == (Path("out"), False, 0, usable_cores())
+
+
+@pytest.mark.parametrize(
+    "words", [["--seed", "-1"], ["--seed", "x"], ["--workers", "0"], ["--workers", "1.5"]]
+)
+def test_numbers_that_cannot_be_are_refused(words: list[str], parser: Parser) -> None:
+    with pytest.raises(UsageError, match=f"Argument {words[0]}"):
+        parser.parse_args(["-o", "out", *words])
+
+
+def test_an_output_is_needed(parser: Parser) -> None:
+    with pytest.raises(UsageError, match="-o/--output"):
+        parser.parse_args([])
