@@ -54,7 +54,7 @@ def grey_centroids(picture: np.ndarray, dots: TrueDots, radius: int) -> np.ndarr
     return found
 
 
-def test_the_same_bytes_twice_and_with_two_workers(tmp_path):
+def test_the_same_bytes_twice_and_with_two_workers(tmp_path: Path) -> None:
     scene = small_scene("spp=4")
     once = render_shoot(scene, tmp_path / "once", RenderSettings(), NoProgress())
     again = render_shoot(scene, tmp_path / "again", RenderSettings(), NoProgress())
@@ -87,7 +87,7 @@ class Interrupted(NoProgress):
             raise KeyboardInterrupt
 
 
-def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
     scene, folder = small_scene("spp=4", "photometry.format=png"), tmp_path / "shoot"
     with pytest.raises(KeyboardInterrupt):
         render_shoot(scene, folder, RenderSettings(), Interrupted())
@@ -108,7 +108,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
 
 
 @pytest.mark.parametrize("colour", ["on", "off"])
-def test_grey_centroids_lie_on_the_true_ones(tmp_path, colour):
+def test_grey_centroids_lie_on_the_true_ones(tmp_path: Path, colour: str) -> None:
     scene = small_scene(*PLAIN, f"photometry.bayer={colour}", "spp=64")
     shoot = render_shoot(scene, tmp_path / "shoot", RenderSettings(views=1), NoProgress())
     for dots in read_true_dots(shoot.folder):
@@ -123,7 +123,7 @@ def test_grey_centroids_lie_on_the_true_ones(tmp_path, colour):
         assert (np.abs(z) < 4).all()
 
 
-def test_delivered_colour_pictures_keep_the_centroids(tmp_path):
+def test_delivered_colour_pictures_keep_the_centroids(tmp_path: Path) -> None:
     scene = load_scene("webcam-plane", ("noise=off",))
     shoot = render_shoot(scene, tmp_path / "shoot", RenderSettings(views=1), NoProgress())
     for dots in read_true_dots(shoot.folder):
@@ -134,7 +134,7 @@ def test_delivered_colour_pictures_keep_the_centroids(tmp_path):
         assert np.sqrt((error**2).sum(axis=1).mean()) < 0.02
 
 
-def test_the_manifest_tells_nothing_of_the_truth(tmp_path):
+def test_the_manifest_tells_nothing_of_the_truth(tmp_path: Path) -> None:
     scene = load_scene("webcam-handheld", (*SMALL, "spp=1", "placement.spread_mm=[50, 50, 50]"))
     shoot = render_shoot(scene, tmp_path / "shoot", RenderSettings(views=2), NoProgress())
     assert [view.name for view in shoot.views()] == ["pose-01", "pose-02"]
@@ -156,13 +156,15 @@ def test_the_manifest_tells_nothing_of_the_truth(tmp_path):
         ((), RenderSettings(workers=0)),
     ],
 )
-def test_what_cannot_be_rendered_leaves_nothing_behind(tmp_path, overrides, settings):
+def test_what_cannot_be_rendered_leaves_nothing_behind(
+    tmp_path: Path, overrides: tuple[str, ...], settings: RenderSettings
+) -> None:
     with pytest.raises(InputError):
         render_shoot(small_scene(*overrides), tmp_path / "shoot", settings, NoProgress())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_shoot_is_not_replaced_unasked(tmp_path):
+def test_a_shoot_is_not_replaced_unasked(tmp_path: Path) -> None:
     (tmp_path / "shoot").mkdir()
     (tmp_path / "shoot" / "mine.txt").write_text("mine")
     with pytest.raises(OutputError, match="--force"):

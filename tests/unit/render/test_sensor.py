@@ -21,7 +21,7 @@ LENSES = {
 
 
 @pytest.mark.parametrize("name", LENSES)
-def test_sensor_rays_are_the_cameras_own(name):
+def test_sensor_rays_are_the_cameras_own(name: str) -> None:
     camera = LENSES[name].camera()
     width, height = camera.size
     random = np.random.default_rng(5)
@@ -44,7 +44,7 @@ def test_sensor_rays_are_the_cameras_own(name):
     assert np.linalg.norm(back.q - q, axis=1).max() < 1e-3
 
 
-def test_where_the_lens_has_no_ray_the_picture_is_black():
+def test_where_the_lens_has_no_ray_the_picture_is_black() -> None:
     camera = LENSES["webcam"].model_copy(update={"dist": (-0.9, 0.0, 0.0, 0.0, 0.0)}).camera()
     u, v = np.meshgrid(np.arange(0, 640, 7), np.arange(0, 480, 7))
     q = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
@@ -63,7 +63,7 @@ def test_where_the_lens_has_no_ray_the_picture_is_black():
     assert (got != expected).mean() < 0.01
 
 
-def test_the_variant_in_use_before_is_put_back():
+def test_the_variant_in_use_before_is_put_back() -> None:
     with renderer(MONO) as mi:
         before = mi.variant()
         with renderer("llvm_ad_rgb"):

@@ -21,6 +21,6 @@ from labcal.scene.check import check_scene
         (("cameras.left.look_at_mm=[720, 640, 1850]",), "away from itself"),
     ],
 )
-def test_what_cannot_be_rendered_is_named(overrides, what):
+def test_what_cannot_be_rendered_is_named(overrides: tuple[str, ...], what: str) -> None:
     with pytest.raises(InputError, match=what):
         check_scene(load_scene("webcam-plane", overrides), seed=0)

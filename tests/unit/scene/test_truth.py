@@ -9,7 +9,7 @@ from labcal.scene.views import planned_views
 
 
 @pytest.mark.parametrize("name", ["webcam-plane", "still-handheld"])
-def test_centres_agree_with_opencv(name):
+def test_centres_agree_with_opencv(name: str) -> None:
     scene = load_scene(name)
     for view in planned_views(scene, 0)[:4]:
         for camera_name, camera in scene.true_cameras().items():
@@ -26,7 +26,7 @@ def test_centres_agree_with_opencv(name):
             np.testing.assert_allclose(dots.centre[shown], expected[shown, 0], rtol=0.0, atol=1e-9)
 
 
-def test_points_are_the_targets_own_at_its_place():
+def test_points_are_the_targets_own_at_its_place() -> None:
     scene = load_scene("webcam-plane")
     view = planned_views(scene, 0)[0]
     dots = true_dots(scene.target, view, "left", scene.true_cameras()["left"])
@@ -35,7 +35,7 @@ def test_points_are_the_targets_own_at_its_place():
     np.testing.assert_array_equal(dots.index[-1], [12, 9])
 
 
-def test_a_dot_that_the_frame_cuts_is_not_visible():
+def test_a_dot_that_the_frame_cuts_is_not_visible() -> None:
     scene = load_scene("webcam-plane", ("cameras.left.look_at_mm=[1500, 1010, 200]",))
     camera = scene.true_cameras()["left"]
     dots = true_dots(scene.target, planned_views(scene, 0)[0], "left", camera)
@@ -45,10 +45,10 @@ def test_a_dot_that_the_frame_cuts_is_not_visible():
     cut = ~inside & ~outside
     assert dots.visible[inside].all()
     assert not dots.visible[outside].any()
-    assert 0 < (~dots.visible[cut]).sum()
+    assert (~dots.visible[cut]).any()
 
 
-def test_nothing_is_visible_from_behind():
+def test_nothing_is_visible_from_behind() -> None:
     scene = load_scene("webcam-plane", ("cameras.left.eye_mm=[720, 640, -700]",))
     dots = true_dots(scene.target, planned_views(scene, 0)[0], "left", scene.true_cameras()["left"])
     assert not dots.visible.any()

@@ -8,7 +8,7 @@ from labcal.scene.views import planned_views
 from labcal.shoot.manifest import Role
 
 
-def test_the_stage_moves_the_target_by_half_a_pitch():
+def test_the_stage_moves_the_target_by_half_a_pitch() -> None:
     train, test = planned_views(load_scene("webcam-plane"), seed=0)
     assert train.role is Role.TRAIN
     assert test.role is Role.TEST
@@ -20,7 +20,7 @@ def test_the_stage_moves_the_target_by_half_a_pitch():
         np.testing.assert_array_equal(view.T_world_target_nominal, view.T_world_target)
 
 
-def test_poses_in_the_hand_come_from_the_seed_and_nobody_is_told():
+def test_poses_in_the_hand_come_from_the_seed_and_nobody_is_told() -> None:
     scene = load_scene("webcam-handheld")
     once, again, other = planned_views(scene, 3), planned_views(scene, 3), planned_views(scene, 4)
     assert len(once) == 20
@@ -31,7 +31,7 @@ def test_poses_in_the_hand_come_from_the_seed_and_nobody_is_told():
     assert not np.array_equal(once[0].T_world_target, other[0].T_world_target)
 
 
-def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles():
+def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles() -> None:
     scene = load_scene("still-handheld")
     cameras = scene.true_cameras()
     views = planned_views(scene, 0)
@@ -53,7 +53,7 @@ def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles():
     assert (high > 0.9).all()
 
 
-def test_a_target_too_near_is_an_error_that_says_what_to_move():
+def test_a_target_too_near_is_an_error_that_says_what_to_move() -> None:
     scene = load_scene("still-handheld", ("placement.centre_mm=[1000, 0, 900]",))
     with pytest.raises(InputError, match="centre_mm"):
         planned_views(scene, 0)
