@@ -8,7 +8,7 @@ from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.render.laboratory import Laboratory
 from labcal.rng import integer_seed
-from labcal.scene.model import PASS
+from labcal.scene.model import samples_per_pass
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,8 @@ def render_light(laboratory: Laboratory, camera: Camera, case: Case) -> np.ndarr
     """
     height = camera.size[1]
     spp = laboratory.description.spp
-    passes = max(1, spp // PASS)
+    samples = samples_per_pass(spp)
+    passes = spp // samples
     rows = laboratory.band_rows
     laboratory.place(case.T_world_target)
     bands = []
@@ -42,7 +43,7 @@ def render_light(laboratory: Laboratory, camera: Camera, case: Case) -> np.ndarr
         total: np.ndarray | None = None
         for number in range(passes):
             seed = integer_seed(case.seed, case.view, case.camera, f"row {first_row}", f"pass {number}")
-            band = laboratory.trace(camera, first_row, min(spp, PASS), seed)
+            band = laboratory.trace(camera, first_row, samples, seed)
             total = band if total is None else total + band
         bands.append(np.asarray(total) / np.float32(passes))
     return np.concatenate(bands)[:height]

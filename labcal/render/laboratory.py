@@ -12,7 +12,7 @@ from labcal.render.dots import dots_plugin
 from labcal.render.sensor import sensor_plugin
 from labcal.scene.furniture import blocks
 from labcal.scene.lighting import REC709, lamp_pose
-from labcal.scene.model import PASS, Scene
+from labcal.scene.model import Scene, samples_per_pass
 
 FAR_MM = 12000.0
 """Half the size of floor and wall."""
@@ -38,7 +38,7 @@ class Laboratory:
         self.mi, self.description, self.size = mi, scene, size
         self.colour = scene.photometry.bayer
         width, height = size
-        samples = min(scene.spp, PASS)
+        samples = samples_per_pass(scene.spp)
         self.band_rows = min(height, max(1, RAYS_PER_BAND // (width * samples)))
         self.dots = mi.load_dict({"type": dots_plugin(mi.variant())})
         self.dots.show(scene.target, self._channels(scene.board.dark), self._channels(scene.board.light))

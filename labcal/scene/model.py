@@ -15,13 +15,22 @@ from labcal.shoot.manifest import Name
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 
-PASS = 64
-"""Samples a pixel of one pass: more are whole passes, fewer a power of two (DESIGN section 6, Bytes)."""
+PASSES = (64, 16, 8, 4, 2, 1)
+"""Samples a pixel that one pass may have: the sampler neither rounds them up nor gives other bytes twice."""
 
 
-def is_allowed_spp(spp: int) -> bool:
-    """Return whether that many samples a pixel can be traced in passes that give the same bytes each time."""
-    return spp >= 1 and (spp % PASS == 0 or (spp < PASS and spp & (spp - 1) == 0))
+def samples_per_pass(spp: int) -> int:
+    """Return how many samples a pixel each of the equal passes has that make up `spp`.
+
+    Raises
+    ------
+    InputError
+        No passes of 64 or 16 make it up, nor a single smaller one.
+    """
+    for samples in PASSES:
+        if spp == samples or (spp > 0 and samples >= 16 and spp % samples == 0):  # noqa: PLR2004 -- see above
+            return samples
+    raise InputError(f"The samples a pixel should be 1, 2, 4, 8 or a multiple of 16, but are {spp}.")
 
 
 class Scene(BaseModel):
@@ -52,10 +61,7 @@ class Scene(BaseModel):
     @field_validator("spp")
     @classmethod
     def _spp_in_passes(cls, value: int) -> int:
-        if not is_allowed_spp(value):
-            raise InputError(
-                f"The samples a pixel should be 1, 2, 4, 8, 16, 32 or a multiple of {PASS}, but are {value}."
-            )
+        samples_per_pass(value)
         return value
 
     def true_cameras(self) -> dict[str, Camera]:
