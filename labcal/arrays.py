@@ -9,6 +9,9 @@ from jaxtyping import Bool, Float64, Int
 Pixels = Float64[np.ndarray, "*batch 2"]
 """Pixel positions q, (0, 0) at the centre of the top-left pixel."""
 
+Outlines = Float64[np.ndarray, "*batch samples 2"]
+"""Closed curves in a picture, one an element, as pixel positions along them."""
+
 Points = Float64[np.ndarray, "*batch 3"]
 """Points p, in millimetres, or unit directions v."""
 

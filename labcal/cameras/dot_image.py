@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Mask, Pixels, Points, Pose
+from labcal.arrays import Mask, Outlines, Pixels, Points, Pose
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
 
@@ -24,7 +24,7 @@ class DotImages:
     """(n, 2), the image of the dot's centre."""
     centroid: Pixels
     """(n, 2), the centre of area of the image of its outline."""
-    outline: Pixels
+    outline: Outlines
     """(n, SAMPLES, 2), the outline from the target's +x direction towards +y."""
     ok: Mask
     """(n,), whether the whole dot is imaged."""

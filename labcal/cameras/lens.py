@@ -4,7 +4,7 @@ A lens maps a direction in the camera frame to the ideal image plane at unit foc
 formulas are written on separate x and y with plain operators.
 """
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from labcal.cameras.mathematics import Mathematics, Number
 from labcal.errors import UnknownNameError
 
 
+@runtime_checkable  # so that tests can check annotations
 class Lens(Protocol):
     """A central lens model with numeric coefficients.
 

@@ -1,6 +1,6 @@
 """The mathematics a lens formula may use, so that NumPy and Dr.Jit run the same lines."""
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -8,6 +8,7 @@ Number = Any
 """A NumPy array, a Dr.Jit array or a plain float: whatever takes part in ``+ - * /`` and comparison."""
 
 
+@runtime_checkable  # so that tests can check annotations
 class Mathematics(Protocol):
     """A namespace of functions on one kind of number."""
 

@@ -1,8 +1,9 @@
 """How long work tells that it goes on: an interface that the command line fills in."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 
+@runtime_checkable  # so that tests can check annotations
 class Progress(Protocol):
     """Receives how far a piece of work has come."""
 

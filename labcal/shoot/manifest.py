@@ -1,7 +1,7 @@
 """``shoot.json``: what the measuring arm is told of a shoot. No lens, no true pose, no scene."""
 
 from enum import StrEnum
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -53,7 +53,7 @@ class Manifest(BaseModel):
     views: tuple[ViewEntry, ...]
 
     @model_validator(mode="after")
-    def _names_agree(self) -> Self:
+    def _names_agree(self) -> "Manifest":
         names = [view.name for view in self.views]
         if len(set(names)) != len(names):
             raise ValueError("two views have the same name")

@@ -1,0 +1,189 @@
+"""A rendered shoot: every picture of a scene, its manifest, and its truth in a folder apart."""
+
+import json
+import time
+from concurrent.futures import BrokenExecutor, as_completed
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from labcal.cameras.record import CameraRecord, matrix4_record
+from labcal.errors import DeviceError, InputError
+from labcal.render.irradiance import Case
+from labcal.render.picture import Job, render_picture
+from labcal.render.response import exposure_for
+from labcal.run.executor import open_executor
+from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.progress import Progress
+from labcal.scene.check import check_scene
+from labcal.scene.lighting import brightest_board
+from labcal.scene.model import Scene
+from labcal.scene.truth import true_dots
+from labcal.scene.views import PlannedView, planned_views
+from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
+from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
+from labcal.shoot.truth import FOLDER, TrueView, Truth, write_truth
+
+PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headless")
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """How a scene is rendered."""
+
+    spp: int | None = None
+    """Rays a pixel; the scene's own number where left out."""
+    views: int | None = None
+    """Only the first so many views; all where left out."""
+    seed: int = 0
+    workers: int = 1
+    """Processes that render side by side, one thread each."""
+    force: bool = False
+    """Replace a shoot that is there already."""
+
+
+def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress: Progress) -> Shoot:
+    """Render a scene into a new shoot folder.
+
+    The folder appears when everything is in it. A run that was interrupted leaves ``<folder>.unfinished``;
+    the same call goes on with it and keeps the pictures that are there.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        The shoot to appear.
+    settings : RenderSettings
+    progress : Progress
+        Told of every picture.
+
+    Returns
+    -------
+    Shoot
+        The same scene, samples and seed give the same bytes in all of its files but ``run.json``, however
+        many workers there are.
+
+    Raises
+    ------
+    InputError
+        Something in the scene or the settings cannot be; nothing was rendered.
+    OutputError
+        The folder exists already, or the disk refuses.
+    DeviceError
+        There is no LLVM library for the renderer, or a worker process died.
+    """
+    if settings.spp is not None:
+        scene = scene.with_spp(settings.spp)
+    if settings.views is not None and settings.views < 1:
+        raise InputError(f"The number of views must be at least 1, but is {settings.views}.")
+    if settings.workers < 1:
+        raise InputError(f"The number of workers must be at least 1, but is {settings.workers}.")
+    check_scene(scene, settings.seed)
+    every_view = planned_views(scene, settings.seed)
+    views = every_view[: settings.views]
+    exposure = exposure_for(scene.photometry, brightest_board(scene, every_view))
+    began = time.time()
+    with unfinished_folder(folder, _command(scene, settings), force=settings.force) as working:
+        images = working / "images"
+        images.mkdir(exist_ok=True)
+        for scrap in images.glob(".*"):  # a picture that was being written when an earlier run was killed
+            scrap.unlink()
+        jobs = [
+            Job(
+                scene,
+                Case(view.name, camera, view.T_world_target, settings.seed),
+                exposure,
+                working / _image(scene, view.name, camera),
+            )
+            for view in views
+            for camera in scene.cameras
+        ]
+        seconds = _render(jobs, settings.workers, progress)
+        write_manifest(working, _manifest(scene, views))
+        _write_truth(working, scene, views)
+        _write_run(working, seconds, time.time() - began, settings)
+    return open_shoot(folder)
+
+
+def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, float]:
+    """Render the pictures that are not there yet; return the seconds of each by file name."""
+    missing = [job for job in jobs if not job.path.exists()]
+    progress.start("render", len(jobs))
+    progress.advance(len(jobs) - len(missing))
+    seconds = {}
+    try:
+        with open_executor(min(workers, max(1, len(missing)))) as pool:
+            futures = {pool.submit(render_picture, job): job for job in missing}
+            for future in as_completed(futures):
+                seconds[futures[future].path.name] = future.result()
+                progress.advance()
+    except BrokenExecutor as error:
+        raise DeviceError(
+            "A process that was rendering ended without a word, perhaps for want of memory. Use fewer "
+            "workers; the same command goes on where this one stopped."
+        ) from error
+    return dict(sorted(seconds.items()))
+
+
+def _image(scene: Scene, view: str, camera: str) -> str:
+    """Return where a picture lies in the shoot."""
+    return f"images/{view}_{camera}.{scene.photometry.format.value}"
+
+
+def _command(scene: Scene, settings: RenderSettings) -> str:
+    """Return everything that determines the bytes."""
+    return json.dumps(
+        {"render": scene.model_dump(mode="json"), "seed": settings.seed, "views": settings.views},
+        sort_keys=True,
+    )
+
+
+def _manifest(scene: Scene, views: tuple[PlannedView, ...]) -> Manifest:
+    """Return what the measuring arm is told."""
+    entries = []
+    for view in views:
+        nominal = view.T_world_target_nominal
+        entries.append(
+            ViewEntry(
+                name=view.name,
+                images={camera: _image(scene, view.name, camera) for camera in scene.cameras},
+                role=view.role,
+                T_world_target_nominal=None if nominal is None else matrix4_record(nominal),
+            )
+        )
+    sizes = {name: CameraEntry(size=camera.size) for name, camera in scene.cameras.items()}
+    return Manifest(target=scene.target, cameras=sizes, views=tuple(entries))
+
+
+def _write_truth(working: Path, scene: Scene, views: tuple[PlannedView, ...]) -> None:
+    """Write the scene, the cameras and poses, and every dot."""
+    cameras = scene.true_cameras()
+    truth = Truth(
+        cameras={name: CameraRecord.of(camera) for name, camera in cameras.items()},
+        views={view.name: TrueView(T_world_target=matrix4_record(view.T_world_target)) for view in views},
+    )
+    dots = [true_dots(scene.target, view, name, camera) for view in views for name, camera in cameras.items()]
+    write_truth(working, truth, dots)
+    write_file(working / FOLDER / "scene.yaml", scene.to_yaml(), force=True)
+
+
+def _write_run(working: Path, seconds: dict[str, float], total: float, settings: RenderSettings) -> None:
+    """Write ``run.json``: times and provenance, which differ from run to run."""
+    run = {
+        "format": "labcal-run",
+        "format_version": 1,
+        "seconds": total,
+        "picture_seconds": seconds,
+        "workers": settings.workers,
+        "seed": settings.seed,
+        "versions": {package: _version(package) for package in PACKAGES},
+    }
+    write_file(working / "run.json", json.dumps(run, indent=2) + "\n", force=True)
+
+
+def _version(package: str) -> str | None:
+    """Return the version of an installed package."""
+    try:
+        return version(package)
+    except ModuleNotFoundError:
+        return None

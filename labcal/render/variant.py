@@ -1,0 +1,46 @@
+"""Which of Mitsuba's variants is in use, and for how long: it is chosen where a picture is traced only."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import ModuleType
+from typing import Any
+
+from labcal.render.llvm import ensure_llvm
+
+Jit = Any
+"""A value of Dr.Jit or Mitsuba; its class is another one in every variant."""
+MONO = "llvm_ad_mono"
+COLOUR = "llvm_ad_rgb"
+
+
+@contextmanager
+def renderer(variant: str) -> Iterator[ModuleType]:
+    """Give Mitsuba with one variant in use, on one thread, and put back what was in use before.
+
+    One thread, because a case shall give the same bytes however many cases run beside it; processes spread
+    the work.
+
+    Yields
+    ------
+    module
+        Mitsuba.
+
+    Raises
+    ------
+    DeviceError
+        Dr.Jit has no LLVM library to compile with.
+    """
+    ensure_llvm()
+    import drjit  # noqa: PLC0415 -- it must not look for LLVM before it is told where
+    import mitsuba  # noqa: PLC0415
+
+    before = mitsuba.variant()
+    threads = drjit.thread_count()
+    mitsuba.set_variant(variant)
+    drjit.set_thread_count(1)
+    try:
+        yield mitsuba
+    finally:
+        drjit.set_thread_count(threads)
+        if before is not None:  # Mitsuba cannot go back to no variant at all
+            mitsuba.set_variant(before)

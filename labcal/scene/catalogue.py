@@ -1,0 +1,37 @@
+"""Scenes by name, or from a YAML file of one's own, with single values set from the command line."""
+
+from labcal.run.descriptions import description_content, description_names, validate_description
+from labcal.scene.model import Scene
+from labcal.scene.overrides import apply_overrides
+
+FOLDER = "scenes"
+
+
+def scene_names() -> list[str]:
+    """Return the names of the scenes that labcal ships, sorted."""
+    return description_names(FOLDER)
+
+
+def load_scene(name: str, overrides: tuple[str, ...] = ()) -> Scene:
+    """Return the scene of that name.
+
+    Parameters
+    ----------
+    name : str
+        The name of a shipped scene, or the path of a YAML file.
+    overrides : tuple of str
+        ``key=value`` each; the key is dotted (``cameras.left.focal_px``), the value is YAML.
+
+    Raises
+    ------
+    UnknownNameError
+        No scene, target or key has that name; the nearest name is offered.
+    InputError
+        The description cannot be read, or a value in it is not allowed.
+    """
+    scene = validate_description(Scene, "scene", name, description_content("scene", FOLDER, name))
+    if not overrides:
+        return scene
+    # The dump holds every key, so that one left at its default can be set and a wrong one is found.
+    content = apply_overrides(scene.model_dump(mode="json"), overrides)
+    return validate_description(Scene, "scene", name, content)

@@ -1,0 +1,62 @@
+"""Single values of a description set from the command line: ``cameras.left.focal_px=600``."""
+
+from typing import Any
+
+import yaml
+
+from labcal.errors import InputError, UnknownNameError
+
+Node = dict[str, Any] | list[Any]
+
+
+def apply_overrides(content: dict[str, Any], overrides: tuple[str, ...]) -> dict[str, Any]:
+    """Set values in a whole description.
+
+    Parameters
+    ----------
+    content : dict
+        The description with all its keys, also those that the author left at their defaults; it is changed.
+    overrides : tuple of str
+        ``key=value`` each: a dotted key (a number picks an entry of a list) and a value in YAML, so that
+        ``off`` is false.
+
+    Returns
+    -------
+    dict
+        `content`.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such key; the nearest one is offered.
+    InputError
+        There is no equals sign, or the value is not YAML.
+    """
+    for override in overrides:
+        key, equals, text = override.partition("=")
+        if not equals or not key:
+            raise InputError(f"'{override}' should read key=value, for example noise=off.")
+        try:
+            value = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            raise InputError(f"The value in '{override}' is not valid YAML: {error}") from error
+        *path, last = key.split(".")
+        node: Any = content
+        for depth, part in enumerate(path):
+            node = node[_index(node, part, path[:depth])]
+        node[_index(node, last, path)] = value
+    return content
+
+
+def _index(node: object, part: str, path: list[str]) -> Any:  # noqa: ANN401 -- a key or a position
+    """Return what picks `part` of a node."""
+    prefix = "".join(f"{step}." for step in path)
+    if isinstance(node, dict):
+        if part in node:
+            return part
+        raise UnknownNameError("key", prefix + part, [prefix + key for key in node])
+    if isinstance(node, list):
+        if part.isdecimal() and int(part) < len(node):
+            return int(part)
+        raise UnknownNameError("key", prefix + part, [f"{prefix}{i}" for i in range(len(node))])
+    raise InputError(f"'{prefix.rstrip('.')}' is a single value and has no key '{part}'.")

@@ -1,0 +1,54 @@
+"""Where the target truly is in each view of a scene, and what the stage says of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.arrays import Pose
+from labcal.geometry.poses import pose
+from labcal.scene.handheld import handheld_poses
+from labcal.scene.model import Scene
+from labcal.scene.placement import Stage
+from labcal.shoot.manifest import Role
+
+
+@dataclass(frozen=True)
+class PlannedView:
+    """One view that is to be taken."""
+
+    name: str
+    role: Role
+    T_world_target: Pose
+    """True pose of the target, mm."""
+    T_world_target_nominal: Pose | None
+    """What the stage says, mm; nothing for a target in the hand."""
+
+
+def planned_views(scene: Scene, seed: int) -> tuple[PlannedView, ...]:
+    """Return the views of a scene, in order.
+
+    Parameters
+    ----------
+    scene : Scene
+    seed : int
+        Seed of the whole run; poses of a hand-held target are drawn from it.
+
+    Raises
+    ------
+    InputError
+        The cameras see too little of the target for the hand-held views asked for.
+    """
+    if isinstance(scene.placement, Stage):
+        views = []
+        for place in scene.placement.views:
+            pitch = np.array([scene.target.pitch_x_mm, scene.target.pitch_y_mm, 0.0])
+            shift = pitch * np.array([*place.shift_pitches, 0.0])
+            T_world_target = pose(np.eye(3), np.array(place.origin_mm) + shift)
+            views.append(PlannedView(place.name, place.role, T_world_target, T_world_target))
+        return tuple(views)
+    poses = handheld_poses(scene, seed)
+    roles = [Role.TRAIN] * scene.placement.train + [Role.TEST] * scene.placement.test
+    return tuple(
+        PlannedView(f"pose-{number:02d}", role, T_world_target, None)
+        for number, (role, T_world_target) in enumerate(zip(roles, poses, strict=True), start=1)
+    )
