@@ -43,7 +43,7 @@ class NoiseReading(StrEnum):
     PIXEL = "5% of a pixel"
 
 
-GIMBALS_MM = ((800.0, 500.0, 2430.0), (1200.0, 500.0, 2430.0))
+GIMBALS_MM = ((600.0, 500.0, 2450.0), (1400.0, 500.0, 2450.0))
 LOOK_AT_MM = (1000.0, 1000.0, 500.0)
 """The paper gives no poses: one rig for all rows, 2 m from the middle of the volume that it looks at.
 

@@ -6,16 +6,13 @@ from jaxtyping import Float64
 
 from labcal.optim.network import Network
 
-OUTPUT_RANGE = 0.5
-"""Weights and biases of the linear outputs start between minus and plus this."""
-
 
 def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torch.Tensor, " parameters"]:
     """Draw weights and biases so that the neurons of a layer share out the range of its inputs.
 
     Inputs are taken to lie in [-1, 1]. Weight vectors of a layer of S neurons and R inputs have random
     directions and the length 0.7 S^(1/R), and biases are uniform over plus and minus that length. The linear
-    outputs start uniform in [-0.5, 0.5].
+    outputs start uniform in [-1, 1].
 
     Nguyen and Widrow, "Improving the learning speed of 2-layer neural networks by choosing initial values
     of the adaptive weights", IJCNN 1990. MATLAB's ``initnw`` spaces the biases evenly and doubles
@@ -42,5 +39,5 @@ def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torc
         weights *= length / np.linalg.norm(weights, axis=1, keepdims=True)
         biases = random.uniform(-length, length, neurons)
         layer.copy_(torch.from_numpy(np.column_stack((weights, biases))))
-    last.copy_(torch.from_numpy(random.uniform(-OUTPUT_RANGE, OUTPUT_RANGE, tuple(last.shape))))
+    last.copy_(torch.from_numpy(random.uniform(-1, 1, tuple(last.shape))))
     return parameters
