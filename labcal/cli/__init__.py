@@ -39,13 +39,18 @@ from labcal.cli.status import ExitStatus
 from labcal.cli.streams import result_stream
 
 VERBS = {
-    "doctor": "what works on this machine and what to install for the rest",
+    "doctor": "what works on this machine, and what to install for the rest",
     "target": "printable targets at exact scale",
+    "scene": "what stands in the rendered laboratory",
+    "render": "a shoot from the rendered laboratory",
+    "inspect": "a contact sheet of a shoot",
     "detect": "find the dots in pictures",
     "calibrate": "calibrate cameras from a hand-held target",
     "fit": "teach methods a target at known places",
     "reconstruct": "points in space from dots",
     "evaluate": "errors of points in millimetres",
+    "reproduce": "the paper: every row",
+    "report": "one page of a folder of results",
 }
 """Every verb with its line in ``labcal --help``; the module of a verb has its name."""
 

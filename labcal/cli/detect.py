@@ -137,11 +137,12 @@ def _write_overlays(
     folder: Path, measurements: "list[Measurement]", target: "DotGrid", *, force: bool
 ) -> None:
     from labcal.report.overlay import draw_overlay
-    from labcal.run.outputs import make_folder
+    from labcal.run.outputs import unfinished_folder
     from labcal.shoot.pictures import write_picture
 
-    make_folder(folder)
-    for found in measurements:
-        if found.dots is not None:
-            path = folder / f"{found.source.view}_{found.source.camera}.png"
-            write_picture(path, draw_overlay(found.source.read(), found.dots, target), force=force)
+    command = "overlay " + " ".join(found.source.image for found in measurements)
+    with unfinished_folder(folder, command, force=force) as working:
+        for found in measurements:
+            if found.dots is not None:
+                path = working / f"{found.source.view}_{found.source.camera}.png"
+                write_picture(path, draw_overlay(found.source.read(), found.dots, target), force=True)

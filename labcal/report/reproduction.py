@@ -1,0 +1,100 @@
+"""The document ``results.json`` of ``labcal reproduce``."""
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Figures(BaseModel):
+    """Errors of one reading of a row, on points that were not trained on; medians over the seeds."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    reading: str
+    """Which method, and what "5%" of noise was taken to be where there is noise."""
+    mean_signed_m: float
+    """Mean of predicted minus true over held-out points and all three coordinates, as in the paper."""
+    rel: float
+    """`mean_signed_m` over the mean true coordinate."""
+    mae_mm: float
+    """Mean length of the 3-D error."""
+    rmse_mm: float
+    p95_mm: float
+    max_mm: float
+    epochs: float | None
+    """Accepted training steps; null for least squares."""
+    goal_reached: bool | None
+    """Whether most seeds ended at the goal; null for least squares."""
+    seconds: float
+    """Of training."""
+    mean_signed_range_m: tuple[float, float]
+    """Least and greatest of the seeds."""
+    further_rmse: tuple[float, ...] = ()
+    """RMS error of the outputs after X, Y and Z, mm."""
+
+
+class RowResult(BaseModel):
+    """One row of the paper beside ours."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    exp: str
+    solver: str
+    data: str
+    points: int
+    network: str | None
+    goal: float | None
+    seeds: int
+    reading: str
+    """Which of the readings the row holds: for least squares the one nearest to the paper."""
+    epochs: float | None
+    paper_epochs: int | None
+    goal_reached: bool | None
+    mean_signed_m: float
+    mean_signed_range_m: tuple[float, float]
+    rel: float
+    paper_abs_m: float
+    paper_rel: float
+    mae_mm: float
+    rmse_mm: float
+    p95_mm: float
+    max_mm: float
+    seconds: float
+    verdict: str
+    contradiction: str | None
+    """What in the paper contradicts the row."""
+    readings: tuple[Figures, ...]
+
+
+class Claim(BaseModel):
+    """A claim of the paper, tested; none is so far."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    claim: str
+    verdict: str
+    effect: float
+    interval: tuple[float, float]
+
+
+class ShownPicture(BaseModel):
+    """A rendered picture for the page."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    scene: str
+    caption: str
+    file: str
+    """Relative to the folder of the results."""
+
+
+class Reproduction(BaseModel):
+    """Every row that was asked for, and under which restrictions."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    rows: tuple[RowResult, ...]
+    not_reported: tuple[str, ...]
+    claims: tuple[Claim, ...] = ()
+    quick: bool
+    restrictions: tuple[str, ...]
+    """What ``--quick`` left out, in words; empty for a full run."""
+    pictures: tuple[ShownPicture, ...]
