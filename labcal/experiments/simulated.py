@@ -43,8 +43,8 @@ class NoiseReading(StrEnum):
     PIXEL = "5% of a pixel"
 
 
-GIMBALS_MM = ((400.0, 500.0, 2400.0), (1600.0, 500.0, 2400.0))
-LOOK_AT_MM = (1000.0, 1000.0, 400.0)
+GIMBALS_MM = ((600.0, 500.0, 2450.0), (1400.0, 500.0, 2450.0))
+LOOK_AT_MM = (1000.0, 1000.0, 500.0)
 """The paper gives no poses: one rig for all rows, 2 m from the middle of the volume that it looks at.
 
 It must not look at the middle of the plane of row 06, where a longer lens and a larger plane look the same.

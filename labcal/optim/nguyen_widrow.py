@@ -15,9 +15,8 @@ def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torc
     outputs start uniform in [-1, 1].
 
     Nguyen and Widrow, "Improving the learning speed of 2-layer neural networks by choosing initial values
-    of the adaptive weights", IJCNN 1990, which is also what MATLAB's ``nwtan`` of the paper's time does.
-    The later ``initnw`` spaces the biases evenly and doubles everything; from there training takes a quarter
-    more epochs than the paper reports, and the volume is learned less well.
+    of the adaptive weights", IJCNN 1990. MATLAB's ``initnw`` spaces the biases evenly and doubles
+    everything; from there training takes a quarter more epochs than the paper reports (docs/decisions.md).
 
     Parameters
     ----------

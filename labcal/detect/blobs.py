@@ -1,0 +1,144 @@
+"""Dark spots of a picture at every scale: a first, rough look for dots."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.detect.grey import GreyPicture
+
+# Half the window, in pixels of a pyramid level, over which the darkest and brightest value set the threshold.
+# A dot larger than that is found by the dark band along its edge, or whole in a coarser level.
+_REACH = 9
+_SMALLEST_LEVEL = 12  # px: coarser levels hold nothing that could be a grid
+_MIN_CONTOUR = 6  # points: fewer cannot tell an ellipse
+_MIN_MINOR = 1.2  # px of the level
+_MIN_ASPECT = 0.2  # a disc seen at 78 degrees
+_LARGEST = 0.2  # semi-axis over the picture's longer side
+_NOISE_FACTOR = 8.0  # the range of noise alone in one window is 6 to 7 standard deviations
+_MIN_CONTRAST = 0.05  # of the picture's range
+_EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """Dark spots: rough centres (px), outline matrices (see `PictureDots.outline`), and whether the frame cuts them."""
+
+    centre: Pixels
+    shape: PixelCovariances
+    cut: Mask
+
+
+def find_blobs(grey: GreyPicture) -> Blobs:
+    """Return every dark spot that is roughly an ellipse, or cut by the frame, from all pyramid levels.
+
+    A spot may occur several times, once a level. There is no size to set: levels are halved until nothing
+    is left of the picture, and the threshold follows the surroundings, so that light may fall off.
+    """
+    parts: list[Blobs] = []
+    level, scale = grey, 1.0
+    low, high = _range(grey)
+    while min(level.shape) >= _SMALLEST_LEVEL:
+        contours = _dark_contours(level, _MIN_CONTRAST * (high - low))
+        if contours:
+            found = _roughly_elliptic(contours, level.shape)
+            parts.append(Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut))
+        height, width = level.shape[0] // 2, level.shape[1] // 2
+        level = cv2.resize(level[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
+        scale *= 2
+    none = Blobs(np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros(0, dtype=bool))
+    return Blobs(
+        np.concatenate([none.centre, *(part.centre for part in parts)]),
+        np.concatenate([none.shape, *(part.shape for part in parts)]),
+        np.concatenate([none.cut, *(part.cut for part in parts)]),
+    )
+
+
+def _range(grey: GreyPicture) -> tuple[float, float]:
+    """Return a low and a high grey value, a few odd pixels left aside."""
+    sample = grey[:: 1 + grey.shape[0] // 256, :: 1 + grey.shape[1] // 256]
+    if sample.size == 0:
+        return 0.0, 0.0
+    low, high = np.percentile(sample, [0.5, 99.5])
+    return float(low), float(high)
+
+
+def _dark_contours(level: np.ndarray, min_contrast: float) -> list[np.ndarray]:
+    """Return the outer contours of what is darker than half-way between the local extremes."""
+    smooth = cv2.GaussianBlur(level, (3, 3), 0.8)
+    window = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
+    bright, dark = cv2.dilate(smooth, window), cv2.erode(smooth, window)
+    contrast = np.maximum(_NOISE_FACTOR * _noise(smooth), min_contrast)
+    mask = ((2 * smooth < bright + dark) & (bright - dark > contrast)).astype(np.uint8)
+    contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    if hierarchy is None:
+        return []
+    outer = hierarchy.reshape(-1, 4)[:, 3] < 0
+    return [
+        contour.reshape(-1, 2)
+        for contour, keep in zip(contours, outer, strict=True)
+        if keep and len(contour) >= _MIN_CONTOUR
+    ]
+
+
+def _noise(level: np.ndarray) -> float:
+    """Return the standard deviation of the noise, from second differences, which smooth shading leaves alone."""
+    step = 1 + max(level.shape) // 512
+    rows = level[::step]
+    difference = rows[:, 2:] - 2 * rows[:, 1:-1] + rows[:, :-2]
+    return float(np.median(np.abs(difference))) / (0.6745 * 6**0.5)
+
+
+def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blobs:
+    """Return the contours that could be dots, and those that the frame cuts."""
+    count = np.array([len(contour) for contour in contours])
+    start = np.concatenate([[0], np.cumsum(count)[:-1]])
+    owner = np.repeat(np.arange(len(contours)), count)
+    points = np.concatenate(contours).astype(np.float64)
+    low, high = np.minimum.reduceat(points, start), np.maximum.reduceat(points, start)
+    middle, half = (low + high) / 2, (high - low + 1) / 2
+    small = half.max(axis=1) <= _LARGEST * max(size)
+    cut = small & ((low <= 0).any(axis=1) | (high >= np.array(size[::-1]) - 1).any(axis=1))
+
+    area, centre, shape = _polygon_moments(points - middle[owner], start, count)
+    axes, vectors = np.linalg.eigh(shape)
+    sound = small & ~cut & (area > 0) & (axes[:, 0] > 0)
+    axes = np.sqrt(np.where(sound[:, None], axes, 1.0))
+    grown = axes + _EXPANSION
+    sound &= (grown[:, 0] >= _MIN_MINOR) & (grown[:, 0] >= _MIN_ASPECT * grown[:, 1])
+    flat = np.einsum("ki,kij->kj", points - (middle + centre)[owner], vectors[owner]) / axes[owner]
+    radius = np.hypot(flat[:, 0], flat[:, 1])
+    mean = np.add.reduceat(radius, start) / count
+    scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
+    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]  # noqa: PLR2004 - print, and the steps of the pixels
+
+    outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
+    boxes = half[:, :, None] ** 2 * np.eye(2)
+    kept = sound | cut
+    return Blobs(
+        np.where(cut[:, None], middle, middle + centre)[kept],
+        np.where(cut[:, None, None], boxes, outline)[kept],
+        cut[kept],
+    )
+
+
+def _polygon_moments(points: np.ndarray, start: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return area, centroid and four times the covariance of closed polygons (by Green's theorem).
+
+    The square root of the latter's eigenvalues are an ellipse's semi-axes. Where the area is zero so is all else.
+    """
+    following = np.arange(1, len(points) + 1)
+    following[start + count - 1] = start
+    x, y = points.T
+    u, v = points[following].T
+    cross = x * v - u * y
+    total = np.add.reduceat(cross, start)
+    safe = np.where(total == 0, np.inf, total)
+    sums = np.stack([cross * (x + u), cross * (y + v)], axis=-1)
+    centre = np.add.reduceat(sums, start) / (3 * safe[:, None])
+    xx = np.add.reduceat(cross * (x * x + x * u + u * u), start) / (6 * safe)
+    yy = np.add.reduceat(cross * (y * y + y * v + v * v), start) / (6 * safe)
+    xy = np.add.reduceat(cross * (x * v + 2 * x * y + 2 * u * v + u * y), start) / (12 * safe)
+    second = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
+    return np.abs(total) / 2, centre, 4 * (second - centre[:, :, None] * centre[:, None, :])

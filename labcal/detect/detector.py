@@ -1,0 +1,207 @@
+"""From a picture to its dots: the stages of detection in order."""
+
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labcal.detect.blobs import find_blobs
+from labcal.detect.dots import PictureDots
+from labcal.detect.edge_fit import EdgeFit, fit_edge
+from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
+from labcal.detect.lattice import Lattice, find_lattices
+from labcal.detect.lost import lost_dots
+from labcal.detect.noise import noise_factor
+from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
+from labcal.detect.rings import Numbering, number_lattice
+from labcal.detect.smoothness import is_smooth
+from labcal.targets.grid import DotGrid, Polarity
+
+_FEWEST_DOTS = 9  # a cross, its corners: less is no grid
+# An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a print
+# may be ragged, a renderer's discs are polygons), and of the radius.
+_DEPARTURE = (2.5, 0.012)
+_MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
+_ALIKE = 0.5  # in the logarithm of the radius
+
+
+@dataclass(frozen=True)
+class _Dot:
+    """One dot on its way into `PictureDots`."""
+
+    index: tuple[int, int] | None
+    flag: DotFlag
+    seen_at: np.ndarray
+    outline: np.ndarray
+    fit: EdgeFit | None = None
+
+
+def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
+    """Find the target's dots in one picture.
+
+    The target's polarity is tried first. Where that gives no ids the other one is tried, and taken only if it
+    does.
+
+    Parameters
+    ----------
+    image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
+        uint8, uint16 or float; colour in any order.
+    target : DotGrid
+        What to look for.
+
+    Returns
+    -------
+    PictureDots
+        With a `refusal` where the picture has no ids: a picture is never given doubtful ones.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
+    """
+    grey = grey_picture(image)
+    other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
+    first = _detect(grey, target, target.polarity)
+    if first.indexed:
+        return first
+    second = _detect(grey, target, other)
+    return second if second.indexed else first
+
+
+def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDots:
+    """Detect dots of one polarity."""
+    size = (grey.shape[1], grey.shape[0])
+    if polarity is Polarity.WHITE_ON_BLACK and grey.size:
+        grey = grey.max() - grey
+    blobs = find_blobs(grey)
+    outlines = trace_outlines(grey, blobs, target)
+    whole = _inside_frame(outlines, size)
+    lattices = find_lattices(outlines.select(whole), target)
+    chosen = _choose(lattices, outlines.select(whole), target)
+    if isinstance(chosen, Refusal):
+        return _collect(_unnamed(outlines, set()), size, polarity, chosen)
+    lattice, numbering = chosen
+    dots = _measured(grey, lattice, numbering, outlines.select(whole), target)
+    dots += [
+        _Dot(numbering.index(lost.node), lost.flag, lost.seen_at, lost.outline)
+        for lost in lost_dots(lattice, outlines.select(whole), blobs, size)
+    ]
+    named = {int(np.flatnonzero(whole)[spot]) for spot in lattice.spots.values()}
+    typical = float(np.median(outlines.radius[sorted(named)]))
+    dots += [dot for dot in _unnamed(outlines, named) if _alike(dot, typical)]
+    return _collect(_one_an_id(dots), size, polarity, None)
+
+
+def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
+    """Tell which outlines lie in the frame as a whole."""
+    extent = np.sqrt(np.diagonal(outlines.shape, axis1=1, axis2=2))
+    low, high = outlines.centre - extent, outlines.centre + extent
+    inside: np.ndarray = ((low > -_MARGIN) & (high < np.array(size) - 1 + _MARGIN)).all(axis=1)
+    return inside
+
+
+def _choose(
+    lattices: list[Lattice], outlines: Outlines, target: DotGrid
+) -> tuple[Lattice, Numbering] | Refusal:
+    """Return the one lattice that carries the target's rings."""
+    if len(outlines.centre) == 0:
+        return Refusal.NO_DOTS
+    if len(outlines.centre) < _FEWEST_DOTS:
+        return Refusal.TOO_FEW_DOTS
+    if not lattices:
+        return Refusal.NO_GRID
+    outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]
+    named = [(lattice, outcome) for lattice, outcome in outcomes if isinstance(outcome, Numbering)]
+    if len(named) > 1 or any(outcome is Refusal.AMBIGUOUS_RINGS for _, outcome in outcomes):
+        return Refusal.AMBIGUOUS_RINGS
+    if not named:
+        refusals = [outcome for _, outcome in outcomes if isinstance(outcome, Refusal)]
+        return Refusal.MIRRORED if Refusal.MIRRORED in refusals else Refusal.NO_RINGS
+    lattice, numbering = named[0]
+    return named[0] if is_smooth(lattice, outlines.centre) else Refusal.GRID_INCONSISTENT
+
+
+def _measured(
+    grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
+) -> list[_Dot]:
+    """Return the dots of the lattice, fitted."""
+    reach = clear_reach(target)
+    hole = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
+    fits = [
+        fit_edge(
+            grey,
+            outlines.centre[spot],
+            outlines.shape[spot],
+            hole if index in target.ring_indices else 0.0,
+            reach,
+        )
+        for index, spot in named
+    ]
+    departures = [fit.departure for fit in fits if fit is not None]
+    usual = float(np.median(departures)) if departures else 0.0
+    dots = []
+    for (index, spot), fit in zip(named, fits, strict=True):
+        if fit is None or fit.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * outlines.radius[spot]:
+            dots.append(_Dot(index, DotFlag.BAD_FIT, outlines.centre[spot], outlines.shape[spot]))
+        else:
+            inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
+            dots.append(
+                _Dot(index, DotFlag.OK if inside else DotFlag.BEYOND_GRID, fit.centre, fit.shape, fit)
+            )
+    return dots
+
+
+def _unnamed(outlines: Outlines, named: set[int]) -> list[_Dot]:
+    """Return the spots that have no place in the grid."""
+    return [
+        _Dot(None, DotFlag.NO_ID, outlines.centre[spot], outlines.shape[spot])
+        for spot in range(len(outlines.centre))
+        if spot not in named
+    ]
+
+
+def _alike(dot: _Dot, radius: float) -> bool:
+    """Tell whether a spot is about as large as the dots, so that a person might take it for one."""
+    return bool(abs(np.log(np.linalg.det(dot.outline) ** 0.25 / radius)) < _ALIKE)
+
+
+def _one_an_id(dots: list[_Dot]) -> list[_Dot]:
+    """Return the dots with every id at most once; of two, neither can be trusted."""
+    count = Counter(dot.index for dot in dots if dot.index is not None)
+    return [
+        dot if dot.index is None or count[dot.index] == 1 else replace(dot, index=None, flag=DotFlag.NO_ID)
+        for dot in dots
+    ]
+
+
+def _collect(
+    dots: list[_Dot], size: tuple[int, int], polarity: Polarity, refusal: Refusal | None
+) -> PictureDots:
+    """Sort the dots and put them into arrays."""
+    dots = sorted(
+        dots,
+        key=lambda dot: (
+            dot.index is None,
+            *(dot.index or (0, 0))[::-1],
+            float(dot.seen_at[1]),
+            float(dot.seen_at[0]),
+        ),
+    )
+    factor = noise_factor([dot.fit.scatter for dot in dots if dot.fit is not None])
+    missing = np.full((2, 2), np.nan)
+    return PictureDots(
+        size=size,
+        polarity=polarity,
+        refusal=refusal,
+        index=np.array([dot.index or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
+        has_id=np.array([dot.index is not None for dot in dots], dtype=bool),
+        position=np.array([dot.fit.centre if dot.fit else missing[0] for dot in dots], float).reshape(-1, 2),
+        covariance=np.array(
+            [dot.fit.covariance * factor if dot.fit else missing for dot in dots], float
+        ).reshape(-1, 2, 2),
+        flag=tuple(dot.flag for dot in dots),
+        seen_at=np.array([dot.seen_at for dot in dots], float).reshape(-1, 2),
+        outline=np.array([dot.outline for dot in dots], float).reshape(-1, 2, 2),
+    )

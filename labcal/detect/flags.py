@@ -1,0 +1,71 @@
+"""Why a dot may not be used, and why a picture has no ids."""
+
+from enum import StrEnum
+
+
+class DotFlag(StrEnum):
+    """What became of one dot; only ``ok`` dots are measurements of the declared grid."""
+
+    OK = "ok"
+    """Measured, with an id within the declared grid."""
+    BEYOND_GRID = "beyond-grid"
+    """Measured, with an id, but printed beyond the declared grid."""
+    CUT = "cut"
+    """Cut by the frame: its centre of area is not in the picture, so it is not measured."""
+    BAD_FIT = "bad-fit"
+    """At its place in the grid, but its outline is no clean ellipse (hidden in part, smeared): not measured."""
+    NO_ID = "no-id"
+    """Looks like a dot but has no certain place in the grid."""
+
+
+class Refusal(StrEnum):
+    """Why a whole picture got no ids."""
+
+    NO_DOTS = "no-dots"
+    """Nothing in the picture looks like a dot."""
+    TOO_FEW_DOTS = "too-few-dots"
+    """Fewer dots than the three rings and their neighbours need."""
+    NO_GRID = "no-grid"
+    """There are dots, but they form no grid."""
+    NO_RINGS = "no-rings"
+    """There is a grid, but not the three rings in it at the target's steps."""
+    AMBIGUOUS_RINGS = "ambiguous-rings"
+    """The rings fit the target at more than one place."""
+    MIRRORED = "mirrored"
+    """The rings fit the target only as in a mirror."""
+    GRID_INCONSISTENT = "grid-inconsistent"
+    """The dots do not lie on one smooth grid, so their ids cannot be trusted."""
+
+
+_ADVICE = {
+    Refusal.NO_DOTS: (
+        "No dots were found. Check that the target is in the picture, in focus and neither black nor burnt out; "
+        "a dot should be at least 6 px across."
+    ),
+    Refusal.TOO_FEW_DOTS: "Too few dots were found. Move the target so that more of it is in the frame.",
+    Refusal.NO_GRID: (
+        "Round spots were found, but they form no grid. Check that the picture shows the target, that it is "
+        "sharp, and that no more than a third of its dots are hidden."
+    ),
+    Refusal.NO_RINGS: (
+        "A grid of dots was found, but not the three rings at the target's steps from each other. Check that all "
+        "three rings are in the frame, that nothing hides them, and that the right target is named."
+    ),
+    Refusal.AMBIGUOUS_RINGS: (
+        "The rings fit the target at more than one place. Show one target only, and remove what looks like a "
+        "further ring (a reflection, a hole in a dot)."
+    ),
+    Refusal.MIRRORED: (
+        "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is seen "
+        "from its front and not in a mirror, and that it was printed without mirroring."
+    ),
+    Refusal.GRID_INCONSISTENT: (
+        "The dots do not lie on one smooth grid. Check that the target is in one piece and flat, and that its "
+        "middle is not hidden."
+    ),
+}
+
+
+def advice(refusal: Refusal) -> str:
+    """Return a sentence for a person: what is wrong with the picture and what to do about it."""
+    return _ADVICE[refusal]

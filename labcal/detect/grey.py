@@ -1,0 +1,45 @@
+"""Pictures of every common kind to one grey float picture."""
+
+import numpy as np
+from jaxtyping import Float32, Shaped
+
+from labcal.errors import InputError, InputTypeError
+
+AnyPicture = Shaped[np.ndarray, "*shape"]
+"""(h, w), or (h, w, 3 or 4), of uint8, uint16 or float; other kinds are refused with a message."""
+
+GreyPicture = Float32[np.ndarray, "h w"]
+"""Grey values in the unit of the picture they came from."""
+
+
+def grey_picture(image: AnyPicture) -> GreyPicture:
+    """Return the picture in grey.
+
+    Colours are weighted 1 : 2 : 1, so that red-green-blue and blue-green-red give the same; a fourth
+    channel (alpha) is left out.
+
+    Raises
+    ------
+    InputTypeError
+        The values are neither 8 nor 16 bit unsigned nor floats.
+    InputError
+        The shape is not that of a picture, or values are not finite.
+    """
+    if image.dtype not in (np.uint8, np.uint16) and not np.issubdtype(image.dtype, np.floating):
+        raise InputTypeError(
+            f"A picture should hold uint8, uint16 or float values, but holds {image.dtype}. Convert it first."
+        )
+    colour = image.ndim == 3 and image.shape[2] in (3, 4)  # noqa: PLR2004 - dimensions and channels
+    single = image.ndim == 3 and image.shape[2] == 1  # noqa: PLR2004 - the same
+    if not (colour or single or image.ndim == 2):  # noqa: PLR2004 - the same
+        raise InputError(
+            f"A picture should have shape (h, w), (h, w, 3) or (h, w, 4), but has {image.shape}."
+        )
+    if colour:
+        grey = (image[..., 0].astype(np.float32) + image[..., 2]) / 4 + image[..., 1].astype(np.float32) / 2
+    else:
+        grey = image.reshape(image.shape[:2])
+    grey = np.ascontiguousarray(grey, dtype=np.float32)
+    if not np.isfinite(grey).all():
+        raise InputError("The picture holds values that are not finite. Replace NaN and infinity first.")
+    return grey

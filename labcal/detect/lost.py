@@ -1,0 +1,93 @@
+"""Dots that are in the picture, and whose place in the grid is known, but that cannot be measured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.detect.blobs import Blobs
+from labcal.detect.flags import DotFlag
+from labcal.detect.lattice import Lattice
+from labcal.detect.neighbours import Node, around, predict
+from labcal.detect.outlines import Outlines
+
+_MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
+_NEAR_MISS = 0.5  # radii between a spot and where its node is expected
+_CUT_MISS = 0.35  # radii between a cut spot's box and the part of the predicted outline that is in the frame
+_SIZE_TOLERANCE = 0.5  # in the logarithm of the radius
+
+
+@dataclass(frozen=True)
+class LostDot:
+    """A node whose dot is seen but not measured; `outline` as in `PictureDots`, NaN where it is cut."""
+
+    node: Node
+    flag: DotFlag
+    seen_at: np.ndarray
+    outline: np.ndarray
+
+
+def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[int, int]) -> list[LostDot]:
+    """Return the nodes beside the lattice that the frame cuts, or whose spot has no clean outline.
+
+    Parameters
+    ----------
+    lattice, outlines
+        What is known.
+    blobs : Blobs
+        The rough spots of the picture, cut ones among them.
+    size : tuple of int
+        Width and height of the picture, px.
+    """
+    beside = {(a + i, b + j) for a, b in lattice.spots for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    taken = outlines.centre[list(lattice.spots.values())]
+    lost = []
+    for node in sorted(beside - lattice.spots.keys()):
+        prediction = predict(node, lattice.spots, outlines.centre)
+        if prediction is None:
+            continue
+        near = [lattice.spots[n] for n in around(node, lattice.spots)]
+        shape = np.median(outlines.shape[near], axis=0)
+        dot = _cut(node, prediction.position, shape, blobs, size)
+        if dot is None:
+            dot = _unclean(node, prediction.position, shape, blobs)
+        if dot is None:
+            continue
+        radius = float(np.median(outlines.radius[near]))
+        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
+            lost.append(dot)
+    return lost
+
+
+def _cut(
+    node: Node, position: np.ndarray, shape: np.ndarray, blobs: Blobs, size: tuple[int, int]
+) -> LostDot | None:
+    """Return the dot if the frame cuts the predicted outline and there is a spot in what remains of it."""
+    extent = np.sqrt(np.diag(shape))
+    last = np.array(size) - 1.0
+    low, high = np.maximum(position - extent, 0), np.minimum(position + extent, last)
+    whole = (position - extent > _MARGIN - 0.5).all() and (position + extent < last + 0.5 - _MARGIN).all()
+    if whole or (high - low < 0).any() or not blobs.cut.any():
+        return None
+    half = np.sqrt(np.diagonal(blobs.shape[blobs.cut], axis1=1, axis2=2))
+    corners = np.concatenate([blobs.centre[blobs.cut] - half, blobs.centre[blobs.cut] + half], axis=1)
+    wanted = np.concatenate([low, high])
+    miss = np.abs(corners - wanted).max(axis=1) / float(extent.max())
+    best = int(miss.argmin())
+    if miss[best] > _CUT_MISS:
+        return None
+    return LostDot(node, DotFlag.CUT, blobs.centre[blobs.cut][best], np.full((2, 2), np.nan))
+
+
+def _unclean(node: Node, position: np.ndarray, shape: np.ndarray, blobs: Blobs) -> LostDot | None:
+    """Return the dot if there is a whole spot of about its size at its place."""
+    whole = np.flatnonzero(~blobs.cut)
+    if len(whole) == 0:
+        return None
+    radius = np.linalg.det(shape) ** 0.25
+    distance = np.linalg.norm(blobs.centre[whole] - position, axis=1) / radius
+    size = np.abs(np.log(np.linalg.det(blobs.shape[whole]) ** 0.25 / radius))
+    distance[size > _SIZE_TOLERANCE] = np.inf
+    best = int(distance.argmin())
+    if distance[best] > _NEAR_MISS:
+        return None
+    return LostDot(node, DotFlag.BAD_FIT, blobs.centre[whole[best]], blobs.shape[whole[best]])

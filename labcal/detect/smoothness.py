@@ -1,0 +1,57 @@
+"""Whether a whole grid lies on one smooth surface of the picture: the last check before ids are given."""
+
+import numpy as np
+
+from labcal.arrays import Pixels
+from labcal.detect.lattice import Lattice
+
+_WORST = 0.25  # of a grid step
+_SPARE = 2.0  # dots to a coefficient, at least
+_DEGREES = (4, 3, 2)
+
+
+def is_smooth(lattice: Lattice, positions: Pixels) -> bool:
+    """Tell whether one map takes the grid's nodes to their spots everywhere.
+
+    A homography takes up the perspective; what is left, lens distortion, is a polynomial of the nodes. A grid with
+    a row linked one step off leaves half a step or more.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        At least a cross and its corners.
+    positions : ndarray, shape (n, 2)
+        Of all spots, px.
+    """
+    nodes = np.array(list(lattice.spots), dtype=np.float64)
+    seen = positions[list(lattice.spots.values())]
+    scaled = (nodes - nodes.mean(axis=0)) / np.ptp(nodes, axis=0).max()
+    back = _homography(seen, scaled)
+    straight = np.concatenate([seen, np.ones((len(seen), 1))], axis=1) @ back.T
+    if (straight[:, 2] * straight[0, 2] <= 0).any():
+        return False  # the horizon would run through the board
+    flat = straight[:, :2] / straight[:, 2:]
+    degree = next((d for d in _DEGREES if len(nodes) >= _SPARE * (d + 1) * (d + 2) / 2), 1)
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    design = np.stack([scaled[:, 0] ** i * scaled[:, 1] ** j for i, j in powers], axis=-1)
+    left = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
+    steps = np.linalg.norm(left, axis=1) * np.ptp(nodes, axis=0).max()
+    return bool(steps.max() < _WORST)
+
+
+def _homography(source: np.ndarray, aim: np.ndarray) -> np.ndarray:
+    """Return the homography from `source` to `aim` by the direct linear transform (Hartley and Zisserman, 4.1)."""
+    centre, size = source.mean(axis=0), source.std()
+    x, y = ((source - centre) / size).T
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    u, v = aim.T
+    system = np.concatenate(
+        [
+            np.stack([x, y, one, zero, zero, zero, -u * x, -u * y, -u], axis=-1),
+            np.stack([zero, zero, zero, x, y, one, -v * x, -v * y, -v], axis=-1),
+        ]
+    )
+    solution = np.linalg.svd(system, full_matrices=False)[2][-1].reshape(3, 3)
+    normalise = np.array([[1, 0, -centre[0]], [0, 1, -centre[1]], [0, 0, size]]) / size
+    homography: np.ndarray = solution @ normalise
+    return homography

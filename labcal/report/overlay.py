@@ -1,0 +1,162 @@
+"""A picture with what detection made of it drawn on top."""
+
+import cv2
+import numpy as np
+from jaxtyping import UInt8
+
+from labcal.detect.dots import PictureDots
+from labcal.detect.flags import DotFlag
+from labcal.detect.grey import AnyPicture, grey_picture
+from labcal.targets.grid import DotGrid
+
+Colour = tuple[int, int, int]
+
+# Red, green, blue.
+_COLOURS: dict[DotFlag, Colour] = {
+    DotFlag.OK: (40, 200, 60),
+    DotFlag.BEYOND_GRID: (60, 150, 255),
+    DotFlag.CUT: (255, 150, 0),
+    DotFlag.BAD_FIT: (255, 40, 40),
+    DotFlag.NO_ID: (255, 60, 220),
+}
+_AXES: tuple[Colour, Colour] = ((255, 60, 60), (255, 220, 0))
+_SUBPIXEL = 4  # bits of cv2's fixed-point coordinates
+_LABEL_ROOM = 5.0  # label heights between labelled dots
+
+
+def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8[np.ndarray, "h w 3"]:
+    """Draw outlines, centres, ids, the rings' axes and the flags of unused dots over a picture.
+
+    Parameters
+    ----------
+    image : ndarray
+        The picture the dots were found in.
+    dots : PictureDots
+        What was found.
+    target : DotGrid
+        Whose rings give the axes.
+
+    Returns
+    -------
+    ndarray, shape (h, w, 3)
+        Red, green, blue.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        `image` is no picture.
+    """
+    grey = grey_picture(image)
+    low, high = (float(grey.min()), float(grey.max())) if grey.size else (0.0, 0.0)
+    scaled = (grey - low) * (255 / (high - low)) if high > low else np.zeros_like(grey)
+    canvas: np.ndarray = cv2.cvtColor(scaled.astype(np.uint8), cv2.COLOR_GRAY2RGB)
+    if grey.size == 0:
+        return canvas
+    thick = max(1, round(max(canvas.shape) / 1000))
+    for i, flag in enumerate(dots.flag):
+        _draw_dot(canvas, dots, i, _COLOURS[flag], thick)
+    _draw_axes(canvas, dots, target, 2 * thick)
+    _draw_labels(canvas, dots, thick)
+    if dots.refusal is not None:
+        _text(
+            canvas,
+            f"refused: {dots.refusal}",
+            (10 * thick, 30 * thick),
+            0.9 * thick,
+            _COLOURS[DotFlag.BAD_FIT],
+        )
+    return canvas
+
+
+def _fixed(q: np.ndarray) -> tuple[int, int]:
+    """Return a position in cv2's fixed-point units."""
+    x, y = np.clip(np.round(q * 2**_SUBPIXEL), -(2**28), 2**28)
+    return int(x), int(y)
+
+
+def _draw_dot(canvas: np.ndarray, dots: PictureDots, i: int, colour: Colour, thick: int) -> None:
+    """Draw the outline and a cross at the centre, or a diagonal cross where nothing was measured."""
+    centre = dots.seen_at[i]
+    radius = 6.0 * thick
+    if np.isfinite(dots.outline[i]).all():
+        eigenvalues, vectors = np.linalg.eigh(dots.outline[i])
+        angle = np.linspace(0, 2 * np.pi, 73)
+        circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * np.sqrt(eigenvalues)
+        points = np.array([_fixed(q) for q in centre + circle @ vectors.T], dtype=np.int32)
+        cv2.polylines(
+            canvas,
+            [points],
+            isClosed=True,
+            color=colour,
+            thickness=thick,
+            lineType=cv2.LINE_AA,
+            shift=_SUBPIXEL,
+        )
+        radius = 0.4 * float(np.sqrt(eigenvalues[0]))
+    measured = np.isfinite(dots.position[i]).all()
+    arms = np.array([[1.0, 0.0], [0.0, 1.0]]) if measured else np.array([[0.7, 0.7], [0.7, -0.7]])
+    for arm in radius * arms:
+        ends = (_fixed(centre - arm), _fixed(centre + arm))
+        cv2.line(canvas, *ends, colour, thick, cv2.LINE_AA, _SUBPIXEL)
+
+
+def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: DotGrid, thick: int) -> None:
+    """Draw arrows from the origin ring to the x and the y ring."""
+    places = {
+        tuple(index): q
+        for index, q, known in zip(dots.index.tolist(), dots.seen_at, dots.has_id, strict=True)
+        if known
+    }
+    origin = places.get(target.rings.origin)
+    for ring, name, colour in zip((target.rings.x, target.rings.y), "xy", _AXES, strict=True):
+        end = places.get(ring)
+        if origin is None or end is None:
+            continue
+        cv2.arrowedLine(canvas, _fixed(origin), _fixed(end), colour, thick, cv2.LINE_AA, _SUBPIXEL, 0.03)
+        along = (end - origin) / max(float(np.linalg.norm(end - origin)), 1.0)
+        beyond = end + 18 * thick * along
+        _text(canvas, name, (int(beyond[0]), int(beyond[1])), 0.5 * thick, colour)
+
+
+def _draw_labels(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:
+    """Write the ids, only as many as there is room for, and the flag of every dot that is not used."""
+    size = 0.4 * thick
+    height = 12.0 * thick
+    step = _label_step(dots, height)
+    for i, flag in enumerate(dots.flag):
+        col, row = (int(k) for k in dots.index[i])
+        name = f"{col},{row}" if dots.has_id[i] else ""
+        if flag in (DotFlag.OK, DotFlag.BEYOND_GRID):
+            if col % step or row % step:
+                continue
+        elif not dots.indexed:
+            continue
+        else:
+            name = f"{name} {flag}".strip()
+        reach = (
+            np.sqrt(np.diag(dots.outline[i]))
+            if np.isfinite(dots.outline[i]).all()
+            else np.full(2, height / 2)
+        )
+        x = dots.seen_at[i, 0] + 0.75 * reach[0]
+        y = dots.seen_at[i, 1] - 0.75 * reach[1]
+        width = 0.6 * height * len(name)
+        place = (int(min(x, canvas.shape[1] - width)), int(np.clip(y, height, canvas.shape[0] - 4)))
+        _text(canvas, name, place, size, _COLOURS[flag])
+
+
+def _label_step(dots: PictureDots, height: float) -> int:
+    """Return every how many-th column and row is labelled so that labels do not touch."""
+    known = dots.seen_at[dots.has_id]
+    if len(known) < 2:  # noqa: PLR2004 - no distance to take
+        return 1
+    extent = np.ptp(known, axis=0)
+    spacing = float(np.sqrt(max(extent[0] * extent[1], 1.0) / len(known)))
+    return max(1, int(np.ceil(_LABEL_ROOM * height / spacing)))
+
+
+def _text(canvas: np.ndarray, text: str, place: tuple[int, int], size: float, colour: Colour) -> None:
+    """Write text with a dark rim, readable on any ground."""
+    thin = max(1, round(size * 1.5))
+    for ink, width in (((0, 0, 0), thin + 2), (colour, thin)):
+        cv2.putText(canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, ink, width, cv2.LINE_AA)
