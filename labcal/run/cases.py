@@ -1,0 +1,64 @@
+"""Many independent cases, one result file each, so that an interrupted run goes on where it stopped."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, as_completed
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from pydantic import BaseModel
+
+from labcal.run.outputs import write_file
+from labcal.run.progress import Progress
+
+
+class Case(Protocol):
+    """A piece of work with a name of its own."""
+
+    @property
+    def key(self) -> str:
+        """The name of its result file, without the ending."""
+
+
+C = TypeVar("C", bound=Case)
+R = TypeVar("R", bound=BaseModel)
+
+
+def run_cases(
+    cases: Sequence[C],
+    work: Callable[[C], R],
+    result_type: type[R],
+    folder: Path,
+    executor: Executor,
+    progress: Progress,
+) -> list[R]:
+    """Return the results of all cases in their order; those whose file is there already are read.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Their keys differ.
+    work : callable
+        A function of the module level, so that other processes find it.
+    result_type : type
+        The pydantic model that `work` returns.
+    folder : Path
+        Where the files ``<key>.json`` are; made where it is missing.
+    executor : Executor
+    progress : Progress
+
+    Raises
+    ------
+    OutputError
+        A result cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {case.key: folder / f"{case.key}.json" for case in cases}
+    missing = [case for case in cases if not files[case.key].exists()]
+    progress.start("cases", len(cases))
+    progress.advance(len(cases) - len(missing))
+    futures = {executor.submit(work, case): case for case in missing}
+    for future in as_completed(futures):
+        text = future.result().model_dump_json(indent=2) + "\n"
+        write_file(files[futures[future].key], text, force=True)
+        progress.advance()
+    return [result_type.model_validate_json(files[case.key].read_bytes()) for case in cases]
