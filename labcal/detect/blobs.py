@@ -111,7 +111,7 @@ def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blob
     radius = np.hypot(flat[:, 0], flat[:, 1])
     mean = np.add.reduceat(radius, start) / count
     scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
-    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]  # noqa: PLR2004 - print, and the steps of the pixels
+    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]
 
     outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
     boxes = half[:, :, None] ** 2 * np.eye(2)

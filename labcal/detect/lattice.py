@@ -121,7 +121,7 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
         return None
     area = np.where(fits, np.outer(length, length), np.inf)
     # Several pairs span the same smallest cell; the one that fits best is taken.
-    smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)  # noqa: PLR2004 - cells of a grid differ by 2 or more
+    smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)
     first, second = np.unravel_index(int(smallest.argmin()), smallest.shape)
     if _is_coarse(arms[first], arms[second], present):
         return None

@@ -1,4 +1,4 @@
-"""Ellipses through the edge points of spots, from rays through the full picture, and the look of their middle."""
+"""Ellipses through the edge points of spots, found along rays, and how bright the spots' middles are."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.blobs import Blobs
 from labcal.detect.grey import GreyPicture
 from labcal.targets.grid import DotGrid
@@ -41,7 +41,8 @@ class Outlines:
     @property
     def radius(self) -> Float64[np.ndarray, " n"]:
         """Geometric mean of the semi-axes, px."""
-        return np.sqrt(np.sqrt(np.linalg.det(self.shape)))
+        radius: np.ndarray = np.sqrt(np.sqrt(np.linalg.det(self.shape)))
+        return radius
 
     def select(self, which: np.ndarray) -> "Outlines":
         """Return some of the spots, by mask or by index."""
@@ -126,7 +127,7 @@ def _trace(grey: GreyPicture, spots: Outlines, target: DotGrid) -> Outlines:
     edge, found = _half_crossings(profile, (inside[:, None] + around) / 2, rho)
     centre, inverse, rough = _ellipses(edge[..., None] * directions, found)
     minor = np.linalg.eigvalsh(root)[:, 0]
-    fits = (minor > _MIN_MINOR) & (rough < 0.03 + 0.15 / minor)  # noqa: PLR2004 - print and pixel noise, in radii
+    fits = (minor > _MIN_MINOR) & (rough < 0.03 + 0.15 / minor)
 
     hole_radius = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
     body = (hole_radius + 1) / 2
@@ -194,4 +195,5 @@ def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
     """Return the symmetric square roots of symmetric positive 2 x 2 matrices (by Cayley-Hamilton)."""
     root = np.sqrt(np.linalg.det(matrix))
     trace = np.trace(matrix, axis1=-2, axis2=-1)
-    return (matrix + root[..., None, None] * np.eye(2)) / np.sqrt(trace + 2 * root)[..., None, None]
+    result: np.ndarray = (matrix + root[..., None, None] * np.eye(2)) / np.sqrt(trace + 2 * root)[..., None, None]
+    return result

@@ -16,7 +16,7 @@ from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid, Polarity
 
 TARGET = load_target("paper-13x10")
-WHOLE = {"focal": 700.0, "distance": 1150.0, "size": (640, 480), "noise": 1.0}
+WHOLE = {"focal": 700.0, "distance": 1300.0, "size": (640, 480), "noise": 1.0}
 MakeBoard = Callable[..., Any]
 
 
@@ -48,7 +48,7 @@ def check(board: Any, dots: PictureDots, limit: float) -> int:
 
 @pytest.mark.parametrize("turn", [0, 90, 180, 270, 37])
 def test_every_dot_has_its_id_at_any_turn(make_board: MakeBoard, turn: float) -> None:
-    board = make_board(TARGET, rotation=(20, -15, turn), **WHOLE | {"size": (560, 560), "distance": 1300.0})
+    board = make_board(TARGET, rotation=(20, -15, turn), **WHOLE | {"size": (560, 560), "distance": 1500.0})
     assert check(board, detect_dots(as_bytes(board.draw()), TARGET), 0.06) == 130
 
 
@@ -69,7 +69,7 @@ def test_tilt_and_barrel_distortion(make_board: MakeBoard, about_x: float, k1: f
 
 
 def test_part_of_the_board_is_in_the_frame(make_board: MakeBoard) -> None:
-    board = make_board(TARGET, aim=(0.3, 0.35), rotation=(15, 10, 10), extra=2, **WHOLE | {"distance": 750.0})
+    board = make_board(TARGET, aim=(0.4, 0.42), rotation=(15, 10, 10), extra=2, **WHOLE | {"distance": 850.0})
     dots = detect_dots(as_bytes(board.draw()), TARGET)
     assert 40 < check(board, dots, 0.06) < 110
     assert DotFlag.CUT in dots.flag
