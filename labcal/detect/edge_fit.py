@@ -76,9 +76,9 @@ class _State:
 class _Linear:
     """The problem around a state.
 
-    `jacobian` holds centre 2, ellipse 3, blur 1, shading of the board 3 and of the dot 3, in rows; `normal` contains the
-    prior, without which the shading inside a small dot could not be told from a shift; `along` is the change of
-    grey with the distance from the outline.
+    `jacobian` holds centre 2, ellipse 3, blur 1, shading of the board 3 and of the dot 3, in rows; `normal`
+    contains the prior, without which the shading inside a small dot could not be told from a shift; `along`
+    is the change of grey with the distance from the outline.
     """
 
     residual: np.ndarray
@@ -93,8 +93,9 @@ def fit_edge(
 ) -> EdgeFit | None:
     """Fit ``B + (D - B) Phi(-d / blur)`` to the band of pixels around a dot's outline.
 
-    `d` is the distance from the ellipse outward, to first order ``(rho - 1) / |grad rho|`` (Sampson 1982); `B` and
-    `D`, the board and the dot, each have a linear shading. Gauss-Newton on centre, ellipse, blur and shadings.
+    `d` is the distance from the ellipse outward, to first order ``(rho - 1) / |grad rho|`` (Sampson 1982);
+    `B` and `D`, the board and the dot, each have a linear shading. Gauss-Newton on centre, ellipse, blur and
+    shadings.
 
     Parameters
     ----------
@@ -166,11 +167,12 @@ def _without_clutter(state: _State, band: _Band) -> _Band:
 
 
 def _ellipse_distance(state: _State, position: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return rho, the distance to the outline, the direction and length of rho's gradient, and flat positions."""
+    """Return rho, the distance to the outline, direction and length of rho's gradient, flat positions."""
     flat = state.flatten @ (position - state.centre[:, None])
     rho = np.maximum(np.sqrt(flat[0] ** 2 + flat[1] ** 2), 1e-9)
     gradient = state.flatten @ flat / rho
-    slope = np.maximum(np.sqrt(gradient[0] ** 2 + gradient[1] ** 2), 1e-3 * state.flatten[0, 0])  # 0 at the centre
+    slope = np.sqrt(gradient[0] ** 2 + gradient[1] ** 2)
+    slope = np.maximum(slope, 1e-3 * state.flatten[0, 0])  # it is 0 at the centre
     return rho, (rho - 1) / slope, gradient / slope, flat, slope
 
 
@@ -245,7 +247,8 @@ def _judge(state: _State, band: _Band) -> EdgeFit | None:
     moved = np.bincount(sector, linear.along * linear.residual, _SECTORS)
     moved /= np.maximum(weight, np.finfo(float).tiny)
 
-    # What is the same at every sight of this dot (a print that is no circle, an edge that is no erf) is no noise.
+    # What is the same at every sight of this dot (a print that is no circle, an edge that is no erf) is no
+    # noise.
     perimeter = 2 * np.pi / np.sqrt(np.linalg.det(state.flatten))
     orders = np.arange(3, min(_HIGHEST_ORDER, int(perimeter / _SHORTEST_WAVE)) + 1)
     direction: np.ndarray = (flat[0] + 1j * flat[1]) / rho

@@ -32,16 +32,17 @@ class Scatter:
 def noise_factor(scatters: list[Scatter]) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
-    Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation, pooled over the
-    flat parts around all dots, is weighed with that of the fits' gradients: the ratio of ``J' C J`` to ``J' J``
-    for the noise's correlation matrix C. The edges themselves are left out, since what a print's outline does
-    there is no noise.
+    Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation, pooled
+    over the flat parts around all dots, is weighed with that of the fits' gradients: the ratio of ``J' C J``
+    to ``J' J`` for the noise's correlation matrix C. The edges themselves are left out, since what a print's
+    outline does there is no noise.
     """
     count = sum(int(scatter.flat.sum()) for scatter in scatters)
     energy = sum(float((scatter.residual**2).sum()) for scatter in scatters)
     if count < _FEWEST or energy <= 0:
         return 1.0
-    spent = _SHADINGS * len(scatters) / count  # residuals of a fit are tied a little even where the noise is not
+    # Residuals of a fit are tied a little even where the noise is not.
+    spent = _SHADINGS * len(scatters) / count
     factor = 0.0
     weight = sum(float((scatter.gradient**2).sum()) for scatter in scatters)
     for lag in _LAGS:
@@ -55,7 +56,7 @@ def noise_factor(scatters: list[Scatter]) -> float:
 
 def _lagged(values: np.ndarray, lag: tuple[int, int]) -> float:
     """Return the sum of products of values `lag` rows and columns apart."""
-    i, j = (abs(lag[0]), lag[1]) if lag[0] >= 0 else (abs(lag[0]), -lag[1])  # the same pairs in the other order
+    i, j = lag if lag[0] >= 0 else (-lag[0], -lag[1])  # the same pairs in the other order
     rows, columns = values.shape
     upper, lower = values[: rows - i], values[i:]
     if j >= 0:

@@ -24,8 +24,12 @@ def as_bytes(picture: np.ndarray) -> np.ndarray:
     return np.clip(np.round(picture), 0, 255).astype(np.uint8)
 
 
-def check(board: Any, dots: PictureDots, limit: float) -> int:
-    """Assert that every id and position is right and that flags say the truth; return the number of ok dots."""
+def check(
+    board: Any,  # noqa: ANN401 - a class of conftest.py, which cannot be imported
+    dots: PictureDots,
+    limit: float,
+) -> int:
+    """Assert that ids, positions and flags are right; return the number of ok dots."""
     assert dots.refusal is None, dots.refusal
     indices = [tuple(i) for i in dots.index[dots.has_id].tolist()]
     assert len(set(indices)) == len(indices)
@@ -152,7 +156,7 @@ def test_another_target_and_hidden_rings_are_refused(make_board: MakeBoard) -> N
 
 
 def test_a_torn_board_gets_no_wrong_id(make_board: MakeBoard) -> None:
-    # The right part is moved up by exactly one row: each part is a fine grid, but not together.
+    # The right part is moved by half a row: each part is a fine grid, but not together.
     board = make_board(TARGET, **WHOLE)
     picture = board.draw()
     seam = round(float(board.centroid((10, 0))[0] + board.centroid((9, 0))[0]) / 2)
