@@ -244,8 +244,7 @@ def _judge(state: _State, band: _Band) -> EdgeFit | None:
     angle = np.arctan2(flat[1], flat[0])
     sector = ((angle / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
     weight = np.bincount(sector, linear.along**2, _SECTORS)
-    moved = np.bincount(sector, linear.along * linear.residual, _SECTORS)
-    moved /= np.maximum(weight, np.finfo(float).tiny)
+    moved = np.bincount(sector, linear.along * linear.residual, _SECTORS) / np.maximum(weight, _TINY)
 
     # What is the same at every sight of this dot (a print that is no circle, an edge that is no erf) is no
     # noise.

@@ -132,7 +132,7 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
 
 
 def _is_coarse(u: np.ndarray, v: np.ndarray, present: np.ndarray) -> bool:
-    """Tell whether spots lie half-way in the cells: for want of a neighbour the seed skips every other one."""
+    """Tell whether spots lie half-way in the cells: for want of a neighbour the seed skips every other."""
     limit = _SEED_MISS * min(float(np.linalg.norm(u)), float(np.linalg.norm(v)))
     corners = np.array([u + v, u - v, -u + v, -u - v]) / 2
     across = np.array([a / 2 + k * v for a in (u, -u) for k in (-1, 0, 1)])

@@ -18,7 +18,7 @@ class Prediction:
     steps: np.ndarray
 
     def miss(self, position: np.ndarray) -> float:
-        """Return how far `position` is from the prediction, in steps; infinite where the grid is degenerate."""
+        """Return how many steps `position` is from the prediction; infinite on a degenerate grid."""
         determinant = np.linalg.det(self.steps)
         if abs(determinant) < 1e-6 * float((self.steps**2).sum()):
             return np.inf
