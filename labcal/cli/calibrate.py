@@ -33,6 +33,8 @@ class CameraResult:
     """One camera in the JSON document of ``labcal calibrate``."""
 
     rms_px: float
+    """Of this camera calibrated alone."""
+    rms_in_rig_px: float
     K: list[list[float]]
     lens: str
     dist: list[float]
@@ -75,6 +77,7 @@ def _result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateRe
     cameras = {
         name: CameraResult(
             rms_px=found.fits[name].rms_px,
+            rms_in_rig_px=found.fits[name].rms_in_rig_px,
             K=[list(row) for row in record.K],
             lens=record.lens,
             dist=list(record.dist),
@@ -90,14 +93,13 @@ def _table(result: CalibrateResult) -> object:
     from rich.table import Table
 
     caption = f"rig: RMS {result.rms_px:.4f} px, epipolar RMS {result.epipolar_rms_px:.4f} px"
-    table = Table(
-        "camera", "RMS [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots", caption=caption
-    )
+    table = Table("camera", "RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
+    table.caption = caption
     for name, camera in result.cameras.items():
         (fx, _, cx), (_, fy, cy), _ = camera.K
         lens = f"{camera.lens} " + " ".join(f"{k:.5g}" for k in camera.dist)
         table.add_row(
-            name, f"{camera.rms_px:.4f}", f"{fx:.2f}, {fy:.2f}", f"{cx:.2f}, {cy:.2f}", lens,
+            name, f"{camera.rms_px:.4f}, {camera.rms_in_rig_px:.4f}", f"{fx:.2f}, {fy:.2f}", f"{cx:.2f}, {cy:.2f}", lens,
             str(camera.views), str(camera.dots),
         )  # fmt: skip
     return table

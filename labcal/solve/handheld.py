@@ -1,9 +1,12 @@
 """Calibration of cameras from a hand-held target, by OpenCV (Zhang 2000): target poses are free.
 
-Each camera's lens comes from all views that it measured. Its place in the rig then comes from the views
-that it shares with the first camera, whose frame is the world, with the lenses held.
+Each camera's lens comes from all views that it measured. Its place in the rig comes from the views that it
+shares with the first camera, whose frame is the world. Of a pair, the lenses are refined in that step too:
+views from a narrow field leave much open that the other camera settles.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import cv2
@@ -15,7 +18,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError, UnknownNameError
-from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.geometry.poses import pose
 from labcal.targets.grid import DotGrid
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-12)
@@ -32,10 +35,12 @@ MIN_VIEWS = 3
 
 @dataclass(frozen=True)
 class CameraFit:
-    """How well one camera's lens explains its own dots."""
+    """How well one camera explains its dots."""
 
     rms_px: float
-    """OpenCV's: root mean square of the 2-D distance."""
+    """Calibrated alone; OpenCV's: root mean square of the 2-D distance."""
+    rms_in_rig_px: float
+    """The same in the rig, over the dots shared with the first camera."""
     views: tuple[str, ...]
     dots: int
 
@@ -49,18 +54,31 @@ class HandheldCalibration:
     """By camera."""
     rms_px: float
     """Over all cameras, in the rig; of the one camera where there is only one."""
-    T_world_target: dict[str, Pose]
-    """Target pose by view, for the views of the first camera, mm."""
     skipped: tuple[str, ...]
     """What did not enter, each with its reason, for people."""
 
 
 @dataclass(frozen=True)
-class _Lens:
-    fit: CameraFit
+class _Alone:
+    """One camera calibrated from its own dots."""
+
+    rms_px: float
     K: np.ndarray
     dist: np.ndarray
-    T_cam_target: dict[str, Pose]
+    views: tuple[str, ...]
+    dots: int
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """A camera and the first one, calibrated together."""
+
+    K: tuple[np.ndarray, np.ndarray]
+    dist: tuple[np.ndarray, np.ndarray]
+    T_other_first: Pose
+    rms_px: tuple[float, float]
+    dots: int
+    """In each camera."""
 
 
 def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> HandheldCalibration:
@@ -88,38 +106,64 @@ def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> Ha
     if len(usable) == 0:
         raise InputError("There are no dots with ids to calibrate with. See the flags in the detections.")
     skipped: list[str] = []
-    lenses = {name: _calibrate_lens(usable, name, target, lens, skipped) for name in usable.cameras}
     first, *others = usable.cameras
-    cameras = {first: _camera(lenses[first], lens, np.eye(4), usable.picture_size(first))}
-    squares, count = lenses[first].fit.rms_px ** 2 * lenses[first].fit.dots, lenses[first].fit.dots
-    if others:
-        squares, count = 0.0, 0
-    for other in others:
-        T_other_first, rms, dots = _relative_pose(usable, (first, other), target, lenses)
-        cameras[other] = _camera(lenses[other], lens, T_other_first, usable.picture_size(other))
-        squares, count = squares + rms**2 * dots, count + dots
+    # Of several pairs each would refine the first camera's lens to its own liking.
+    flags = cv2.CALIB_USE_INTRINSIC_GUESS | _LENS_FLAGS[lens] if len(others) == 1 else cv2.CALIB_FIX_INTRINSIC
+    with _one_thread():
+        alone = {name: _calibrate_alone(usable, name, target, lens, skipped) for name in usable.cameras}
+        pairs = {other: _calibrate_pair(usable, (first, other), target, alone, flags) for other in others}
+    return _assemble(usable, lens, alone, pairs, tuple(skipped))
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Keep OpenCV to one thread: with more it adds up in another order, and other bytes, at every run."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+def _assemble(
+    usable: Detections, lens: str, alone: dict[str, _Alone], pairs: dict[str, _Pair], skipped: tuple[str, ...]
+) -> HandheldCalibration:
+    """Return the rig and its figures."""
+    first = usable.cameras[0]
+    K, dist, rms_first = alone[first].K, alone[first].dist, alone[first].rms_px
+    squares, count = rms_first**2 * alone[first].dots, alone[first].dots
+    if pairs:
+        one = next(iter(pairs.values()))
+        K, dist = one.K[0], one.dist[0]
+        squares = sum((pair.rms_px[0] ** 2 + pair.rms_px[1] ** 2) * pair.dots for pair in pairs.values())
+        count = 2 * sum(pair.dots for pair in pairs.values())
+        rms_first = max(pair.rms_px[0] for pair in pairs.values())
+    cameras = {first: Camera(K, lens, dist, np.eye(4), usable.picture_size(first))}
+    for name, pair in pairs.items():
+        cameras[name] = Camera(pair.K[1], lens, pair.dist[1], pair.T_other_first, usable.picture_size(name))
+    in_rig = {first: rms_first} | {name: pair.rms_px[1] for name, pair in pairs.items()}
     return HandheldCalibration(
         rig=Rig.of(cameras),
-        fits={name: found.fit for name, found in lenses.items()},
+        fits={
+            name: CameraFit(found.rms_px, in_rig[name], found.views, found.dots)
+            for name, found in alone.items()
+        },
         rms_px=float(np.sqrt(squares / count)),
-        T_world_target=lenses[first].T_cam_target,
-        skipped=tuple(skipped),
+        skipped=skipped,
     )
 
 
-def _camera(found: _Lens, lens: str, T_cam_world: Pose, size: tuple[int, int]) -> Camera:
-    return Camera(found.K, lens, found.dist, T_cam_world, size)
-
-
-def _calibrate_lens(usable: Detections, camera: str, target: DotGrid, lens: str, skipped: list[str]) -> _Lens:
+def _calibrate_alone(
+    usable: Detections, camera: str, target: DotGrid, lens: str, skipped: list[str]
+) -> _Alone:
     """Calibrate one camera from all its views."""
     views, points, pixels = [], [], []
     for view in usable.views:
         dots = usable.where((usable.camera == camera) & (usable.view == view))
         if 0 < len(dots) < MIN_DOTS:
-            skipped.append(
-                f"view '{view}' of camera '{camera}': only {len(dots)} dots, at least {MIN_DOTS} are needed"
-            )
+            few = f"only {len(dots)} dots, at least {MIN_DOTS} are needed"
+            skipped.append(f"view '{view}' of camera '{camera}': {few}")
         if len(dots) >= MIN_DOTS:
             views.append(view)
             points.append(target.points(dots.index).astype(np.float32))
@@ -128,26 +172,25 @@ def _calibrate_lens(usable: Detections, camera: str, target: DotGrid, lens: str,
         raise InputError(
             f"Camera '{camera}' has {len(views)} usable views, but needs {MIN_VIEWS} at different tilts."
         )
-    size = usable.picture_size(camera)
-    rms, K, dist, rotations, translations = cv2.calibrateCamera(
-        points, pixels, size, np.eye(3), np.zeros(LENGTH), flags=_LENS_FLAGS[lens], criteria=_TERMINATION
+    rms, K, dist, _, _ = cv2.calibrateCamera(
+        points,
+        pixels,
+        usable.picture_size(camera),
+        np.eye(3),
+        np.zeros(LENGTH),
+        flags=_LENS_FLAGS[lens],
+        criteria=_TERMINATION,
     )
-    poses = [from_rotation_vector(r.ravel(), t.ravel()) for r, t in zip(rotations, translations, strict=True)]
-    return _Lens(
-        fit=CameraFit(float(rms), tuple(views), sum(map(len, points))),
-        K=np.asarray(K, dtype=np.float64),
-        dist=np.asarray(dist, dtype=np.float64).ravel()[:LENGTH],
-        T_cam_target=dict(zip(views, poses, strict=True)),
-    )
+    return _Alone(float(rms), _matrix(K), _coefficients(dist), tuple(views), sum(map(len, points)))
 
 
-def _relative_pose(
-    usable: Detections, pair: tuple[str, str], target: DotGrid, lenses: dict[str, _Lens]
-) -> tuple[Pose, float, int]:
-    """Return the second camera's ``T_other_first``, the pair's rms and its number of dots."""
+def _calibrate_pair(
+    usable: Detections, names: tuple[str, str], target: DotGrid, alone: dict[str, _Alone], flags: int
+) -> _Pair:
+    """Calibrate the second camera's place relative to the first, and what else `flags` leave free."""
     points, pixels_a, pixels_b = [], [], []
     for view in usable.views:
-        a, b = (usable.where((usable.camera == camera) & (usable.view == view)) for camera in pair)
+        a, b = (usable.where((usable.camera == name) & (usable.view == view)) for name in names)
         _, in_a, in_b = np.intersect1d(_keys(a), _keys(b), return_indices=True)
         if len(in_a) >= MIN_DOTS:
             points.append(target.points(a.index[in_a]).astype(np.float32))
@@ -155,15 +198,33 @@ def _relative_pose(
             pixels_b.append(b.position[in_b].astype(np.float32))
     if not points:
         raise InputError(
-            f"Cameras '{pair[0]}' and '{pair[1]}' share no view with at least {MIN_DOTS} dots in both. "
+            f"Cameras '{names[0]}' and '{names[1]}' share no view with at least {MIN_DOTS} dots in both. "
             "Shoot the target where both cameras see it, and check that --cameras names the pairs."
         )
-    found_a, found_b = lenses[pair[0]], lenses[pair[1]]
-    rms, _, _, _, _, R, t, _, _ = cv2.stereoCalibrate(
-        points, pixels_a, pixels_b, found_a.K, found_a.dist, found_b.K, found_b.dist,
-        usable.picture_size(pair[0]), flags=cv2.CALIB_FIX_INTRINSIC, criteria=_TERMINATION,
+    start_a, start_b = (alone[name] for name in names)
+    found = cv2.stereoCalibrateExtended(
+        points, pixels_a, pixels_b,
+        start_a.K.copy(), start_a.dist.copy(), start_b.K.copy(), start_b.dist.copy(),
+        usable.picture_size(names[0]), np.eye(3), np.zeros(3), flags=flags, criteria=_TERMINATION,
     )  # fmt: skip
-    return pose(np.asarray(R), np.asarray(t).ravel()), float(rms), 2 * sum(map(len, points))
+    _, K_a, dist_a, K_b, dist_b, R, t = found[:7]
+    counts = np.array([len(p) for p in points])
+    mean_squares = counts @ np.asarray(found[-1]) ** 2 / counts.sum()
+    return _Pair(
+        K=(_matrix(K_a), _matrix(K_b)),
+        dist=(_coefficients(dist_a), _coefficients(dist_b)),
+        T_other_first=pose(np.asarray(R), np.asarray(t).ravel()),
+        rms_px=(float(np.sqrt(mean_squares[0])), float(np.sqrt(mean_squares[1]))),
+        dots=int(counts.sum()),
+    )
+
+
+def _matrix(K: object) -> np.ndarray:
+    return np.asarray(K, dtype=np.float64)
+
+
+def _coefficients(dist: object) -> np.ndarray:
+    return np.asarray(dist, dtype=np.float64).ravel()[:LENGTH]
 
 
 def _keys(dots: Detections) -> np.ndarray:
