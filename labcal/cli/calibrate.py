@@ -98,8 +98,7 @@ def _table(result: CalibrateResult) -> object:
     for name, camera in result.cameras.items():
         (fx, _, cx), (_, fy, cy), _ = camera.K
         lens = f"{camera.lens} " + " ".join(f"{k:.5g}" for k in camera.dist)
-        table.add_row(
-            name, f"{camera.rms_px:.4f}, {camera.rms_in_rig_px:.4f}", f"{fx:.2f}, {fy:.2f}", f"{cx:.2f}, {cy:.2f}", lens,
-            str(camera.views), str(camera.dots),
-        )  # fmt: skip
+        rms = f"{camera.rms_px:.4f}, {camera.rms_in_rig_px:.4f}"
+        counts = (str(camera.views), str(camera.dots))
+        table.add_row(name, rms, f"{fx:.2f}, {fy:.2f}", f"{cx:.2f}, {cy:.2f}", lens, *counts)
     return table

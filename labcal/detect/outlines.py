@@ -146,15 +146,20 @@ def _trace(grey: GreyPicture, spots: Outlines, target: DotGrid) -> Outlines:
 
 
 def _half_crossings(profile: np.ndarray, half: np.ndarray, rho: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return where each ray first rises through its half level, in radii, and whether it does."""
+    """Return where each ray first rises through its half level past its darkest place, in radii, if it does.
+
+    The darkest place, because in a small ring the blurred hole still shines where the search begins.
+    """
     first = int(np.searchsorted(rho, _FIRST_EDGE))
     tail = profile[:, :, first:]
-    above = tail >= half[..., None]
+    darkest = tail[:, :, rho[first:] <= 1].argmin(axis=2)
+    above = (tail >= half[..., None]) & (np.arange(tail.shape[2]) > darkest[..., None])
     at = above.argmax(axis=2)
-    found = above.any(axis=2) & (at > 0)
+    found = above.any(axis=2)
     at = np.maximum(at, 1)
     high = np.take_along_axis(tail, at[..., None], axis=2)[..., 0]
     low = np.take_along_axis(tail, at[..., None] - 1, axis=2)[..., 0]
+    found &= low < half
     fraction = (half - low) / np.where(found, np.maximum(high - low, 1e-30), 1)
     return rho[first] + (at - 1 + fraction) * (rho[1] - rho[0]), found
 
