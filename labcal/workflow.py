@@ -2,12 +2,13 @@
 
 ::
 
-    render_shoot ─► SHOOT ─► measure ─► fit, or calibrate_handheld ─► reconstruct_points ─► evaluate
+    render ─► SHOOT ─► detect ─► fit, or calibrate ─► reconstruct ─► evaluate
 
 The command line adds reading, writing and printing.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -22,15 +23,34 @@ from labcal.correspond.training import TrainingData, training_data
 from labcal.errors import InputError
 from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
+from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress, Progress
+from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.truth import has_truth
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
+from labcal.solve.handheld import calibrate_handheld as calibrate
+from labcal.solve.reconstruction import reconstruct_points as reconstruct
 from labcal.targets.grid import DotGrid
 
-__all__ = ["detect", "epipolar_rms", "evaluate", "fit", "measure", "training_data"]
+__all__ = [
+    "calibrate",
+    "detect",
+    "epipolar_rms",
+    "evaluate",
+    "fit",
+    "measure",
+    "reconstruct",
+    "render",
+    "training_data",
+]
+
+
+def render(scene: str, folder: Path, settings: RenderSettings | None = None) -> Shoot:
+    """Render a scene, by name or from a YAML file, into a new shoot; see :func:`render_shoot` for errors."""
+    return render_shoot(load_scene(scene), folder, settings or RenderSettings(), NoProgress())
 
 
 def measure(
