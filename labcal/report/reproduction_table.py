@@ -95,7 +95,8 @@ class _ReproductionTable:
                 justify="right" if column.right else "left",
                 no_wrap=column.heading not in {"verdict", "data"},
             )
-        for row in sorted((*result.rows, *result.not_reported), key=_number):
+        rows: tuple[RowResult | str, ...] = (*result.rows, *result.not_reported)
+        for row in sorted(rows, key=_number):
             if isinstance(row, str):
                 missing = {"exp": row, "verdict": "not reported"}
                 table.add_row(*(missing.get(column.heading, MISSING) for column in columns), style="dim")
@@ -150,14 +151,12 @@ def _notes(result: Reproduction) -> list[tuple[str, str]]:
     seeds = sorted({row.seeds for row in result.rows})
     counts = " to ".join(map(str, dict.fromkeys(seeds[:1] + seeds[-1:])))
     runs = "one run each" if seeds == [1] else f"medians of {counts} runs"
-    notes.append(
-        (
-            "",
-            f"Scored on points that were not trained on, {runs}. mean: predicted minus true with "
-            "its sign, over all points and coordinates: the paper's figure, in which errors cancel. RMS, P95 and "
-            "max: of the length of the 3-D error.",
-        )
+    scored = (
+        f"Scored on points that were not trained on, {runs}. mean: predicted minus true with its sign, over all "
+        "points and coordinates: the paper's figure, in which errors cancel. RMS, P95 and max: of the length of "
+        "the 3-D error."
     )
+    notes.append(("", scored))
     if any(row.goal_reached is False for row in result.rows):
         notes.append((GOAL_MARK, "The goal of the training was not reached."))
     if any(row.contradiction for row in result.rows):
