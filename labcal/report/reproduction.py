@@ -1,6 +1,23 @@
 """The document ``results.json`` of ``labcal reproduce``."""
 
-from pydantic import BaseModel, ConfigDict
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+
+from labcal.errors import InputError
+from labcal.run.descriptions import explain_validation
+
+RESULTS = "results.json"
+
+
+def _nan_for_null(value: object) -> object:
+    """Return NaN for what :func:`labcal.run.json_text.to_json` writes as null."""
+    return float("nan") if value is None else value
+
+
+Measured = Annotated[float, BeforeValidator(_nan_for_null)]
+"""A figure that is null in JSON where it came out as no number."""
 
 
 class Figures(BaseModel):
@@ -10,24 +27,24 @@ class Figures(BaseModel):
 
     reading: str
     """Which method, and what "5%" of noise was taken to be where there is noise."""
-    mean_signed_m: float
+    mean_signed_m: Measured
     """Mean of predicted minus true over held-out points and all three coordinates, as in the paper."""
-    rel: float
+    rel: Measured
     """`mean_signed_m` over the mean true coordinate."""
-    mae_mm: float
+    mae_mm: Measured
     """Mean length of the 3-D error."""
-    rmse_mm: float
-    p95_mm: float
-    max_mm: float
+    rmse_mm: Measured
+    p95_mm: Measured
+    max_mm: Measured
     epochs: float | None
     """Accepted training steps; null for least squares."""
     goal_reached: bool | None
     """Whether most seeds ended at the goal; null for least squares."""
     seconds: float
     """Of training."""
-    mean_signed_range_m: tuple[float, float]
+    mean_signed_range_m: tuple[Measured, Measured]
     """Least and greatest of the seeds."""
-    further_rmse: tuple[float, ...] = ()
+    further_rmse: tuple[Measured, ...] = ()
     """RMS error of the outputs after X, Y and Z, mm."""
 
 
@@ -48,15 +65,15 @@ class RowResult(BaseModel):
     epochs: float | None
     paper_epochs: int | None
     goal_reached: bool | None
-    mean_signed_m: float
-    mean_signed_range_m: tuple[float, float]
-    rel: float
+    mean_signed_m: Measured
+    mean_signed_range_m: tuple[Measured, Measured]
+    rel: Measured
     paper_abs_m: float
     paper_rel: float
-    mae_mm: float
-    rmse_mm: float
-    p95_mm: float
-    max_mm: float
+    mae_mm: Measured
+    rmse_mm: Measured
+    p95_mm: Measured
+    max_mm: Measured
     seconds: float
     verdict: str
     contradiction: str | None
@@ -98,3 +115,26 @@ class Reproduction(BaseModel):
     restrictions: tuple[str, ...]
     """What ``--quick`` left out, in words; empty for a full run."""
     pictures: tuple[ShownPicture, ...]
+
+
+def read_reproduction(folder: Path) -> Reproduction:
+    """Read ``results.json`` in a folder that ``labcal reproduce`` made.
+
+    Raises
+    ------
+    InputError
+        There is none, or it is not one that this version reads.
+    """
+    path = folder / RESULTS
+    try:
+        return Reproduction.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(
+            f"{folder} holds no results: {RESULTS} cannot be read ({error.strerror}). "
+            "Give the folder that 'labcal reproduce -o' made."
+        ) from error
+    except ValidationError as error:
+        raise InputError(
+            f"{path} is not a document of results that this version reads: {explain_validation(error)}. "
+            "Run 'labcal reproduce' again."
+        ) from error

@@ -1,0 +1,164 @@
+"""The results of ``labcal reproduce`` as one HTML page that needs nothing beside it."""
+
+import base64
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from labcal.errors import InputError
+from labcal.report import figures_text
+from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
+from labcal.report.reproduction_figures import epoch_figure, error_figure
+from labcal.report.thumbnail import thumbnail
+from labcal.shoot.pictures import read_picture
+
+_PICTURE_WIDTH = 640
+_JPEG_QUALITY = 82
+
+
+@dataclass(frozen=True)
+class _Verdict:
+    """A verdict: how it looks, and what it means."""
+
+    word: str
+    look: str
+    glyph: str
+    meaning: str
+
+
+_VERDICTS = (
+    _Verdict(
+        "reproduced",
+        "good",
+        "✓",
+        "The mean signed error is no larger than the paper’s (give or take 0.1 mm, which the paper rounds "
+        "away), and the epochs, where there are any, are within a factor of 2 of the paper’s.",
+    ),
+    _Verdict(
+        "reproduced in other epochs",
+        "fair",
+        "≈",
+        "The error is no larger than the paper’s, but the training took more than twice or less than half the "
+        "paper’s epochs.",
+    ),
+    _Verdict("not reproduced", "bad", "✗", "The mean signed error is larger than the paper’s."),
+    _Verdict(
+        "paper contradicts itself",
+        "odd",
+        "!",
+        "The paper’s figures of this row cannot all be right, so there is nothing to agree with.",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class _EmbeddedPicture:
+    """A picture as the page holds it; `absent` says why where there is no `data`."""
+
+    shown: ShownPicture
+    data: str = ""
+    width: int = 0
+    height: int = 0
+    absent: str = ""
+
+
+def reproduction_page(result: Reproduction, folder: Path) -> str:
+    """Return the page: figures, all rows, how they are read, and the pictures.
+
+    Nothing is fetched from anywhere: styles, figures and pictures are in the page. The same results and
+    pictures give the same page.
+
+    Parameters
+    ----------
+    result : Reproduction
+    folder : Path
+        Where the pictures of `result` are; a picture that cannot be read, or lies outside, is said to be missing.
+    """
+    environment = Environment(
+        loader=PackageLoader("labcal.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        metres=_typographic(figures_text.signed_metres),
+        percent=_typographic(figures_text.percent),
+        millimetres=_typographic(figures_text.millimetres),
+        epochs=_typographic(figures_text.epochs),
+        goal=_typographic(figures_text.goal),
+        verdict_class=_verdict_class,
+        verdict_glyph=_verdict_glyph,
+    )
+    rows: tuple[RowResult | str, ...] = (*result.rows, *result.not_reported)
+    return environment.get_template("page.html.jinja").render(
+        result=result,
+        entries=sorted(rows, key=_number),
+        tally=_tally(result),
+        verdicts=[(verdict.word, verdict.meaning) for verdict in _VERDICTS],
+        runs=_runs(result),
+        errors=Markup(error_figure(result.rows)),  # noqa: S704 - made by matplotlib from numbers
+        epochs=Markup(epoch_figure(result.rows)),  # noqa: S704 - the same
+        pictures=[_embed(picture, folder) for picture in result.pictures],
+    )
+
+
+def missing_pictures(result: Reproduction, folder: Path) -> list[str]:
+    """Return the files of pictures that the page cannot show, relative to the folder."""
+    return [picture.file for picture in result.pictures if _embed(picture, folder).absent]
+
+
+def _typographic(write: Callable[..., str]) -> Callable[..., Markup | str]:
+    """Return a way to write figures with a true minus sign and a dash for what is missing."""
+
+    def written(value: float | None) -> str:
+        text = write(value)
+        return "–" if text == figures_text.MISSING else text.replace("-", "−")  # noqa: RUF001 - meant
+
+    return written
+
+
+def _verdict_class(word: str) -> str:
+    return next((verdict.look for verdict in _VERDICTS if verdict.word == word), "")
+
+
+def _verdict_glyph(word: str) -> str:
+    return next((verdict.glyph for verdict in _VERDICTS if verdict.word == word), "")
+
+
+def _number(row: RowResult | str) -> str:
+    return row if isinstance(row, str) else row.exp
+
+
+def _tally(result: Reproduction) -> list[tuple[str, int]]:
+    """Return every verdict with the number of its rows."""
+    words = dict.fromkeys([*(verdict.word for verdict in _VERDICTS), *(row.verdict for row in result.rows)])
+    return [(word, sum(row.verdict == word for row in result.rows)) for word in words]
+
+
+def _runs(result: Reproduction) -> str:
+    """Return of how many runs the figures are."""
+    seeds = sorted({row.seeds for row in result.rows})
+    if seeds in ([], [1]):
+        return "one run each"
+    return f"medians of {' to '.join(map(str, dict.fromkeys((seeds[0], seeds[-1]))))} runs each"
+
+
+def _embed(picture: ShownPicture, folder: Path) -> _EmbeddedPicture:
+    """Return a picture scaled down as a JPEG in base64."""
+    path = folder / picture.file
+    if not path.resolve().is_relative_to(folder.resolve()):
+        return _EmbeddedPicture(picture, absent=f"{picture.file} lies outside the folder of the results.")
+    try:
+        small = thumbnail(read_picture(path), _PICTURE_WIDTH, _PICTURE_WIDTH)
+    except InputError:
+        return _EmbeddedPicture(picture, absent=f"{picture.file} is not there any more, or is damaged.")
+    done, data = cv2.imencode(".jpg", small[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
+    if not done:
+        raise InputError(f"The picture {path} cannot be made a JPEG.")
+    height, width = small.shape[:2]
+    return _EmbeddedPicture(picture, base64.b64encode(data.tobytes()).decode(), width, height)
