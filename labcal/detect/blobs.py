@@ -23,7 +23,7 @@ _EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
 
 @dataclass(frozen=True)
 class Blobs:
-    """Dark spots: rough centres (px), outline matrices (see `PictureDots.outline`), and whether the frame cuts them."""
+    """Dark spots: rough centres (px), outline matrices (as in `PictureDots`), whether the frame cuts them."""
 
     centre: Pixels
     shape: PixelCovariances
@@ -83,7 +83,7 @@ def _dark_contours(level: np.ndarray, min_contrast: float) -> list[np.ndarray]:
 
 
 def _noise(level: np.ndarray) -> float:
-    """Return the standard deviation of the noise, from second differences, which smooth shading leaves alone."""
+    """Return the standard deviation of the noise from second differences, blind to smooth shading."""
     step = 1 + max(level.shape) // 512
     rows = level[::step]
     difference = rows[:, 2:] - 2 * rows[:, 1:-1] + rows[:, :-2]
@@ -111,7 +111,7 @@ def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blob
     radius = np.hypot(flat[:, 0], flat[:, 1])
     mean = np.add.reduceat(radius, start) / count
     scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
-    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]  # noqa: PLR2004 - print, and the steps of the pixels
+    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]
 
     outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
     boxes = half[:, :, None] ** 2 * np.eye(2)
@@ -126,7 +126,8 @@ def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blob
 def _polygon_moments(points: np.ndarray, start: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return area, centroid and four times the covariance of closed polygons (by Green's theorem).
 
-    The square root of the latter's eigenvalues are an ellipse's semi-axes. Where the area is zero so is all else.
+    The square root of the latter's eigenvalues are an ellipse's semi-axes. Where the area is zero so is all
+    else.
     """
     following = np.arange(1, len(points) + 1)
     following[start + count - 1] = start

@@ -19,8 +19,8 @@ from labcal.detect.smoothness import is_smooth
 from labcal.targets.grid import DotGrid, Polarity
 
 _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
-# An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a print
-# may be ragged, a renderer's discs are polygons), and of the radius.
+# An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a
+# print may be ragged, a renderer's discs are polygons), and of the radius.
 _DEPARTURE = (2.5, 0.012)
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _ALIKE = 0.5  # in the logarithm of the radius
@@ -118,8 +118,7 @@ def _choose(
     if not named:
         refusals = [outcome for _, outcome in outcomes if isinstance(outcome, Refusal)]
         return Refusal.MIRRORED if Refusal.MIRRORED in refusals else Refusal.NO_RINGS
-    lattice, numbering = named[0]
-    return named[0] if is_smooth(lattice, outlines.centre) else Refusal.GRID_INCONSISTENT
+    return named[0] if is_smooth(named[0][0], outlines.centre) else Refusal.GRID_INCONSISTENT
 
 
 def _measured(

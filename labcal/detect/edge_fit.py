@@ -19,6 +19,7 @@ _HOLE_BLURS = 1.5  # blurs kept away from a ring's hole
 _DOT_SHADING = 0.03  # prior standard deviation of the shading across a dot, of its step, a radius
 _PARAMETERS = 12
 _CLUTTER = (5.0, 0.08, 2.0)  # standard deviations, and of the step, that clutter differs; blurs from the edge
+_FLAT = 2.5  # blurs from the edge: beyond is dot or board only
 _SECTORS = 12
 _TINY = float(np.finfo(np.float32).tiny)
 _HIGHEST_ORDER, _SHORTEST_WAVE = 12, 8.0  # waves around the outline, and px along it, that are not noise
@@ -75,9 +76,9 @@ class _State:
 class _Linear:
     """The problem around a state.
 
-    `jacobian` holds centre 2, ellipse 3, blur 1, shading of the board 3 and of the dot 3, in rows; `normal` contains the
-    prior, without which the shading inside a small dot could not be told from a shift; `along` is the change of
-    grey with the distance from the outline.
+    `jacobian` holds centre 2, ellipse 3, blur 1, shading of the board 3 and of the dot 3, in rows; `normal`
+    contains the prior, without which the shading inside a small dot could not be told from a shift; `along`
+    is the change of grey with the distance from the outline.
     """
 
     residual: np.ndarray
@@ -92,8 +93,9 @@ def fit_edge(
 ) -> EdgeFit | None:
     """Fit ``B + (D - B) Phi(-d / blur)`` to the band of pixels around a dot's outline.
 
-    `d` is the distance from the ellipse outward, to first order ``(rho - 1) / |grad rho|`` (Sampson 1982); `B` and
-    `D`, the board and the dot, each have a linear shading. Gauss-Newton on centre, ellipse, blur and shadings.
+    `d` is the distance from the ellipse outward, to first order ``(rho - 1) / |grad rho|`` (Sampson 1982);
+    `B` and `D`, the board and the dot, each have a linear shading. Gauss-Newton on centre, ellipse, blur and
+    shadings.
 
     Parameters
     ----------
@@ -165,11 +167,12 @@ def _without_clutter(state: _State, band: _Band) -> _Band:
 
 
 def _ellipse_distance(state: _State, position: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return rho, the distance to the outline, the direction and length of rho's gradient, and flat positions."""
+    """Return rho, the distance to the outline, direction and length of rho's gradient, flat positions."""
     flat = state.flatten @ (position - state.centre[:, None])
     rho = np.maximum(np.sqrt(flat[0] ** 2 + flat[1] ** 2), 1e-9)
     gradient = state.flatten @ flat / rho
     slope = np.sqrt(gradient[0] ** 2 + gradient[1] ** 2)
+    slope = np.maximum(slope, 1e-3 * state.flatten[0, 0])  # it is 0 at the centre
     return rho, (rho - 1) / slope, gradient / slope, flat, slope
 
 
@@ -241,13 +244,14 @@ def _judge(state: _State, band: _Band) -> EdgeFit | None:
     angle = np.arctan2(flat[1], flat[0])
     sector = ((angle / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
     weight = np.bincount(sector, linear.along**2, _SECTORS)
-    moved = np.bincount(sector, linear.along * linear.residual, _SECTORS)
-    moved /= np.maximum(weight, np.finfo(float).tiny)
+    moved = np.bincount(sector, linear.along * linear.residual, _SECTORS) / np.maximum(weight, _TINY)
 
-    # What is the same at every sight of this dot (a print that is no circle, an edge that is no erf) is no noise.
+    # What is the same at every sight of this dot (a print that is no circle, an edge that is no erf) is no
+    # noise.
     perimeter = 2 * np.pi / np.sqrt(np.linalg.det(state.flatten))
     orders = np.arange(3, min(_HIGHEST_ORDER, int(perimeter / _SHORTEST_WAVE)) + 1)
-    waves = np.power((flat[0] + 1j * flat[1]) / rho, orders[:, None]) * linear.along
+    direction: np.ndarray = (flat[0] + 1j * flat[1]) / rho
+    waves = np.power(direction, orders[:, None]) * linear.along
     basis = np.concatenate([linear.jacobian, waves.real, waves.imag])
     normal = basis @ basis.T
     normal[:_PARAMETERS, :_PARAMETERS] = linear.normal
@@ -269,5 +273,16 @@ def _judge(state: _State, band: _Band) -> EdgeFit | None:
         shape=np.linalg.inv(state.flatten @ state.flatten),
         blur=state.blur,
         departure=float(np.sqrt((moved**2).mean())),
-        scatter=Scatter(band.mask, basis, normal, noise, variance),
+        scatter=_scatter(band, linear, np.abs(distance) > _FLAT * state.blur),
     )
+
+
+def _scatter(band: _Band, linear: _Linear, flat: np.ndarray) -> Scatter:
+    """Spread residuals and gradients over the rectangle of the fit."""
+    residual = np.zeros(band.mask.shape)
+    residual[band.mask] = np.where(flat, linear.residual, 0.0)
+    gradient = np.zeros((2, *band.mask.shape))
+    gradient[:, band.mask] = linear.jacobian[:2]
+    where = band.mask.copy()
+    where[band.mask] = flat
+    return Scatter(residual, where, gradient)

@@ -13,7 +13,7 @@ class DotFlag(StrEnum):
     CUT = "cut"
     """Cut by the frame: its centre of area is not in the picture, so it is not measured."""
     BAD_FIT = "bad-fit"
-    """At its place in the grid, but its outline is no clean ellipse (hidden in part, smeared): not measured."""
+    """In its place, but its outline is no clean ellipse (hidden in part, smeared): not measured."""
     NO_ID = "no-id"
     """Looks like a dot but has no certain place in the grid."""
 
@@ -39,8 +39,8 @@ class Refusal(StrEnum):
 
 _ADVICE = {
     Refusal.NO_DOTS: (
-        "No dots were found. Check that the target is in the picture, in focus and neither black nor burnt out; "
-        "a dot should be at least 6 px across."
+        "No dots were found. Check that the target is in the picture, in focus and neither black nor "
+        "burnt out; a dot should be at least 6 px across."
     ),
     Refusal.TOO_FEW_DOTS: "Too few dots were found. Move the target so that more of it is in the frame.",
     Refusal.NO_GRID: (
@@ -48,20 +48,20 @@ _ADVICE = {
         "sharp, and that no more than a third of its dots are hidden."
     ),
     Refusal.NO_RINGS: (
-        "A grid of dots was found, but not the three rings at the target's steps from each other. Check that all "
-        "three rings are in the frame, that nothing hides them, and that the right target is named."
+        "A grid of dots was found, but not the three rings at the target's steps from each other. Check that "
+        "all three rings are in the frame, that nothing hides them, and that the right target is named."
     ),
     Refusal.AMBIGUOUS_RINGS: (
         "The rings fit the target at more than one place. Show one target only, and remove what looks like a "
         "further ring (a reflection, a hole in a dot)."
     ),
     Refusal.MIRRORED: (
-        "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is seen "
-        "from its front and not in a mirror, and that it was printed without mirroring."
+        "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "
+        "seen from its front and not in a mirror, and that it was printed without mirroring."
     ),
     Refusal.GRID_INCONSISTENT: (
-        "The dots do not lie on one smooth grid. Check that the target is in one piece and flat, and that its "
-        "middle is not hidden."
+        "The dots do not lie on one smooth grid. Check that the target is in one piece and flat, and that "
+        "its middle is not hidden."
     ),
 }
 

@@ -86,8 +86,8 @@ def _similar(outlines: Outlines, i: int, tolerance: float) -> np.ndarray:
 def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _Seed | None:
     """Return the smallest cross around spot i whose arms are square to each other on the board.
 
-    The dot's own ellipse says how the board is foreshortened there, so the angle and the ratio of the steps are
-    known without the pose.
+    The dot's own ellipse says how the board is foreshortened there, so the angle and the ratio of the steps
+    are known without the pose.
     """
     near = _similar(outlines, i, tolerance)
     distance = np.linalg.norm(outlines.centre[near] - outlines.centre[i], axis=1)
@@ -121,7 +121,7 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
         return None
     area = np.where(fits, np.outer(length, length), np.inf)
     # Several pairs span the same smallest cell; the one that fits best is taken.
-    smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)  # noqa: PLR2004 - cells of a grid differ by 2 or more
+    smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)
     first, second = np.unravel_index(int(smallest.argmin()), smallest.shape)
     if _is_coarse(arms[first], arms[second], present):
         return None
@@ -132,7 +132,7 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
 
 
 def _is_coarse(u: np.ndarray, v: np.ndarray, present: np.ndarray) -> bool:
-    """Tell whether spots lie half-way in the cells: a missing neighbour made the seed skip every other one."""
+    """Tell whether spots lie half-way in the cells: for want of a neighbour the seed skips every other."""
     limit = _SEED_MISS * min(float(np.linalg.norm(u)), float(np.linalg.norm(v)))
     corners = np.array([u + v, u - v, -u + v, -u - v]) / 2
     across = np.array([a / 2 + k * v for a in (u, -u) for k in (-1, 0, 1)])

@@ -18,7 +18,7 @@ class Prediction:
     steps: np.ndarray
 
     def miss(self, position: np.ndarray) -> float:
-        """Return how far `position` is from the prediction, in grid steps; infinite where the grid is degenerate."""
+        """Return how many steps `position` is from the prediction; infinite on a degenerate grid."""
         determinant = np.linalg.det(self.steps)
         if abs(determinant) < 1e-6 * float((self.steps**2).sum()):
             return np.inf
@@ -35,8 +35,8 @@ def around(node: Node, known: dict[Node, int], window: int = _WINDOWS[0]) -> lis
 def predict(node: Node, known: dict[Node, int], positions: np.ndarray) -> Prediction | None:
     """Predict a node from its neighbours by a polynomial of the degree that they support.
 
-    The second degree follows perspective and distortion locally; with too few neighbours, or all in few rows or
-    columns, the terms that these cannot tell are left out.
+    The second degree follows perspective and distortion locally; with too few neighbours, or all in few rows
+    or columns, the terms that these cannot tell are left out.
 
     Parameters
     ----------

@@ -2,76 +2,63 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
-_WINDOW = 5  # px: over which the noise of neighbouring pixels is looked at together
-_TELLING = 0.5  # a dot so small that its fit leaves less of the noise's scatter cannot tell it
-_DOTS = 24  # looked at, evenly over the picture; more would cost time and tell little
+_REACH = 2  # px: noise is looked at together over so many neighbours to either side
+_SHADINGS = 4  # of the fit's six, about so many are spent on the flat parts (a small dot has none inside)
+_LAGS = [(i, j) for i in range(-_REACH, _REACH + 1) for j in range(-_REACH, _REACH + 1)]
+_FEWEST = 500  # pixels: less tells nothing
 
 
 @dataclass(frozen=True)
 class Scatter:
-    """The end of one dot's fit.
+    """What one dot's fit tells of the noise.
 
     Attributes
     ----------
-    mask : ndarray of bool, shape (h, w)
-        The pixels of the fit in their rectangle.
-    basis : ndarray, shape (p, n)
-        Derivatives of the grey values by what is fitted, the centre first.
-    normal : ndarray, shape (p, p)
-        ``basis basis'``, with priors.
-    noise : ndarray, shape (n,)
-        Residuals.
-    variance : float
-        Of one pixel.
+    residual : ndarray, shape (h, w)
+        Residuals in the flat parts, dot and board away from the edge; 0 elsewhere.
+    flat : ndarray of bool, shape (h, w)
+        Where that is.
+    gradient : ndarray, shape (2, h, w)
+        Change of the grey values with the dot's centre, 0 outside the fit.
     """
 
-    mask: np.ndarray
-    basis: np.ndarray
-    normal: np.ndarray
-    noise: np.ndarray
-    variance: float
+    residual: np.ndarray
+    flat: np.ndarray
+    gradient: np.ndarray
 
 
 def noise_factor(scatters: list[Scatter]) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
-    Demosaicing and compression tie the noise of neighbouring pixels together, and noise may differ between the
-    edge and its surroundings. The scatter of the fits' gradients over windows of some pixels, pooled over dots,
-    shows both (a sandwich estimate; White 1980, Newey and West 1987).
+    Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation, pooled
+    over the flat parts around all dots, is weighed with that of the fits' gradients: the ratio of ``J' C J``
+    to ``J' J`` for the noise's correlation matrix C. The edges themselves are left out, since what a print's
+    outline does there is no noise.
     """
-    pairs = [_observed_and_expected(scatter) for scatter in scatters[:: 1 + len(scatters) // _DOTS]]
-    expected = sum(pair[1] for pair in pairs)
-    return max(1.0, sum(pair[0] for pair in pairs) / expected) if expected > 0 else 1.0
+    count = sum(int(scatter.flat.sum()) for scatter in scatters)
+    energy = sum(float((scatter.residual**2).sum()) for scatter in scatters)
+    if count < _FEWEST or energy <= 0:
+        return 1.0
+    # Residuals of a fit are tied a little even where the noise is not.
+    spent = _SHADINGS * len(scatters) / count
+    factor = 0.0
+    weight = sum(float((scatter.gradient**2).sum()) for scatter in scatters)
+    for lag in _LAGS:
+        pairs = sum(_lagged(scatter.flat.astype(float), lag) for scatter in scatters)
+        together = sum(_lagged(scatter.residual, lag) for scatter in scatters)
+        correlation = 1.0 if lag == (0, 0) else together / max(pairs, 1.0) / (energy / count) + spent
+        share = sum(_lagged(scatter.gradient[k], lag) for scatter in scatters for k in range(2)) / weight
+        factor += correlation * share
+    return max(1.0, factor)
 
 
-def _observed_and_expected(scatter: Scatter) -> tuple[float, float]:
-    """Return the gradient's scatter as seen and as independent noise would give it, in units of J'J.
-
-    Residuals are orthogonal to what is fitted, so even independent noise scatters less than ``J' J`` says. Both
-    are 0 for a dot too small to tell.
-    """
-    basis = scatter.basis
-    inverse = np.linalg.inv(scatter.normal)
-    score = np.zeros(scatter.mask.shape)
-    products = np.zeros((*scatter.mask.shape, len(basis)))
-    observed = expected = 0.0
-    for k in range(2):
-        score[scatter.mask] = basis[k] * scatter.noise
-        observed += float((score * _windows(score)).sum()) / scatter.variance
-        products[scatter.mask] = (basis * basis[k]).T
-        tied = products.reshape(-1, len(basis)).T @ _windows(products).reshape(-1, len(basis))
-        expected += float(basis[k] @ basis[k] - (inverse * tied).sum())
-    independent = float((basis[:2] ** 2).sum())
-    if expected < _TELLING * independent or scatter.variance <= 0:
-        return 0.0, 0.0
-    return observed / independent, expected / independent
-
-
-def _windows(values: np.ndarray) -> np.ndarray:
-    """Return the sums over the window around every pixel."""
-    return np.asarray(
-        cv2.boxFilter(values, -1, (_WINDOW, _WINDOW), normalize=False, borderType=cv2.BORDER_CONSTANT)
-    )
+def _lagged(values: np.ndarray, lag: tuple[int, int]) -> float:
+    """Return the sum of products of values `lag` rows and columns apart."""
+    i, j = lag if lag[0] >= 0 else (-lag[0], -lag[1])  # the same pairs in the other order
+    rows, columns = values.shape
+    upper, lower = values[: rows - i], values[i:]
+    if j >= 0:
+        return float((upper[:, : max(columns - j, 0)] * lower[:, j:]).sum())
+    return float((upper[:, -j:] * lower[:, : max(columns + j, 0)]).sum())

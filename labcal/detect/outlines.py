@@ -1,4 +1,4 @@
-"""Ellipses through the edge points of spots, from rays through the full picture, and the look of their middle."""
+"""Ellipses through the edge points of spots, found along rays, and how bright the spots' middles are."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.blobs import Blobs
 from labcal.detect.grey import GreyPicture
 from labcal.targets.grid import DotGrid
@@ -41,7 +41,8 @@ class Outlines:
     @property
     def radius(self) -> Float64[np.ndarray, " n"]:
         """Geometric mean of the semi-axes, px."""
-        return np.sqrt(np.sqrt(np.linalg.det(self.shape)))
+        radius: np.ndarray = np.sqrt(np.sqrt(np.linalg.det(self.shape)))
+        return radius
 
     def select(self, which: np.ndarray) -> "Outlines":
         """Return some of the spots, by mask or by index."""
@@ -49,7 +50,7 @@ class Outlines:
 
 
 def clear_reach(target: DotGrid) -> float:
-    """Return how far from a dot's centre, in radii, nothing but board is seen between it and its neighbours."""
+    """Return how far from a dot's centre, in radii, nothing but board surrounds it."""
     radius = max(target.dot_diameter_mm, target.ring_outer_diameter_mm) / 2
     gap = min(target.pitch_x_mm, target.pitch_y_mm) / radius - 2
     return 1 + 0.7 * gap
@@ -63,7 +64,8 @@ def trace_outlines(grey: GreyPicture, blobs: Blobs, target: DotGrid) -> Outlines
     """
     whole = ~blobs.cut
     spots = Outlines(blobs.centre[whole], blobs.shape[whole], np.zeros(int(whole.sum())))
-    # Spots that are found in several levels are taken from the finest first; most duplicates go here, cheaply.
+    # Spots that are found in several levels are taken from the finest first; most duplicates go here,
+    # cheaply.
     spots = spots.select(_distinct(spots, 0.1))
     for _ in range(2):
         parts = [
@@ -126,7 +128,7 @@ def _trace(grey: GreyPicture, spots: Outlines, target: DotGrid) -> Outlines:
     edge, found = _half_crossings(profile, (inside[:, None] + around) / 2, rho)
     centre, inverse, rough = _ellipses(edge[..., None] * directions, found)
     minor = np.linalg.eigvalsh(root)[:, 0]
-    fits = (minor > _MIN_MINOR) & (rough < 0.03 + 0.15 / minor)  # noqa: PLR2004 - print and pixel noise, in radii
+    fits = (minor > _MIN_MINOR) & (rough < 0.03 + 0.15 / minor)
 
     hole_radius = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
     body = (hole_radius + 1) / 2
@@ -160,8 +162,8 @@ def _half_crossings(profile: np.ndarray, half: np.ndarray, rho: np.ndarray) -> t
 def _ellipses(points: np.ndarray, found: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Fit ``a x^2 + 2 b x y + c y^2 + d x + e y = 1`` to each spot's points, near the unit circle.
 
-    Returns the centres, the inverse outline matrices and the median distance of the points from the ellipse, all
-    in the coordinates of `points`; the distance is infinite where there is no ellipse.
+    Returns the centres, the inverse outline matrices and the median distance of the points from the ellipse,
+    all in the coordinates of `points`; the distance is infinite where there is no ellipse.
     """
     x, y = points[..., 0], points[..., 1]
     design = np.stack([x * x, 2 * x * y, y * y, x, y], axis=-1)
@@ -194,4 +196,6 @@ def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
     """Return the symmetric square roots of symmetric positive 2 x 2 matrices (by Cayley-Hamilton)."""
     root = np.sqrt(np.linalg.det(matrix))
     trace = np.trace(matrix, axis1=-2, axis2=-1)
-    return (matrix + root[..., None, None] * np.eye(2)) / np.sqrt(trace + 2 * root)[..., None, None]
+    scale = np.sqrt(trace + 2 * root)
+    result: np.ndarray = (matrix + root[..., None, None] * np.eye(2)) / scale[..., None, None]
+    return result

@@ -13,8 +13,8 @@ _DEGREES = (4, 3, 2)
 def is_smooth(lattice: Lattice, positions: Pixels) -> bool:
     """Tell whether one map takes the grid's nodes to their spots everywhere.
 
-    A homography takes up the perspective; what is left, lens distortion, is a polynomial of the nodes. A grid with
-    a row linked one step off leaves half a step or more.
+    A homography takes up the perspective; what is left, lens distortion, is a polynomial of the nodes. A
+    grid with a row linked one step off leaves half a step or more.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def is_smooth(lattice: Lattice, positions: Pixels) -> bool:
 
 
 def _homography(source: np.ndarray, aim: np.ndarray) -> np.ndarray:
-    """Return the homography from `source` to `aim` by the direct linear transform (Hartley and Zisserman, 4.1)."""
+    """Return the homography from `source` to `aim` by the DLT (Hartley and Zisserman, 4.1)."""
     centre, size = source.mean(axis=0), source.std()
     x, y = ((source - centre) / size).T
     one, zero = np.ones_like(x), np.zeros_like(x)

@@ -1,4 +1,4 @@
-"""Pictures of boards whose truth is known: drawn through OpenCV's camera, with none of the code under test."""
+"""Pictures of boards whose truth is known: drawn through OpenCV's camera, without the code under test."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ SAMPLES = 4  # a side of a pixel
 
 @dataclass(frozen=True)
 class Board:
-    """A board, a camera and a light; `missing` dots are not printed, `extra` nodes are printed beyond the grid."""
+    """A board, a camera, a light; `missing` dots are not printed, `extra` rows and columns are, beyond it."""
 
     target: DotGrid
     size: tuple[int, int] = (640, 480)
@@ -45,7 +45,7 @@ class Board:
 
     @property
     def pose(self) -> tuple[np.ndarray, np.ndarray]:
-        """R, t of the board in the camera; unturned, the board's y is up in the picture and its front is seen."""
+        """R, t of the board in the camera; unturned, its y is up in the picture and its front is seen."""
         about_x, about_y, about_z = np.radians(self.rotation)
         front = np.diag([1.0, -1.0, -1.0])
         turn = [cv2.Rodrigues(np.array(v))[0] for v in ((0, 0, about_z), (about_x, 0, 0), (0, about_y, 0))]
