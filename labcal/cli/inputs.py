@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from labcal.targets.grid import DotGrid
 
 
-def detections_of(source: str, target: "DotGrid", workers: int, session: Session) -> "Detections":
-    """Return the dots in a table, or find them in the pictures of a shoot.
+def detections_of(source: str, target: "DotGrid | None", workers: int, session: Session) -> "Detections":
+    """Return the dots in a table, or find them in the pictures of a shoot, by default those of its own target.
 
     Pictures without ids are told as warnings.
     """
@@ -24,7 +24,7 @@ def detections_of(source: str, target: "DotGrid", workers: int, session: Session
         return read_detections(Path(source))
     shoot = open_shoot(Path(source))
     with session.progress() as progress:
-        detections, measurements = measure(shoot_sources(shoot), target, workers, progress)
+        detections, measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)
     for found in measurements:
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")
