@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 def detections_of(source: str, target: "DotGrid | None", workers: int, session: Session) -> "Detections":
-    """Return the dots in a table, or find them in the pictures of a shoot, by default those of its own target.
+    """Return the dots in a table, or find them in the pictures of a shoot.
 
-    Pictures without ids are told as warnings.
+    A shoot brings its own target where none is given. Pictures without ids are told as warnings.
     """
     from labcal.correspond.detections import read_detections
     from labcal.correspond.sources import shoot_sources

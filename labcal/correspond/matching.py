@@ -85,7 +85,7 @@ def match(detections: Detections, cameras: Sequence[str]) -> Matches:
 
 
 def require_on_target(detections: Detections, target: DotGrid) -> None:
-    """Raise where dots flagged ``ok`` are none of the target's, which is then another one than in the pictures.
+    """Raise where dots flagged ``ok`` are beyond the target, so that it is not the one in the pictures.
 
     Raises
     ------

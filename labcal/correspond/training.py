@@ -34,7 +34,8 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
     Raises
     ------
     InputError
-        The target was hand-held, a dot is not on the target, or no dot of a training view was measured by all cameras.
+        The target was hand-held, a dot is not on the target, or no dot of a training view was measured by all
+        cameras.
     """
     poses = shoot.nominal_poses()
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in poses]

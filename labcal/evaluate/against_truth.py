@@ -124,7 +124,7 @@ def _limit(kept: ReconstructedPoints, shoot: Shoot, truth: Truth, detections: De
         for view, index in zip(kept.view.tolist(), map(tuple, kept.index.tolist()), strict=True)
     }
     chosen = matches.where(_contained(matches, wanted))
-    chosen = chosen.where(positive_definite(chosen.covariance).all(axis=1))
+    chosen = chosen.where(np.asarray(positive_definite(chosen.covariance).all(axis=1)))
     if len(chosen) == 0:
         return float("nan")
     poses = {name: np.array(view.T_world_target) for name, view in truth.views.items()}

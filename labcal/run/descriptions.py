@@ -52,7 +52,7 @@ def _mend(place: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
     """Return what to do about an unknown key."""
     known = [] if model is None else keys_at(model, place[:-1])
     nearest = get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)
-    return f"did you mean '{nearest[0]}'?" if nearest else "remove it or check its spelling"
+    return f"the nearest one is '{nearest[0]}'" if nearest else "remove it or check its spelling"
 
 
 def parse_yaml(text: str, source: str) -> dict[str, Any]:

@@ -149,8 +149,8 @@ def _calibrate_lens(usable: Detections, camera: str, target: DotGrid, lens: str,
         )
     except cv2.error as error:
         raise InputError(
-            f"The dots of camera '{camera}' determine no camera ({error.err}). Every view needs dots of several "
-            "rows and columns, and the views different tilts."
+            f"The dots of camera '{camera}' determine no camera ({error.err}). Every view needs dots of "
+            "several rows and columns, and the views different tilts."
         ) from error
     poses = [from_rotation_vector(r.ravel(), t.ravel()) for r, t in zip(rotations, translations, strict=True)]
     return _Lens(
