@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pixels, PointCovariances, Points
 from labcal.cameras.camera import Camera
+from labcal.geometry.covariances import positive_definite
 from labcal.geometry.rays import closest_points
 
 STEPS = 10
@@ -51,7 +52,7 @@ def triangulate(
     p = closest_points(
         np.stack([ray.origin for ray in rays], axis=1), np.stack([ray.direction for ray in rays], axis=1)
     )
-    known = np.isfinite(covariance).all(axis=(1, 2, 3)) & np.isfinite(p).all(axis=1)
+    known = positive_definite(covariance).all(axis=1) & np.isfinite(p).all(axis=1)
     weight = np.linalg.inv(np.where(known[:, None, None, None], covariance, np.eye(2)))
     cov = np.full((len(q), 3, 3), np.nan)
     for _ in range(STEPS):
@@ -122,7 +123,8 @@ def epipolar_distances(camera_a: Camera, camera_b: Camera, q_a: Pixels, q_b: Pix
     along = np.einsum("ni,ni->n", p - rays_a.origin, rays_a.direction)[:, None]
     on_ray = rays_a.origin + along * rays_a.direction
     q_curve = camera_b.project(on_ray).q
-    tangent = np.einsum("nij,nj->ni", camera_b.point_jacobian(on_ray), rays_a.direction)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):  # cameras in one place have no epipolar curves
+        tangent = np.einsum("nij,nj->ni", camera_b.point_jacobian(on_ray), rays_a.direction)
+        tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     offset = q_b - q_curve
     return np.asarray(tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0])

@@ -58,10 +58,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.detect import choose_target
     from labcal.cli.inputs import detections_of
     from labcal.run.outputs import refuse_existing
-    from labcal.solve.handheld import calibrate_handheld
+    from labcal.solve.handheld import calibrate_handheld, require_handheld_lens
     from labcal.workflow import epipolar_rms
 
     refuse_existing(arguments.output, force=arguments.force)
+    require_handheld_lens(arguments.lens)
     target = choose_target(arguments.target, [arguments.source])
     detections = detections_of(arguments.source, target, arguments.workers, session)
     found = calibrate_handheld(detections, target, arguments.lens)
@@ -92,7 +93,9 @@ def _result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateRe
 def _table(result: CalibrateResult) -> object:
     from rich.table import Table
 
-    caption = f"rig: RMS {result.rms_px:.4f} px, epipolar RMS {result.epipolar_rms_px:.4f} px"
+    caption = f"rig: RMS {result.rms_px:.4f} px"
+    if len(result.cameras) > 1:
+        caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
     table = Table("camera", "RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
     table.caption = caption
     for name, camera in result.cameras.items():

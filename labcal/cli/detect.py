@@ -68,6 +68,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.workflow import measure
 
     refuse_existing(arguments.output, force=arguments.force)
+    if arguments.overlay is not None:
+        refuse_existing(arguments.overlay, force=arguments.force)
     sources = find_sources(
         arguments.pictures, parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     )

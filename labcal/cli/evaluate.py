@@ -1,6 +1,7 @@
 """``labcal evaluate``: errors of points in millimetres."""
 
 from argparse import Namespace
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,8 +63,10 @@ def _against_truth(errors: "TruthErrors") -> object:
         ("greatest", errors.max_mm),
         ("limit of any method (RMS)", errors.limit_mm),
     ):
-        table.add_row(name, f"{value:.4f}")
-    table.add_row("within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f} %")
+        if not isnan(value):  # the limit, without detections
+            table.add_row(name, f"{value:.4f}")
+    if not isnan(errors.coverage95):
+        table.add_row("within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f} %")
     return table
 
 

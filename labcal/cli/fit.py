@@ -31,7 +31,10 @@ def add_parser(commands: CommandGroup) -> None:
         parser, "MODEL", "model to write; with several methods their names are added before the ending"
     )
     parser.add_argument(
-        "--detections", metavar="FILE", help="detections.csv of the shoot, instead of detecting anew"
+        "--detections",
+        type=Path,
+        metavar="FILE",
+        help="detections.csv of the shoot, instead of detecting anew",
     )
     add_seed(parser)
     add_workers(parser)
@@ -60,6 +63,7 @@ class FitResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
     from labcal.cli.inputs import detections_of
+    from labcal.correspond.detections import read_detections
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing
     from labcal.shoot.dataset import open_shoot
@@ -68,13 +72,18 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.workflow import fit, training_data
 
     names = arguments.method.split(",")
+    if len(set(names)) < len(names):
+        raise InputError(f"--method names a method twice: {arguments.method}. Name each once.")
     estimators = [make_estimator(name) for name in names]
     paths = [_path(arguments.output, name, alone=len(names) == 1) for name in names]
     for path in paths:
         refuse_existing(path, force=arguments.force)
     shoot = open_shoot(arguments.shoot)
-    source = arguments.detections or str(arguments.shoot)
-    detections = detections_of(source, shoot.target, arguments.workers, session)
+    detections = (
+        read_detections(arguments.detections)
+        if arguments.detections is not None
+        else detections_of(str(arguments.shoot), None, arguments.workers, session)
+    )
     data = training_data(shoot, detections)
     results = []
     for path, estimator in zip(paths, estimators, strict=True):

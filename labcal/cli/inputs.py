@@ -10,10 +10,10 @@ if TYPE_CHECKING:
     from labcal.targets.grid import DotGrid
 
 
-def detections_of(source: str, target: "DotGrid", workers: int, session: Session) -> "Detections":
+def detections_of(source: str, target: "DotGrid | None", workers: int, session: Session) -> "Detections":
     """Return the dots in a table, or find them in the pictures of a shoot.
 
-    Pictures without ids are told as warnings.
+    A shoot brings its own target where none is given. Pictures without ids are told as warnings.
     """
     from labcal.correspond.detections import read_detections
     from labcal.correspond.sources import shoot_sources
@@ -24,7 +24,7 @@ def detections_of(source: str, target: "DotGrid", workers: int, session: Session
         return read_detections(Path(source))
     shoot = open_shoot(Path(source))
     with session.progress() as progress:
-        detections, measurements = measure(shoot_sources(shoot), target, workers, progress)
+        detections, measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)
     for found in measurements:
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")

@@ -39,20 +39,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
     from collections import Counter
 
-    from labcal.cli.detect import choose_target
     from labcal.cli.inputs import detections_of
-    from labcal.correspond.detections import read_detections
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, write_file
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_points
 
     refuse_existing(arguments.output, force=arguments.force)
     model = load_reconstructor(arguments.model)
-    if Path(arguments.source).is_file():
-        detections = read_detections(Path(arguments.source))
-    else:
-        target = choose_target(None, [arguments.source])
-        detections = detections_of(arguments.source, target, arguments.workers, session)
+    detections = detections_of(arguments.source, None, arguments.workers, session)
     points = reconstruct_points(model, detections)
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))

@@ -34,9 +34,13 @@ def add_scene(parser: Parser) -> None:
     """Add the scene's name and ``--set``."""
     parser.add_argument("scene", metavar="SCENE", help="name of a scene, or path of a YAML file")
     parser.add_argument(
-        "--set", action="append", default=[], metavar="key=value", dest="overrides",
-        help="change a value of the scene, as in --set noise=off or --set cameras.left.focal_px=800",
-    )  # fmt: skip
+        "--set",
+        action="append",
+        default=[],
+        metavar="key=value",
+        dest="overrides",
+        help="change a value of the scene: --set noise=off --set cameras.left.focal_px=800",
+    )
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.correspond.sources import Source
+from labcal.correspond.sources import CAMERA_NAME, Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
@@ -140,14 +140,15 @@ def read_detections(path: Path) -> Detections:
     has_id = np.zeros(len(lines) - 1, dtype=bool)
     for i, line in enumerate(lines[1:]):
         try:
-            _, _, _, width, height, col, row, x, y, xx, xy, yy, flag = line
+            _, camera, _, width, height, col, row, x, y, xx, xy, yy, flag = line
             has_id[i] = col != "" and row != ""
             whole[i] = [int(width), int(height), int(col or 0), int(row or 0)]
             figures[i] = [float(v) for v in (x, y, xx, xy, yy)]
-            known = flag in flags
-        except ValueError:
-            known = False
-        if not known:
+            sound = flag in flags and CAMERA_NAME.fullmatch(camera) is not None and min(whole[i, :2]) > 0
+        except (ValueError, OverflowError):
+            sound = False
+        measured = sound and has_id[i] and np.isfinite(figures[i, :2]).all()
+        if not sound or (flag == DotFlag.OK.value and not measured):
             raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}")
     names = np.array([line[:3] for line in lines[1:]], dtype=np.str_).reshape(-1, 3)
     return Detections(

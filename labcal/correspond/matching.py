@@ -84,6 +84,24 @@ def match(detections: Detections, cameras: Sequence[str]) -> Matches:
     )
 
 
+def require_on_target(detections: Detections, target: DotGrid) -> None:
+    """Raise where dots flagged ``ok`` are beyond the target, so that it is not the one in the pictures.
+
+    Raises
+    ------
+    InputError
+        A column or row is beyond the target's.
+    """
+    index = detections.index[detections.ok]
+    beyond = ((index < 0) | (index >= [target.cols, target.rows])).any(axis=1)
+    if beyond.any():
+        col, row = index[beyond][0]
+        raise InputError(
+            f"The detections hold dot ({col}, {row}), but the target '{target.name}' has {target.cols} x "
+            f"{target.rows} dots. Name the target that the pictures show."
+        )
+
+
 def stage_points(matches: Matches, target: DotGrid, T_world_target: Mapping[str, Pose]) -> Points:
     """Return where the matched dots are in the world, from the target's pose in each view.
 

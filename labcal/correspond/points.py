@@ -83,15 +83,19 @@ def read_points(path: Path) -> ReconstructedPoints:
         raise InputError(f"The points {path} cannot be read: {error}.") from error
     if not lines or tuple(lines[0]) != HEADER:
         raise InputError(f"{path} is no table of points: its first line should be {','.join(HEADER)}.")
+    flags = {flag.value for flag in PointFlag}
     index = np.zeros((len(lines) - 1, 2), dtype=np.int64)
     figures = np.full((len(lines) - 1, 9), np.nan)
     for i, line in enumerate(lines[1:]):
         try:
-            _, col, row, *numbers, _ = line
+            _, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
             index[i] = [int(col), int(row)]
-            figures[i] = [float(v) for v in numbers]
-        except ValueError as error:
-            raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}") from error
+            figures[i] = [float(v) for v in (X, Y, Z, xx, xy, xz, yy, yz, zz)]
+            known = flag in flags
+        except (ValueError, OverflowError):
+            known = False
+        if not known:
+            raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}")
     covariance = np.empty((len(figures), 3, 3))
     covariance[:, _UPPER[0], _UPPER[1]] = figures[:, 3:]
     covariance[:, _UPPER[1], _UPPER[0]] = figures[:, 3:]

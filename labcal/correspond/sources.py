@@ -1,5 +1,6 @@
 """Where pictures come from: a shoot, or loose files whose names tell view and camera."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,9 @@ import numpy as np
 from labcal.errors import InputError
 from labcal.shoot.dataset import MANIFEST, Shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
+
+CAMERA_NAME = re.compile(r"[A-Za-z0-9-]+")
+"""What a camera may be called."""
 
 
 @dataclass(frozen=True)
@@ -51,9 +55,10 @@ def parse_camera_endings(text: str) -> dict[str, str]:
     endings = {}
     for part in text.split(","):
         ending, equals, camera = part.partition("=")
-        if not (ending and equals and camera):
+        if not (ending and equals and CAMERA_NAME.fullmatch(camera)) or ending in endings:
             raise InputError(
-                f"--cameras takes endings of file names, as in '_0=left,_1=right', but got '{text}'."
+                "--cameras takes endings of file names, each once, and names of letters, digits and hyphens, "
+                f"as in '_0=left,_1=right', but got '{text}'."
             )
         endings[ending] = camera
     return endings

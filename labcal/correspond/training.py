@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Points
 from labcal.correspond.detections import Detections
-from labcal.correspond.matching import match, stage_points
+from labcal.correspond.matching import match, require_on_target, stage_points
 from labcal.errors import InputError
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -34,7 +34,8 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
     Raises
     ------
     InputError
-        The target was hand-held, or no dot of a training view was measured by all cameras.
+        The target was hand-held, a dot is not on the target, or no dot of a training view was measured by all
+        cameras.
     """
     poses = shoot.nominal_poses()
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in poses]
@@ -43,6 +44,7 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
             f"The target in {shoot.folder} was hand-held: no training view tells where it was, so there is "
             "nothing to fit to. Use 'labcal calibrate', or shoot the target on a stage."
         )
+    require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)
     matches = matches.where(np.isin(matches.view, trained))
     if len(matches) == 0:

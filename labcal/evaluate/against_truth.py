@@ -12,6 +12,7 @@ from labcal.correspond.matching import Matches, match, stage_points
 from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
+from labcal.geometry.covariances import positive_definite
 from labcal.geometry.hull import inside_hull
 from labcal.geometry.poses import rigid_alignment, transform
 from labcal.shoot.dataset import Shoot
@@ -123,8 +124,7 @@ def _limit(kept: ReconstructedPoints, shoot: Shoot, truth: Truth, detections: De
         for view, index in zip(kept.view.tolist(), map(tuple, kept.index.tolist()), strict=True)
     }
     chosen = matches.where(_contained(matches, wanted))
-    finite = np.isfinite(chosen.covariance).all(axis=(1, 2, 3))
-    chosen = chosen.where(finite)
+    chosen = chosen.where(np.asarray(positive_definite(chosen.covariance).all(axis=1)))
     if len(chosen) == 0:
         return float("nan")
     poses = {name: np.array(view.T_world_target) for name, view in truth.views.items()}

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from labcal.arrays import PointCovariances, Points
+from labcal.geometry.covariances import positive_definite
 
 CONFIDENCE = 0.95
 
@@ -62,7 +63,7 @@ def coverage(error: Points, covariance: PointCovariances) -> float:
     covariance : ndarray, shape (n, 3, 3)
         As the method states it, mm squared.
     """
-    stated = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(error).all(axis=1)
+    stated = positive_definite(covariance) & np.isfinite(error).all(axis=1)
     if not stated.any():
         return float("nan")
     distance = np.einsum(

@@ -1,15 +1,18 @@
 """Convex hulls of points that may lie on a line or in a plane."""
 
 import numpy as np
+from jaxtyping import Float64
 from scipy.spatial import ConvexHull
 
-from labcal.arrays import Mask, Points
+from labcal.arrays import Mask
 
 _FLAT = 1e-9
 """Spread, relative to the largest, below which points count as flat in a direction."""
 
 
-def inside_hull(p: Points, hull_of: Points, tolerance_mm: float) -> Mask:
+def inside_hull(
+    p: Float64[np.ndarray, "n 3"], hull_of: Float64[np.ndarray, "m 3"], tolerance_mm: float
+) -> Mask:
     """Return which points lie in the convex hull of others, its border included.
 
     Parameters

@@ -1,5 +1,6 @@
 """Descriptions in YAML, found by name among those shipped or by the path of one's own file."""
 
+from difflib import get_close_matches
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -9,6 +10,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from labcal.errors import InputError, UnknownNameError
+from labcal.run.known_keys import keys_at
 
 Description = TypeVar("Description", bound=BaseModel)
 
@@ -29,18 +31,28 @@ def description_names(folder: str) -> list[str]:
     )
 
 
-def explain_validation(error: ValidationError) -> str:
-    """Return what pydantic found wrong, one line a fault, with the path of the key."""
+def explain_validation(error: ValidationError, model: type[BaseModel] | None = None) -> str:
+    """Return what pydantic found wrong, with the path of each key.
+
+    Where `model` is given, the nearest key that it has at that place is offered for an unknown one.
+    """
     lines = []
     for fault in error.errors(include_url=False):
         where = ".".join(str(part) for part in fault["loc"]) or "the whole"
         what = (
-            "this key is not known; remove it or check its spelling"
+            "this key is not known; " + _mend(fault["loc"], model)
             if fault["type"] == "extra_forbidden"
             else fault["msg"]
         )
         lines.append(f"{where}: {what}")
     return "; ".join(lines)
+
+
+def _mend(place: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
+    """Return what to do about an unknown key."""
+    known = [] if model is None else keys_at(model, place[:-1])
+    nearest = get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)
+    return f"the nearest one is '{nearest[0]}'" if nearest else "remove it or check its spelling"
 
 
 def parse_yaml(text: str, source: str) -> dict[str, Any]:
@@ -97,7 +109,9 @@ def validate_description(
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise InputError(f"The {kind} '{name}' cannot be used: {explain_validation(error)}.") from error
+        raise InputError(
+            f"The {kind} '{name}' cannot be used: {explain_validation(error, model)}."
+        ) from error
 
 
 def read_description(model: type[Description], kind: str, folder: str, name: str) -> Description:

@@ -76,7 +76,10 @@ def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, fo
     """
     ordered = picture if picture.ndim == 2 else picture[..., ::-1]  # noqa: PLR2004 -- grey
     parameters = [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality] if path.suffix.lower() in {".jpg", ".jpeg"} else []
-    done, data = cv2.imencode(path.suffix, ordered, parameters)
+    try:
+        done, data = cv2.imencode(path.suffix, ordered, parameters)
+    except cv2.error:  # it raises for an ending that it does not know
+        done = False
     if not done:
         raise OutputError(f"{path} cannot be encoded; choose a name that ends in .png, .jpg or .tif.")
     write_file(path, data.tobytes(), force=force)

@@ -117,9 +117,14 @@ def read_true_dots(folder: Path) -> list[TrueDots]:
         raise InputError(f"The truth {path} cannot be read: {error}.") from error
     if tuple(header) != HEADER:
         raise InputError(f"{path} should have the columns {', '.join(HEADER)}.")
-    pictures: dict[tuple[str, str], list[list[str]]] = {}
-    for line in lines:
-        pictures.setdefault((line[0], line[1]), []).append(line[2:])
+    pictures: dict[tuple[str, str], list[list[float]]] = {}
+    for number, line in enumerate(lines, start=2):
+        try:
+            view, camera, *figures = line
+            _, _, _, _, _, _, _, _, _, _ = row = [float(figure) for figure in figures]
+        except ValueError as error:
+            raise InputError(f"Line {number} of {path} is damaged: {','.join(line)}") from error
+        pictures.setdefault((view, camera), []).append(row)
     dots = []
     for (view, camera), rows in pictures.items():
         table = np.array(rows, dtype=np.float64)

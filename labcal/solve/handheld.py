@@ -17,6 +17,7 @@ from labcal.cameras.brown import LENGTH
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.matching import require_on_target
 from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import pose
 from labcal.targets.grid import DotGrid
@@ -81,6 +82,18 @@ class _Pair:
     """In each camera."""
 
 
+def require_handheld_lens(lens: str) -> None:
+    """Raise where a hand-held target cannot calibrate a lens model.
+
+    Raises
+    ------
+    UnknownNameError
+        It is not among those that this file knows.
+    """
+    if lens not in _LENS_FLAGS:
+        raise UnknownNameError("lens model for a hand-held target", lens, _LENS_FLAGS)
+
+
 def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> HandheldCalibration:
     """Calibrate every camera in the detections, and their places relative to the first.
 
@@ -98,13 +111,14 @@ def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> Ha
     UnknownNameError
         There is no such lens model here.
     InputError
-        A camera has too few views, or shares too few with the first camera.
+        A dot is not on the target, a camera has too few views or shares too few with the first camera, or the
+        dots determine no camera.
     """
-    if lens not in _LENS_FLAGS:
-        raise UnknownNameError("lens model for a hand-held target", lens, _LENS_FLAGS)
+    require_handheld_lens(lens)
     usable = detections.where(detections.ok)
     if len(usable) == 0:
         raise InputError("There are no dots with ids to calibrate with. See the flags in the detections.")
+    require_on_target(usable, target)
     skipped: list[str] = []
     first, *others = usable.cameras
     # Of several pairs each would refine the first camera's lens to its own liking.
@@ -172,15 +186,16 @@ def _calibrate_alone(
         raise InputError(
             f"Camera '{camera}' has {len(views)} usable views, but needs {MIN_VIEWS} at different tilts."
         )
-    rms, K, dist, _, _ = cv2.calibrateCamera(
-        points,
-        pixels,
-        usable.picture_size(camera),
-        np.eye(3),
-        np.zeros(LENGTH),
-        flags=_LENS_FLAGS[lens],
-        criteria=_TERMINATION,
-    )
+    size = usable.picture_size(camera)
+    try:
+        rms, K, dist, _, _ = cv2.calibrateCamera(
+            points, pixels, size, np.eye(3), np.zeros(LENGTH), flags=_LENS_FLAGS[lens], criteria=_TERMINATION
+        )
+    except cv2.error as error:
+        raise InputError(
+            f"The dots of camera '{camera}' determine no camera ({error.err}). Every view needs dots of "
+            "several rows and columns, and the views different tilts."
+        ) from error
     return _Alone(float(rms), _matrix(K), _coefficients(dist), tuple(views), sum(map(len, points)))
 
 
