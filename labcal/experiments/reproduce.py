@@ -174,12 +174,15 @@ def _summarise(
     """Return the rows from the outcomes of their runs."""
     rows = []
     for row in settings.rows:
-        of_row: dict[str, list[TrainingOutcome]] = {}
+        readings: dict[str, list[TrainingOutcome]] = {}
+        beside: dict[str, list[TrainingOutcome]] = {}
         for case, outcome in zip(cases, outcomes, strict=True):
             if case.row == row:
-                of_row.setdefault(case.reading, []).append(outcome)
-        figures = [figures_of(reading, of_reading) for reading, of_reading in of_row.items()]
-        rows.append(row_result(row, figures, settings.runs))
+                kind = beside if case.noise is NoiseReading.PIXEL else readings
+                kind.setdefault(case.reading, []).append(outcome)
+        figures = [figures_of(reading, of_reading) for reading, of_reading in readings.items()]
+        figures_beside = [figures_of(reading, of_reading) for reading, of_reading in beside.items()]
+        rows.append(row_result(row, figures, figures_beside, settings.runs))
     return tuple(rows)
 
 

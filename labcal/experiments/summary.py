@@ -35,7 +35,9 @@ def figures_of(reading: str, outcomes: Sequence[TrainingOutcome]) -> Figures:
     )
 
 
-def row_result(row: PaperRow, readings: Sequence[Figures], seeds: int) -> RowResult:
+def row_result(
+    row: PaperRow, readings: Sequence[Figures], beside: Sequence[Figures], seeds: int
+) -> RowResult:
     """Return a row beside the paper's.
 
     Parameters
@@ -44,6 +46,8 @@ def row_result(row: PaperRow, readings: Sequence[Figures], seeds: int) -> RowRes
     readings : sequence of Figures
         For least squares the one whose mean signed error is nearest to the paper's becomes the row; for a
         network the first.
+    beside : sequence of Figures
+        Readings that are shown and never become the row: noise of 5% of a pixel.
     seeds : int
         How many runs each reading's medians are of.
     """
@@ -75,7 +79,7 @@ def row_result(row: PaperRow, readings: Sequence[Figures], seeds: int) -> RowRes
         seconds=chosen.seconds,
         verdict=_verdict(row, chosen),
         contradiction=row.contradiction,
-        readings=tuple(readings),
+        readings=(*readings, *beside),
     )
 
 
