@@ -31,7 +31,7 @@ def millimetres(value: float) -> str:
     return f"{value:.{max(digits, 0)}f}"
 
 
-def epochs(value: float | None) -> str:
+def epochs(value: float | int | None) -> str:  # noqa: PYI041 - the checks at run time tell them apart
     """Return a count of training steps, which may be a median between two."""
     if value is None or math.isnan(value):
         return MISSING

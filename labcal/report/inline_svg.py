@@ -2,6 +2,8 @@
 
 import io
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import matplotlib as mpl
@@ -25,19 +27,26 @@ SECOND = Ink("#c46a1b", "var(--second)")
 GROUND = Ink("#fdfcfb", "var(--ground)")
 _INKS = (TEXT, QUIET, LINE, OURS, SECOND, GROUND)
 
-STYLE = {
-    "svg.fonttype": "none",
-    "font.family": ["DejaVu Sans"],
-    "font.size": 9.0,
-    "text.color": TEXT.drawn,
-    "axes.edgecolor": LINE.drawn,
-    "axes.labelcolor": QUIET.drawn,
-    "xtick.color": LINE.drawn,
-    "ytick.color": LINE.drawn,
-    "xtick.labelcolor": QUIET.drawn,
-    "ytick.labelcolor": TEXT.drawn,
-}
-"""Settings of matplotlib while a figure is made."""
+
+@contextmanager
+def page_style() -> Iterator[None]:
+    """Let matplotlib draw in the colours of this module meanwhile."""
+    style = mpl.RcParams(
+        {
+            "svg.fonttype": "none",
+            "font.family": ["DejaVu Sans"],
+            "font.size": 9.0,
+            "text.color": TEXT.drawn,
+            "axes.edgecolor": LINE.drawn,
+            "axes.labelcolor": QUIET.drawn,
+            "xtick.color": LINE.drawn,
+            "ytick.color": LINE.drawn,
+            "xtick.labelcolor": QUIET.drawn,
+            "ytick.labelcolor": TEXT.drawn,
+        }
+    )
+    with mpl.rc_context(style):
+        yield
 
 
 def inline_svg(figure: Figure, name: str, description: str) -> str:
@@ -53,8 +62,8 @@ def inline_svg(figure: Figure, name: str, description: str) -> str:
         What the figure shows, for those who cannot see it; plain text without markup.
     """
     text = io.StringIO()
-    metadata = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-    with mpl.rc_context(STYLE | {"svg.hashsalt": name}):
+    metadata = {"Date": None}
+    with page_style(), mpl.rc_context({"svg.hashsalt": name}):
         figure.savefig(text, format="svg", transparent=True, metadata=metadata)
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]

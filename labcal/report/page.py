@@ -35,22 +35,22 @@ _VERDICTS = (
         "reproduced",
         "good",
         "✓",
-        "The mean signed error is no larger than the paper’s (give or take 0.1 mm, which the paper rounds "
-        "away), and the epochs, where there are any, are within a factor of 2 of the paper’s.",
+        "The mean signed error is no larger than the paper's (give or take 0.1 mm, which the paper rounds "
+        "away), and the epochs, where there are any, are within a factor of 2 of the paper's.",
     ),
     _Verdict(
         "reproduced in other epochs",
         "fair",
         "≈",
-        "The error is no larger than the paper’s, but the training took more than twice or less than half the "
-        "paper’s epochs.",
+        "The error is no larger than the paper's, but the training took more than twice or less than half of "
+        "the paper's epochs.",
     ),
-    _Verdict("not reproduced", "bad", "✗", "The mean signed error is larger than the paper’s."),
+    _Verdict("not reproduced", "bad", "✗", "The mean signed error is larger than the paper's."),
     _Verdict(
         "paper contradicts itself",
         "odd",
         "!",
-        "The paper’s figures of this row cannot all be right, so there is nothing to agree with.",
+        "The paper's figures of this row cannot all be right, so there is nothing to agree with.",
     ),
 )
 
@@ -76,7 +76,7 @@ def reproduction_page(result: Reproduction, folder: Path) -> str:
     ----------
     result : Reproduction
     folder : Path
-        Where the pictures of `result` are; a picture that cannot be read, or lies outside, is said to be missing.
+        Where the pictures of `result` are. One that cannot be read, or lies outside, is said to be missing.
     """
     environment = Environment(
         loader=PackageLoader("labcal.report"),
@@ -112,10 +112,10 @@ def missing_pictures(result: Reproduction, folder: Path) -> list[str]:
     return [picture.file for picture in result.pictures if _embed(picture, folder).absent]
 
 
-def _typographic(write: Callable[..., str]) -> Callable[..., Markup | str]:
+def _typographic(write: Callable[..., str]) -> Callable[..., str]:
     """Return a way to write figures with a true minus sign and a dash for what is missing."""
 
-    def written(value: float | None) -> str:
+    def written(value: float | int | None) -> str:  # noqa: PYI041 - the checks at run time tell them apart
         text = write(value)
         return "–" if text == figures_text.MISSING else text.replace("-", "−")  # noqa: RUF001 - meant
 

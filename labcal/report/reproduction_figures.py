@@ -6,7 +6,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from labcal.report.inline_svg import GROUND, LINE, OURS, QUIET, SECOND, STYLE, TEXT, inline_svg
+from labcal.report.inline_svg import GROUND, LINE, OURS, QUIET, SECOND, TEXT, inline_svg, page_style
 from labcal.report.reproduction import RowResult
 
 PRINTED_LIMIT_MM = 0.005
@@ -14,14 +14,14 @@ PRINTED_LIMIT_MM = 0.005
 _FLOOR_MM = 1e-4
 """Smaller errors are drawn at the edge; a tenth of a micrometre matters to nobody here."""
 _INCH_A_ROW = 0.27
-_WIDTH = 7.2
-_HEADING = 0.95  # inches above and below the rows
+_WIDTH = 5.6
+_LEFT, _RIGHT, _ABOVE, _BELOW = 0.55, 0.15, 0.62, 0.45  # inches around the rows
 _FACTOR = 2.0  # of epochs, within which a row counts as reproduced
 
 
 def error_figure(rows: Sequence[RowResult]) -> str:
     """Return an SVG of every row's mean signed error, the paper's and ours, and of our RMS error."""
-    with mpl.rc_context(STYLE):
+    with page_style():
         figure, axes = _canvas(rows)
         for place, row in enumerate(rows):
             low, high = _magnitudes(row)
@@ -50,10 +50,10 @@ def error_figure(rows: Sequence[RowResult]) -> str:
 def epoch_figure(rows: Sequence[RowResult]) -> str:
     """Return an SVG of the epochs of every row with a network, the paper's and ours."""
     shown = [row for row in rows if row.epochs is not None and row.paper_epochs is not None]
-    with mpl.rc_context(STYLE):
+    with page_style():
         figure, axes = _canvas(shown)
         for place, row in enumerate(shown):
-            paper, ours = float(row.paper_epochs or 1), max(row.epochs or 1.0, 1.0)
+            paper, ours = float(row.paper_epochs or 1), float(max(row.epochs or 1, 1))
             band = [paper / _FACTOR, paper * _FACTOR]
             axes.plot(band, [place, place], color=LINE.drawn, linewidth=9, solid_capstyle="butt", zorder=1)
             axes.plot([paper, ours], [place, place], color=OURS.drawn, linewidth=1, alpha=0.5, zorder=2)
@@ -74,14 +74,14 @@ def epoch_figure(rows: Sequence[RowResult]) -> str:
 
 def _canvas(rows: Sequence[RowResult]) -> tuple[Figure, Axes]:
     """Return a figure as high as its rows need, and its axes."""
-    height = _HEADING + _INCH_A_ROW * max(len(rows), 1)
+    height = _ABOVE + _BELOW + _INCH_A_ROW * max(len(rows), 1)
     figure = Figure(figsize=(_WIDTH, height))
-    left, right, above, below = 0.085, 0.985, 0.45, 0.5
-    axes = figure.add_axes((left, below / height, right - left, 1 - (above + below) / height))
+    wide, high = 1 - (_LEFT + _RIGHT) / _WIDTH, 1 - (_ABOVE + _BELOW) / height
+    axes = figure.add_axes((_LEFT / _WIDTH, _BELOW / height, wide, high))
     return figure, axes
 
 
-def _dot(axes: Axes, x: float, y: float, marker: str, colours: tuple[str, str]) -> None:
+def _dot(axes: Axes, x: float, y: int, marker: str, colours: tuple[str, str]) -> None:
     """Draw a mark of a face and an edge colour."""
     face, edge = colours
     size = 5.0 if marker == "D" else 6.0
@@ -102,7 +102,6 @@ def _finish(axes: Axes, rows: Sequence[RowResult], label: str) -> None:
     axes.grid(axis="x", color=LINE.drawn, linewidth=0.7)
     axes.set_axisbelow(True)
     axes.tick_params(length=0)
-    axes.tick_params(axis="x", labeltop=False)
     for place in range(1, len(rows)):
         if rows[place].data != rows[place - 1].data:
             axes.axhline(place - 0.5, color=LINE.drawn, linewidth=0.7, zorder=0)
@@ -120,7 +119,7 @@ def _legend(axes: Axes, entries: Sequence[tuple[str, tuple[str, str], str]]) -> 
         for marker, (face, edge), label in entries
     ]  # fmt: skip
     legend = axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(-0.08, 1.0), ncols=3, frameon=False,
+        handles=handles, loc="lower left", bbox_to_anchor=(-0.1, 1.0), ncols=2, frameon=False,
         fontsize=8, handletextpad=0.2, columnspacing=1.2, borderaxespad=0.2,
     )  # fmt: skip
     for text in legend.get_texts():

@@ -1,10 +1,10 @@
 """The paper's figures beside ours, in a terminal of any width."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, ConsoleOptions, RenderResult
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -84,7 +84,7 @@ class _ReproductionTable:
 
     result: Reproduction
 
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Yield the table and its footnotes."""
         result = self.result
         columns = _fitting(result.rows, options.max_width)
@@ -152,9 +152,9 @@ def _notes(result: Reproduction) -> list[tuple[str, str]]:
     counts = " to ".join(map(str, dict.fromkeys(seeds[:1] + seeds[-1:])))
     runs = "one run each" if seeds == [1] else f"medians of {counts} runs"
     scored = (
-        f"Scored on points that were not trained on, {runs}. mean: predicted minus true with its sign, over all "
-        "points and coordinates: the paper's figure, in which errors cancel. RMS, P95 and max: of the length of "
-        "the 3-D error."
+        f"Scored on points that were not trained on, {runs}. mean: predicted minus true with its sign, over "
+        "all points and coordinates: the paper's figure, in which errors cancel. RMS, P95 and max: of the "
+        "length of the 3-D error."
     )
     notes.append(("", scored))
     if any(row.goal_reached is False for row in result.rows):

@@ -19,11 +19,12 @@ def thumbnail(picture: Shaped[np.ndarray, "*shape"], width: int, height: int) ->
     """
     scale = min(width / picture.shape[1], height / picture.shape[0], 1.0)
     size = (max(1, round(picture.shape[1] * scale)), max(1, round(picture.shape[0] * scale)))
-    small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-    if small.dtype == np.uint16:
+    small: np.ndarray = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    if picture.dtype == np.uint16:
         small = small / 257.0
-    elif small.dtype != np.uint8:
+    elif picture.dtype != np.uint8:
         small = 255.0 * np.clip(np.nan_to_num(small), 0.0, 1.0) ** (1 / _DISPLAY_GAMMA)
-    eight_bit = np.rint(small).astype(np.uint8)
-    colour: np.ndarray = cv2.cvtColor(eight_bit, cv2.COLOR_GRAY2RGB) if eight_bit.ndim == 2 else eight_bit  # noqa: PLR2004 - grey
-    return colour
+    eight_bit: np.ndarray = np.rint(small).astype(np.uint8)
+    if eight_bit.ndim == 2:  # noqa: PLR2004 - grey
+        eight_bit = np.repeat(eight_bit[..., None], 3, axis=-1)
+    return eight_bit

@@ -1,0 +1,46 @@
+"""``labcal report``: one page of a folder of results."""
+
+from argparse import Namespace
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    parser = commands.add(
+        "report",
+        run,
+        "Make one self-contained HTML page of a folder of results. A page that is there is replaced: it can "
+        "always be made again.",
+        example="labcal report out/quick",
+    )
+    parser.add_argument("folder", type=Path, metavar="DIR", help="the folder that 'labcal reproduce' made")
+
+
+@dataclass(frozen=True)
+class ReportResult:
+    """The JSON document of ``labcal report``."""
+
+    page: str
+    missing_pictures: list[str]
+    """Pictures that the results name and the page cannot show, relative to the folder."""
+
+
+def run(arguments: Namespace, session: Session) -> ExitStatus:
+    """Write ``index.html`` beside ``results.json``."""
+    from labcal.report.page import missing_pictures, reproduction_page
+    from labcal.report.reproduction import read_reproduction
+    from labcal.run.outputs import write_file
+
+    result = read_reproduction(arguments.folder)
+    page = arguments.folder / "index.html"
+    write_file(page, reproduction_page(result, arguments.folder), force=True)
+    missing = missing_pictures(result, arguments.folder)
+    for file in missing:
+        session.warn(f"The picture {file} cannot be shown on the page.")
+    session.emit(ReportResult(str(page), missing), f"{page}: {len(result.rows)} rows.")
+    return ExitStatus.PARTIAL if missing else ExitStatus.DONE

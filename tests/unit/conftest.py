@@ -1,0 +1,73 @@
+"""Dots as exactly known cameras see them, without a picture."""
+
+from collections.abc import Callable, Mapping
+
+import cv2
+import numpy as np
+import pytest
+
+from labcal.cameras.camera import Camera
+from labcal.correspond.detections import Detections
+from labcal.targets.grid import DotGrid
+
+See = Callable[[Mapping[str, Camera], DotGrid, Mapping[str, np.ndarray]], Detections]
+
+
+def _see(cameras: Mapping[str, Camera], target: DotGrid, poses: Mapping[str, np.ndarray]) -> Detections:
+    """Return the centres of all dots, projected by OpenCV, with a variance of 0.01 px squared."""
+    parts = []
+    for view, T_world_target in poses.items():
+        for name, camera in cameras.items():
+            T = camera.T_cam_world @ T_world_target
+            q, _ = cv2.projectPoints(
+                target.points(), cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist
+            )
+            parts.append((view, name, camera.size, q[:, 0]))
+    counts, n = target.count, target.count * len(parts)
+    return Detections(
+        view=np.repeat(np.array([part[0] for part in parts], dtype=np.str_), counts),
+        camera=np.repeat(np.array([part[1] for part in parts], dtype=np.str_), counts),
+        image=np.repeat(np.array([f"{part[0]}_{part[1]}.png" for part in parts], dtype=np.str_), counts),
+        size=np.repeat(np.array([part[2] for part in parts], dtype=np.int64), counts, axis=0),
+        index=np.tile(target.indices().astype(np.int64), (len(parts), 1)),
+        has_id=np.ones(n, dtype=bool),
+        position=np.concatenate([part[3] for part in parts]),
+        covariance=np.tile(0.01 * np.eye(2), (n, 1, 1)),
+        flag=np.full(n, "ok", dtype="<U16"),  # room for every flag
+    )
+
+
+@pytest.fixture
+def see() -> See:
+    """Return what makes detections of a target at poses (by view) in cameras (by name)."""
+    return _see
+
+
+@pytest.fixture
+def pair() -> dict[str, Camera]:
+    """Two barrel-distorted cameras; the left one's frame is the world."""
+    T = np.eye(4)
+    T[:3, :3] = cv2.Rodrigues(np.array([0.02, 0.25, -0.03]))[0]
+    T[:3, 3] = [-180.0, 6.0, 25.0]
+    K = np.array([[700.0, 0.0, 322.4], [0.0, 704.0, 237.1], [0.0, 0.0, 1.0]])
+    left, right = np.array([-0.3, 0.09, 6e-4, -4e-4, 0.0]), np.array([-0.28, 0.1, -5e-4, 7e-4, 0.01])
+    return {
+        "left": Camera(K, "brown5", left, np.eye(4), (640, 480)),
+        "right": Camera(K - np.diag([9.0, 8.0, 0.0]), "brown5", right, T, (640, 480)),
+    }
+
+
+@pytest.fixture
+def poses(grid: DotGrid) -> dict[str, np.ndarray]:
+    """Eight places of a hand-held target in front of the pair, tilted every way."""
+    rng = np.random.default_rng(21)
+    middle = grid.points().mean(axis=0)
+    found = {}
+    for number in range(8):
+        azimuth = 2 * np.pi * number / 8
+        tilt, _ = cv2.Rodrigues(0.5 * np.array([np.cos(azimuth), np.sin(azimuth), rng.normal()]))
+        T = np.eye(4)
+        T[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ tilt
+        T[:3, 3] = rng.uniform([-40, -30, 250], [60, 30, 320]) - T[:3, :3] @ middle
+        found[f"pose-{number}"] = T
+    return found

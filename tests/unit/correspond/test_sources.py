@@ -1,0 +1,61 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labcal.correspond.sources import Source, find_sources, loose_sources, parse_camera_endings
+from labcal.errors import InputError
+from labcal.shoot.pictures import write_picture
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("b_1.png", "b_0.png", "a_0.png", "notes.txt"):
+        (tmp_path / name).write_bytes(b"x")
+    return tmp_path
+
+
+def test_endings_name_the_cameras(folder: Path) -> None:
+    found = loose_sources([str(folder)], parse_camera_endings("_0=left,_1=right"))
+    assert [(s.view, s.camera, Path(s.image).name) for s in found] == [
+        ("a", "left", "a_0.png"),
+        ("b", "left", "b_0.png"),
+        ("b", "right", "b_1.png"),
+    ]
+    assert all(source.size is None for source in found)
+
+
+def test_without_endings_there_is_one_camera(folder: Path) -> None:
+    found = find_sources([str(folder / "b_1.png"), str(folder / "a_0.png")], {})
+    assert [(s.view, s.camera) for s in found] == [("a_0", "camera"), ("b_1", "camera")]
+    assert found[0].image == str(folder / "a_0.png")  # as given
+
+
+def test_the_longest_ending_counts(folder: Path) -> None:
+    found = loose_sources([str(folder / "b_1.png")], {"1": "short", "_1": "long"})
+    assert (found[0].view, found[0].camera) == ("b", "long")
+
+
+@pytest.mark.parametrize("text", ["", "_0", "_0=", "=left", "_0=left,", "_0=left_cam", "_0=a,_0=b", "_0=a b"])
+def test_endings_of_another_form_are_refused(text: str) -> None:
+    with pytest.raises(InputError, match="_0=left,_1=right"):
+        parse_camera_endings(text)
+
+
+def test_what_names_no_picture_is_refused(folder: Path) -> None:
+    with pytest.raises(InputError, match="There is no picture or folder"):
+        loose_sources([str(folder / "c.png")], {})
+    with pytest.raises(InputError, match=r"a_0\.png ends in none of _2"):
+        loose_sources([str(folder)], {"_2": "left"})
+    (folder / "empty").mkdir()
+    with pytest.raises(InputError, match=r"There are no pictures \(\.bmp"):
+        loose_sources([str(folder / "empty")], {})
+    with pytest.raises(InputError, match=r"both view 'b' of camera 'left'.*--cameras"):
+        loose_sources([str(folder)], {"_0": "left", "_1": "left"})
+
+
+def test_a_picture_of_another_size_is_refused(tmp_path: Path) -> None:
+    write_picture(tmp_path / "a.png", np.zeros((30, 40), dtype=np.uint8))
+    assert Source("a", "left", str(tmp_path / "a.png"), (40, 30)).read().shape == (30, 40)
+    with pytest.raises(InputError, match="is 40 x 30, but the shoot says that camera 'left' takes 30 x 40"):
+        Source("a", "left", str(tmp_path / "a.png"), (30, 40)).read()

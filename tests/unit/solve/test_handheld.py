@@ -1,0 +1,142 @@
+"""Calibration from dots that a known rig sees exactly."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from labcal.cameras.camera import Camera
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError, UnknownNameError
+from labcal.solve.handheld import calibrate_handheld
+from labcal.targets.grid import DotGrid
+
+See = Callable[..., Detections]
+Cameras = dict[str, Camera]
+Poses = dict[str, np.ndarray]
+
+
+def drop(detections: Detections, views: list[str], camera: str) -> Detections:
+    return detections.where(~(np.isin(detections.view, views) & (detections.camera == camera)))
+
+
+def check_rig(found: Camera, true: Camera) -> None:
+    """OpenCV takes points as float32, which leaves some 1e-5 px."""
+    np.testing.assert_allclose(found.K, true.K, rtol=1e-5)
+    np.testing.assert_allclose(found.dist[[0, 2, 3]], true.dist[[0, 2, 3]], atol=1e-4)
+    np.testing.assert_allclose(found.T_cam_world[:3, :3], true.T_cam_world[:3, :3], atol=1e-5)
+    np.testing.assert_allclose(found.T_cam_world[:3, 3], true.T_cam_world[:3, 3], atol=5e-3)
+
+
+def test_a_known_rig_is_recovered(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    found = calibrate_handheld(see(pair, grid, poses), grid, "brown5")
+    assert tuple(found.rig.cameras) == ("left", "right")
+    np.testing.assert_array_equal(found.rig.camera("left").T_cam_world, np.eye(4))
+    for name, true in pair.items():
+        check_rig(found.rig.camera(name), true)
+        assert found.fits[name].views == tuple(poses)
+        assert found.fits[name].dots == 8 * grid.count
+        assert found.fits[name].rms_px < 1e-4
+    assert found.rms_px < 1e-4
+    assert found.skipped == ()
+    for view, T in poses.items():
+        np.testing.assert_allclose(found.T_world_target[view], T, atol=5e-3)
+
+
+def test_a_camera_may_miss_views(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    detections = drop(drop(see(pair, grid, poses), ["pose-0", "pose-1"], "right"), ["pose-6"], "left")
+    found = calibrate_handheld(detections, grid, "brown5")
+    assert found.fits["left"].views == tuple(f"pose-{i}" for i in (0, 1, 2, 3, 4, 5, 7))
+    assert found.fits["right"].views == tuple(f"pose-{i}" for i in (2, 3, 4, 5, 6, 7))
+    for name, true in pair.items():
+        check_rig(found.rig.camera(name), true)
+
+
+def test_a_third_camera_joins(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    T = pair["right"].T_cam_world.copy()
+    T[:3, 3] *= [-1, 1, 1]
+    T[:3, :3] = T[:3, :3].T
+    three = pair | {"third": replace(pair["right"], T_cam_world=T)}
+    found = calibrate_handheld(see(three, grid, poses), grid, "brown5")
+    for name, true in three.items():
+        check_rig(found.rig.camera(name), true)
+
+
+@pytest.mark.parametrize(("lens", "free"), [("pinhole", 0), ("brown-k1k2", 2)])
+def test_a_smaller_lens_frees_fewer_coefficients(
+    lens: str,
+    free: int,
+    see: See,
+    pair: Cameras,
+    grid: DotGrid,
+    poses: Poses,
+) -> None:
+    dist = np.array([-0.3, 0.1, 0, 0, 0]) * (np.arange(5) < free)
+    cameras = {name: replace(camera, lens=lens, dist=dist) for name, camera in pair.items()}
+    found = calibrate_handheld(see(cameras, grid, poses), grid, lens)
+    for name, true in cameras.items():
+        camera = found.rig.camera(name)
+        assert camera.lens == lens
+        np.testing.assert_allclose(camera.K, true.K, rtol=1e-5)
+        np.testing.assert_array_equal(camera.dist[free:], 0)
+
+
+def test_noise_shows_in_the_rms(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = see(pair, grid, poses)
+    noise = 0.05 * np.random.default_rng(1).normal(size=exact.position.shape)
+    found = calibrate_handheld(replace(exact, position=exact.position + noise), grid, "brown-k1k2")
+    # The RMS of the 2-D distance is sqrt(2) sigma, less what the unknowns take up.
+    for rms in (found.rms_px, found.fits["left"].rms_px, found.fits["right"].rms_px):
+        assert 0.85 < rms / (0.05 * np.sqrt(2)) < 1.05
+
+
+def test_only_ok_dots_enter(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = see(pair, grid, poses)
+    wrong = np.arange(len(exact)) % 7 == 3
+    damaged = replace(
+        exact,
+        position=np.where(wrong[:, None], 1.0, exact.position),
+        index=np.where(wrong[:, None], 99, exact.index),
+        flag=np.where(wrong, "beyond-grid", exact.flag),
+    )
+    check_rig(calibrate_handheld(damaged, grid, "brown5").rig.camera("right"), pair["right"])
+
+
+def test_views_with_few_dots_are_left_out_with_a_reason(
+    see: See, pair: Cameras, grid: DotGrid, poses: Poses
+) -> None:
+    exact = see(pair, grid, poses)
+    few = (exact.view == "pose-3") & (exact.camera == "left") & (exact.index.sum(axis=1) > 2)
+    found = calibrate_handheld(exact.where(~few), grid, "brown5")
+    assert found.skipped == ("view 'pose-3' of camera 'left': only 6 dots, at least 8 are needed",)
+    assert "pose-3" not in found.fits["left"].views
+    assert "pose-3" in found.fits["right"].views
+
+
+def test_what_determines_no_camera_is_refused(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = see(pair, grid, poses)
+    with pytest.raises(UnknownNameError, match="'brown-k1k2'"):
+        calibrate_handheld(exact, grid, "brown-k1-k2")
+    with pytest.raises(InputError, match="no dots with ids"):
+        calibrate_handheld(replace(exact, flag=np.full(len(exact), "no-id")), grid, "brown5")
+    two = exact.where(np.isin(exact.view, ["pose-0", "pose-1"]))
+    with pytest.raises(InputError, match="Camera 'left' has 2 usable views, but needs 3"):
+        calibrate_handheld(two, grid, "brown5")
+    apart = drop(
+        drop(exact, [f"pose-{i}" for i in range(4)], "left"), [f"pose-{i}" for i in range(4, 8)], "right"
+    )
+    with pytest.raises(InputError, match="'right' and 'left' share no view"):
+        calibrate_handheld(apart, grid, "brown5")
+    with pytest.raises(InputError, match=r"dot \(4, 0\), but the target 'small' has 4 x 4 dots"):
+        calibrate_handheld(exact, grid.model_copy(update={"cols": 4}), "brown5")
+    sizes = np.where((exact.view == "pose-2")[:, None], [[480, 640]], exact.size)
+    with pytest.raises(InputError, match="camera 'left' differ in size"):
+        calibrate_handheld(replace(exact, size=sizes), grid, "brown5")
+
+
+def test_dots_on_one_line_are_refused(see: See, pair: Cameras, poses: Poses, grid: DotGrid) -> None:
+    long = grid.model_copy(update={"cols": 12})
+    exact = see(pair, long, poses)
+    with pytest.raises(InputError, match="determine no camera"):
+        calibrate_handheld(exact.where(exact.index[:, 1] == 0), long, "brown5")
