@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$")]
@@ -60,11 +60,4 @@ def read_rig(path: Path) -> Rig:
     InputError
         The file cannot be read, is no rig, or comes from a newer version.
     """
-    try:
-        return Rig.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"The rig {path} cannot be read: {error.strerror}.") from error
-    except ValidationError as error:
-        raise InputError(
-            f"{path} is not a rig that this version reads: {explain_validation(error)}."
-        ) from error
+    return read_document(Rig, "rig", path)

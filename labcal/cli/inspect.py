@@ -12,7 +12,7 @@ from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement
-    from labcal.report.contact_sheet import SheetCoverage, SheetLayout, SheetTile
+    from labcal.report.contact_sheet import SheetLayout, SheetTile
 
 
 def add_parser(commands: CommandGroup) -> None:

@@ -1,7 +1,5 @@
 """``detections.csv``: the dots of many pictures in one table."""
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +11,7 @@ from labcal.correspond.sources import CAMERA_NAME, Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.tables import damaged_line, read_table, table_text
 
 HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
@@ -106,17 +105,15 @@ def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detect
 
 def detections_csv(table: Detections) -> str:
     """Return the text of ``detections.csv``; figures are written so that they read back exactly."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
+    lines = []
     for i in range(len(table)):
         index = table.index[i].tolist() if table.has_id[i] else ["", ""]
         (xx, xy), (_, yy) = table.covariance[i].tolist()
-        writer.writerow(
+        lines.append(
             [table.view[i], table.camera[i], table.image[i], *table.size[i].tolist(), *index,
-             *(repr(v) for v in (*table.position[i].tolist(), xx, xy, yy)), table.flag[i]]
+             *table.position[i].tolist(), xx, xy, yy, table.flag[i]]
         )  # fmt: skip
-    return text.getvalue()
+    return table_text(HEADER, lines)
 
 
 def read_detections(path: Path) -> Detections:
@@ -127,18 +124,12 @@ def read_detections(path: Path) -> Detections:
     InputError
         It cannot be read, has other columns, or a line in it is damaged; the line is named.
     """
-    try:
-        with path.open(newline="", encoding="utf-8") as handle:
-            lines = list(csv.reader(handle))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"The detections {path} cannot be read: {error}.") from error
-    if not lines or tuple(lines[0]) != HEADER:
-        raise InputError(f"{path} is no table of detections: its first line should be {','.join(HEADER)}.")
+    lines = read_table(HEADER, "detections", path)
     flags = {flag.value for flag in DotFlag}
-    figures = np.full((len(lines) - 1, 5), np.nan)
-    whole = np.zeros((len(lines) - 1, 4), dtype=np.int64)
-    has_id = np.zeros(len(lines) - 1, dtype=bool)
-    for i, line in enumerate(lines[1:]):
+    figures = np.full((len(lines), 5), np.nan)
+    whole = np.zeros((len(lines), 4), dtype=np.int64)
+    has_id = np.zeros(len(lines), dtype=bool)
+    for i, line in enumerate(lines):
         try:
             _, camera, _, width, height, col, row, x, y, xx, xy, yy, flag = line
             has_id[i] = col != "" and row != ""
@@ -149,8 +140,8 @@ def read_detections(path: Path) -> Detections:
             sound = False
         measured = sound and has_id[i] and np.isfinite(figures[i, :2]).all()
         if not sound or (flag == DotFlag.OK.value and not measured):
-            raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}")
-    names = np.array([line[:3] for line in lines[1:]], dtype=np.str_).reshape(-1, 3)
+            raise damaged_line(path, i, line)
+    names = np.array([line[:3] for line in lines], dtype=np.str_).reshape(-1, 3)
     return Detections(
         view=names[:, 0],
         camera=names[:, 1],
@@ -160,5 +151,5 @@ def read_detections(path: Path) -> Detections:
         has_id=has_id,
         position=figures[:, :2],
         covariance=figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
-        flag=np.array([line[-1] for line in lines[1:]], dtype=np.str_),
+        flag=np.array([line[-1] for line in lines], dtype=np.str_),
     )

@@ -1,7 +1,5 @@
 """``points.csv``: reconstructed points, a line a dot."""
 
-import csv
-import io
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -10,7 +8,7 @@ import numpy as np
 from jaxtyping import Int64
 
 from labcal.arrays import PointCovariances, Points
-from labcal.errors import InputError
+from labcal.run.tables import damaged_line, read_table, table_text
 
 HEADER = (
     "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
@@ -57,15 +55,14 @@ class ReconstructedPoints:
 
 def points_csv(points: ReconstructedPoints) -> str:
     """Return the text of ``points.csv``; figures are written so that they read back exactly."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
-    for i in range(len(points)):
-        figures = [*points.point[i].tolist(), *points.covariance[i][_UPPER].tolist()]
-        writer.writerow(
-            [points.view[i], *points.index[i].tolist(), *(repr(v) for v in figures), points.flag[i]]
-        )
-    return text.getvalue()
+    return table_text(
+        HEADER,
+        (
+            [points.view[i], *points.index[i].tolist(), *points.point[i].tolist(),
+             *points.covariance[i][_UPPER].tolist(), points.flag[i]]
+            for i in range(len(points))
+        ),
+    )  # fmt: skip
 
 
 def read_points(path: Path) -> ReconstructedPoints:
@@ -76,17 +73,11 @@ def read_points(path: Path) -> ReconstructedPoints:
     InputError
         It cannot be read, has other columns, or a line in it is damaged; the line is named.
     """
-    try:
-        with path.open(newline="", encoding="utf-8") as handle:
-            lines = list(csv.reader(handle))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"The points {path} cannot be read: {error}.") from error
-    if not lines or tuple(lines[0]) != HEADER:
-        raise InputError(f"{path} is no table of points: its first line should be {','.join(HEADER)}.")
+    lines = read_table(HEADER, "points", path)
     flags = {flag.value for flag in PointFlag}
-    index = np.zeros((len(lines) - 1, 2), dtype=np.int64)
-    figures = np.full((len(lines) - 1, 9), np.nan)
-    for i, line in enumerate(lines[1:]):
+    index = np.zeros((len(lines), 2), dtype=np.int64)
+    figures = np.full((len(lines), 9), np.nan)
+    for i, line in enumerate(lines):
         try:
             _, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
             index[i] = [int(col), int(row)]
@@ -95,14 +86,14 @@ def read_points(path: Path) -> ReconstructedPoints:
         except (ValueError, OverflowError):
             known = False
         if not known:
-            raise InputError(f"Line {i + 2} of {path} is damaged: {','.join(line)}")
+            raise damaged_line(path, i, line)
     covariance = np.empty((len(figures), 3, 3))
     covariance[:, _UPPER[0], _UPPER[1]] = figures[:, 3:]
     covariance[:, _UPPER[1], _UPPER[0]] = figures[:, 3:]
     return ReconstructedPoints(
-        view=np.array([line[0] for line in lines[1:]], dtype=np.str_),
+        view=np.array([line[0] for line in lines], dtype=np.str_),
         index=index,
         point=figures[:, :3],
         covariance=covariance,
-        flag=np.array([line[-1] for line in lines[1:]], dtype=np.str_),
+        flag=np.array([line[-1] for line in lines], dtype=np.str_),
     )

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.documents import read_document
 
 RESULTS = "results.json"
 
@@ -126,15 +126,8 @@ def read_reproduction(folder: Path) -> Reproduction:
         There is none, or it is not one that this version reads.
     """
     path = folder / RESULTS
-    try:
-        return Reproduction.model_validate_json(path.read_bytes())
-    except OSError as error:
+    if not path.is_file():
         raise InputError(
-            f"{folder} holds no results: {RESULTS} cannot be read ({error.strerror}). "
-            "Give the folder that 'labcal reproduce -o' made."
-        ) from error
-    except ValidationError as error:
-        raise InputError(
-            f"{path} is not a document of results that this version reads: {explain_validation(error)}. "
-            "Run 'labcal reproduce' again."
-        ) from error
+            f"{folder} holds no results: it has no {RESULTS}. Give the folder that 'labcal reproduce' made."
+        )
+    return read_document(Reproduction, "document of results", path)

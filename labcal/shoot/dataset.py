@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 
 from labcal.arrays import Pose
 from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
 from labcal.targets.grid import DotGrid
@@ -55,17 +54,11 @@ def open_shoot(folder: Path) -> Shoot:
         There is no manifest, it is not one that this version reads, or the shoot has no pictures.
     """
     path = folder / MANIFEST
-    try:
-        manifest = Manifest.model_validate_json(path.read_bytes())
-    except OSError as error:
+    if not path.is_file():
         raise InputError(
-            f"{folder} is not a shoot: {MANIFEST} cannot be read ({error.strerror}). "
-            "Give the folder that 'labcal render' or 'labcal capture' made."
-        ) from error
-    except ValidationError as error:
-        raise InputError(
-            f"{path} is not a manifest that this version reads: {explain_validation(error)}."
-        ) from error
+            f"{folder} is not a shoot: it has no {MANIFEST}. Give the folder that 'labcal render' made."
+        )
+    manifest = read_document(Manifest, "manifest", path)
     if not manifest.views:
         raise InputError(f"The shoot {folder} has no pictures. Render or capture it again.")
     return Shoot(folder, manifest)

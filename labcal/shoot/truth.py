@@ -1,19 +1,17 @@
 """The truth of a rendered shoot, in a folder of its own that the measuring arm never opens."""
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.arrays import Mask, Pixels, Points
 from labcal.cameras.record import CameraRecord, Matrix4Record
-from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
+from labcal.run.tables import damaged_line, read_table, table_text
 from labcal.shoot.manifest import Name
 
 FOLDER = "truth"
@@ -65,16 +63,16 @@ def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
     home = folder / FOLDER
     home.mkdir(exist_ok=True)
     write_file(home / "truth.json", truth.model_dump_json(indent=2) + "\n", force=True)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
+    lines: list[list[object]] = []
     for picture in dots:
         figures = np.concatenate([picture.point, picture.centre, picture.centroid], axis=1)
-        for (col, row), line, visible in zip(picture.index, figures, picture.visible, strict=True):
-            writer.writerow(
-                [picture.view, picture.camera, col, row, *(repr(float(v)) for v in line), int(visible)]
+        lines += [
+            [picture.view, picture.camera, *index, *values, int(visible)]
+            for index, values, visible in zip(
+                picture.index.tolist(), figures.tolist(), picture.visible, strict=True
             )
-    write_file(home / "dots.csv", text.getvalue(), force=True)
+        ]
+    write_file(home / "dots.csv", table_text(HEADER, lines), force=True)
 
 
 def has_truth(folder: Path) -> bool:
@@ -90,15 +88,7 @@ def read_truth(folder: Path) -> Truth:
     InputError
         It is missing, or not one that this version reads.
     """
-    path = folder / FOLDER / "truth.json"
-    try:
-        return Truth.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"The truth {path} cannot be read: {error.strerror}.") from error
-    except ValidationError as error:
-        raise InputError(
-            f"{path} is not a truth that this version reads: {explain_validation(error)}."
-        ) from error
+    return read_document(Truth, "truth", folder / FOLDER / "truth.json")
 
 
 def read_true_dots(folder: Path) -> list[TrueDots]:
@@ -110,20 +100,13 @@ def read_true_dots(folder: Path) -> list[TrueDots]:
         It is missing, or its columns are not those of this version.
     """
     path = folder / FOLDER / "dots.csv"
-    try:
-        with path.open(newline="", encoding="utf-8") as handle:
-            header, *lines = csv.reader(handle)
-    except (OSError, ValueError) as error:
-        raise InputError(f"The truth {path} cannot be read: {error}.") from error
-    if tuple(header) != HEADER:
-        raise InputError(f"{path} should have the columns {', '.join(HEADER)}.")
     pictures: dict[tuple[str, str], list[list[float]]] = {}
-    for number, line in enumerate(lines, start=2):
+    for number, line in enumerate(read_table(HEADER, "true dots", path)):
         try:
             view, camera, *figures = line
             _, _, _, _, _, _, _, _, _, _ = row = [float(figure) for figure in figures]
         except ValueError as error:
-            raise InputError(f"Line {number} of {path} is damaged: {','.join(line)}") from error
+            raise damaged_line(path, number, line) from error
         pictures.setdefault((view, camera), []).append(row)
     dots = []
     for (view, camera), rows in pictures.items():

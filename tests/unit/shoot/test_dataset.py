@@ -89,7 +89,7 @@ def test_a_damaged_manifest_is_refused(
 
 
 def test_what_is_no_shoot_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"is not a shoot: shoot\.json cannot be read.*labcal render"):
+    with pytest.raises(InputError, match=r"is not a shoot: it has no shoot\.json.*labcal render"):
         open_shoot(tmp_path)
     (tmp_path / "shoot.json").write_text('{"format":')
     with pytest.raises(InputError, match="is not a manifest that this version reads"):
