@@ -33,7 +33,7 @@ class Matches:
     @property
     def X(self) -> Float64[np.ndarray, "n columns"]:
         """Positions as columns x1 y1 x2 y2 ..., px."""
-        return self.q.reshape(len(self.q), -1)
+        return self.q.reshape(len(self.q), 2 * len(self.cameras))
 
     def where(self, mask: np.ndarray) -> "Matches":
         """Return the lines where the mask holds."""

@@ -48,7 +48,7 @@ def test_training_views_alone_are_learned_from(see: See, pair: Cameras, grid: Do
 
 def test_what_teaches_nothing_is_refused(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
     exact = see(pair, grid, poses)
-    with pytest.raises(InputError, match="hand-held.*labcal calibrate"):
+    with pytest.raises(InputError, match=r"hand-held.*labcal calibrate"):
         training_data(shoot(grid, poses, handheld=True), exact)
     with pytest.raises(InputError, match="No dot of a training view was measured by all cameras"):
         training_data(shoot(grid, poses), exact.where(np.isin(exact.view, list(poses)[-2:])))

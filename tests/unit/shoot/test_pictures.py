@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import pytest
 
 from labcal.errors import InputError, OutputError
@@ -29,8 +30,6 @@ def test_colours_keep_their_order_in_jpeg(tmp_path: Path) -> None:
 
 
 def test_exr_is_linear_float(tmp_path: Path) -> None:
-    import OpenEXR
-
     light = RNG.random((40, 60, 3), dtype=np.float32)
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, {"RGB": light}).write(str(tmp_path / "a.exr"))

@@ -12,7 +12,7 @@ from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.errors import InputError
 from labcal.shoot.truth import TrueDots, TrueView, Truth, has_truth, read_true_dots, read_truth, write_truth
 
-HEADER = "view,camera,col,row,X_mm,Y_mm,Z_mm,centre_x_px,centre_y_px,centroid_x_px,centroid_y_px,visible"  # DESIGN 5
+HEADER = "view,camera,col,row,X_mm,Y_mm,Z_mm,centre_x_px,centre_y_px,centroid_x_px,centroid_y_px,visible"
 
 
 def some_dots(view: str, camera: str) -> TrueDots:

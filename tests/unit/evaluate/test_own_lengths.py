@@ -1,0 +1,57 @@
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from labcal.correspond.points import ReconstructedPoints
+from labcal.errors import InputError
+from labcal.evaluate.own_lengths import errors_of_lengths
+from labcal.targets.grid import DotGrid
+
+
+def views(grid: DotGrid, scale: float) -> ReconstructedPoints:
+    """Return three views of the target at arbitrary places, larger by `scale`."""
+    index = grid.indices()
+    parts = []
+    for number in range(3):
+        R = Rotation.from_rotvec([0.3 * number, -0.5, 1.0]).as_matrix()
+        parts.append(scale * grid.points() @ R.T + [100.0 * number, -50, 900])
+    n = 3 * grid.count
+    return ReconstructedPoints(
+        view=np.repeat(["a", "b", "c"], grid.count),
+        index=np.tile(index, (3, 1)),
+        point=np.concatenate(parts),
+        covariance=np.full((n, 3, 3), np.nan),
+        flag=np.full(n, "ok"),
+    )
+
+
+@pytest.mark.parametrize("ppm", [0.0, 250.0, -1000.0])
+def test_a_scaled_copy_has_that_scale(grid: DotGrid, ppm: float) -> None:
+    found = errors_of_lengths(views(grid, 1 + 1e-6 * ppm), grid)
+    lengths = [np.linalg.norm(a - b) for a, b in combinations(grid.points(), 2)]
+    assert found.n == 3 * len(lengths)
+    assert found.scale_ppm == pytest.approx(ppm, abs=1e-6)
+    assert found.length_error_mm.max == pytest.approx(1e-6 * abs(ppm) * max(lengths), abs=1e-9)
+    rms = np.sqrt(np.mean(np.square(lengths)))
+    assert found.length_error_mm.rms == pytest.approx(1e-6 * abs(ppm) * rms, abs=1e-9)
+    assert np.isnan(found.epipolar_rms_px)
+
+
+def test_one_wrong_dot_shows_in_the_greatest_error(grid: DotGrid) -> None:
+    points = views(grid, 1.0)
+    points.point[0] += (points.point[0] - points.point[grid.count - 1]) * 0.1
+    diagonal = np.linalg.norm(grid.points()[0] - grid.points()[-1])
+    found = errors_of_lengths(points, grid)
+    assert found.length_error_mm.max == pytest.approx(0.1 * diagonal)
+    assert found.length_error_mm.rms < found.length_error_mm.max / 3
+
+
+def test_missing_points_are_left_out(grid: DotGrid) -> None:
+    points = views(grid, 1.0)
+    points.point[: grid.count] = np.nan
+    assert errors_of_lengths(points, grid).n == 2 * grid.count * (grid.count - 1) // 2
+    one_a_view = points.where(points.index.sum(axis=1) == 0)
+    with pytest.raises(InputError, match="no two points of the same view"):
+        errors_of_lengths(one_a_view, grid)
