@@ -81,8 +81,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     sizes = {name: camera.size for name, camera in shoot.manifest.cameras.items()}
     aspect = max(height / width for width, height in sizes.values())
     roles = {view.name: view.role.value for view in shoot.views()}
-    coverages: list[SheetCoverage] = []
-    cameras: dict[str, InspectedCamera] = {}
     with session.progress() as progress:
         detections, measurements = measure(shoot_sources(shoot), shoot.target, arguments.workers, progress)
         layout = plan_layout(len(measurements), len(sizes), aspect)
@@ -93,6 +91,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             pictures.append(picture)
             tiles.append(tile)
             progress.advance()
+    coverages, cameras = [], {}
     for name, size in sizes.items():
         cells = coverage(detections, name, size)
         share = float((cells > 0).mean())

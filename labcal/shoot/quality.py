@@ -42,8 +42,9 @@ def picture_quality(picture: Shaped[np.ndarray, "*shape"]) -> PictureQuality:
     Sharpness is the median, over the crests of the strongest gradients, of the gradient (central differences)
     over the contrast (greatest minus least level of a smoothed window around). It does not depend on
     brightness or contrast. A step blurred by a Gaussian of standard deviation s px gives
-    ``erf(1 / (s sqrt(2))) / 2``: at most 0.5, about ``0.4 / s`` from s = 1 on; beyond s = 4 the window no longer
-    holds the whole edge.
+    ``erf(1 / (s sqrt(2))) / 2``, about ``0.4 / s`` from s = 1 on. A perfect step gives 0.5 along rows and
+    columns and up to 0.7 across. Beyond s = 4 the window no longer holds the whole edge, and the figure is
+    too large.
 
     Parameters
     ----------
