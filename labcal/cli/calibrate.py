@@ -71,7 +71,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(f"left out {reason}")
     result = _result(found, epipolar_rms(found.rig, detections))
     session.emit(result, _table(result))
-    return ExitStatus.DONE
+    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
 
 
 def _result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateResult:
