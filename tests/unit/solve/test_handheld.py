@@ -38,10 +38,9 @@ def test_a_known_rig_is_recovered(see: See, pair: Cameras, grid: DotGrid, poses:
         assert found.fits[name].views == tuple(poses)
         assert found.fits[name].dots == 8 * grid.count
         assert found.fits[name].rms_px < 1e-4
+        assert found.fits[name].rms_in_rig_px < 1e-4
     assert found.rms_px < 1e-4
     assert found.skipped == ()
-    for view, T in poses.items():
-        np.testing.assert_allclose(found.T_world_target[view], T, atol=5e-3)
 
 
 def test_a_camera_may_miss_views(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
