@@ -17,6 +17,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
 from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.solve.opencv_threads import one_opencv_thread
 from labcal.targets.grid import DotGrid
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-12)
@@ -76,6 +77,7 @@ def require_handheld_lens(lens: str) -> None:
         raise UnknownNameError("lens model for a hand-held target", lens, _LENS_FLAGS)
 
 
+@one_opencv_thread()
 def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> HandheldCalibration:
     """Calibrate every camera in the detections, and their places relative to the first.
 
