@@ -61,9 +61,7 @@ def test_dots_are_found_where_they_truly_are(shoot: str, request: pytest.Fixture
     assert distance.max() < 0.4
 
 
-def test_detect_tells_what_came_of_each_picture(
-    labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path
-) -> None:
+def test_detect_tells_of_each_picture(labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path) -> None:
     again, overlay = tmp_path / "again.csv", tmp_path / "overlay"
     told = labcal("detect", stage, "-o", again, "--overlay", overlay, "--workers", 2)
     assert told.status == 0
@@ -82,14 +80,11 @@ def test_detect_tells_what_came_of_each_picture(
 def test_loose_pictures_give_the_same_dots(
     labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path
 ) -> None:
-    loose = tmp_path / "loose.csv"
+    loose = [stage / "images" / f"train_{camera}.jpg" for camera in ("left", "right")]
     words = ("--target", "paper-13x10", "--cameras", "_left=left,_right=right", "--workers", 1)
-    assert labcal("detect", stage / "images", "-o", loose, *words).status == 0
-    by_shoot, by_name = read_detections(stage_dots), read_detections(loose)
-    for view in by_shoot.views:
-        for camera in ("left", "right"):
-            a, b = (t.where((t.view == view) & (t.camera == camera)) for t in (by_shoot, by_name))
-            np.testing.assert_array_equal(a.position, b.position)
+    assert labcal("detect", *loose, "-o", tmp_path / "loose.csv", *words).status == 0
+    lines = [line for line in stage_dots.read_text().splitlines() if not line.startswith("test-")]
+    assert (tmp_path / "loose.csv").read_text().splitlines() == lines
 
 
 def test_from_a_stage_to_millimetres(labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path) -> None:
@@ -139,7 +134,7 @@ def test_from_the_hand_to_millimetres(
         assert {"rms_px", "K", "lens", "dist", "views", "dots"} <= set(camera)
         assert np.shape(camera["K"]) == (3, 3)
         assert len(camera["dist"]) >= 5
-        assert (camera["lens"], camera["views"]) == ("brown-k1k2", 4)
+        assert (camera["lens"], camera["views"]) == ("brown-k1k2", 3)
         assert camera["rms_px"] < 0.1
         np.testing.assert_allclose(camera["K"][0][0], truth[name]["K"][0][0], rtol=0.02)
     assert told.document["epipolar_rms_px"] < 0.25

@@ -162,7 +162,8 @@ def test_a_folder_that_is_no_shoot(
     assert list(empty.iterdir()) == []
 
 
-def outputs(stage: Path, stage_dots: Path, model: Path) -> list[tuple[object, ...]]:
+@pytest.fixture
+def writing(stage: Path, stage_dots: Path, model: Path) -> list[tuple[object, ...]]:
     """Return a command of every kind that writes, without its -o."""
     return [
         ("render", "webcam-plane", *SMALL),
@@ -173,45 +174,40 @@ def outputs(stage: Path, stage_dots: Path, model: Path) -> list[tuple[object, ..
 
 
 def test_folders_that_cannot_be_written(
-    labcal: Run, stage: Path, stage_dots: Path, model: Path, tmp_path: Path
+    labcal: Run, writing: list[tuple[object, ...]], tmp_path: Path
 ) -> None:
     (tmp_path / "file").write_text("mine")
-    for words in outputs(stage, stage_dots, model):
+    for words in writing:
         refused(labcal, "cannot be written: Not a directory", *words, "-o", tmp_path / "file" / "x")
-    for words in outputs(stage, stage_dots, model)[1:]:
+    for words in writing[1:]:
         refused(labcal, "cannot be written: No such file", *words, "-o", tmp_path / "none" / "x")
     assert (tmp_path / "file").read_text() == "mine"
 
 
-def test_what_exists_stays(labcal: Run, stage: Path, stage_dots: Path, model: Path, tmp_path: Path) -> None:
+def test_what_exists_stays(labcal: Run, writing: list[tuple[object, ...]], tmp_path: Path) -> None:
     mine = tmp_path / "mine"
     mine.write_text("mine")
-    for words in outputs(stage, stage_dots, model):
+    for words in writing:
         refused(labcal, "mine exists already", *words, "-o", mine)
-    detect = outputs(stage, stage_dots, model)[1]
+    detect = writing[1]
     refused(labcal, "mine exists already", *detect, "-o", tmp_path / "dots.csv", "--overlay", mine)
     assert mine.read_text() == "mine"
     assert not (tmp_path / "dots.csv").exists()
-    assert labcal(*outputs(stage, stage_dots, model)[3], "-o", mine, "--force").status == 0
+    assert labcal(*writing[3], "-o", mine, "--force").status == 0
     assert mine.read_text().startswith("view,col,row")
 
 
-@pytest.mark.parametrize(
-    ("number", "said", "status"),
-    [(errno.ENOSPC, "The disk is full", 3), (errno.EACCES, "cannot be written: Permission denied", 2)],
-    ids=["full", "forbidden"],
-)
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES], ids=["full", "forbidden"])
 def test_a_disk_that_refuses_leaves_nothing(
     labcal: Run,
-    stage: Path,
-    stage_dots: Path,
-    model: Path,
+    writing: list[tuple[object, ...]],
     empty: Path,
     monkeypatch: pytest.MonkeyPatch,
     number: int,
-    said: str,
-    status: int,
 ) -> None:
+    full = number == errno.ENOSPC
+    said, status = ("The disk is full", 3) if full else ("cannot be written: Permission denied", 2)
+
     class Refusing:
         """A temporary file that exists but takes no content."""
 
@@ -229,15 +225,15 @@ def test_a_disk_that_refuses_leaves_nothing(
             raise OSError(number, os.strerror(number), self.name)
 
     monkeypatch.setattr("labcal.run.outputs.NamedTemporaryFile", Refusing)
-    for words in outputs(stage, stage_dots, model)[1:]:
+    for words in writing[1:]:
         refused(labcal, said, *words, "-o", empty / "x", status=status)
         assert list(empty.iterdir()) == []
     # A shoot keeps its unfinished folder, to go on from, but no half-written picture in it.
-    refused(labcal, said, *outputs(stage, stage_dots, model)[0], "-o", empty / "x", status=status)
+    refused(labcal, said, *writing[0], "-o", empty / "x", status=status)
     assert [path.name for path in empty.iterdir()] == ["x.unfinished"]
     assert list((empty / "x.unfinished" / "images").iterdir()) == []
     monkeypatch.undo()
-    assert labcal(*outputs(stage, stage_dots, model)[0], "-o", empty / "x").status == 0
+    assert labcal(*writing[0], "-o", empty / "x").status == 0
     assert [path.name for path in empty.iterdir()] == ["x"]
 
 
