@@ -5,8 +5,6 @@ shares with the first camera, whose frame is the world. Of a pair, the lenses ar
 views from a narrow field leave much open that the other camera settles.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import cv2
@@ -20,6 +18,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
 from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import pose
+from labcal.solve.opencv_threads import one_opencv_thread
 from labcal.targets.grid import DotGrid
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-12)
@@ -94,6 +93,7 @@ def require_handheld_lens(lens: str) -> None:
         raise UnknownNameError("lens model for a hand-held target", lens, _LENS_FLAGS)
 
 
+@one_opencv_thread()
 def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> HandheldCalibration:
     """Calibrate every camera in the detections, and their places relative to the first.
 
@@ -123,21 +123,9 @@ def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> Ha
     first, *others = usable.cameras
     # Of several pairs each would refine the first camera's lens to its own liking.
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | _LENS_FLAGS[lens] if len(others) == 1 else cv2.CALIB_FIX_INTRINSIC
-    with _one_thread():
-        alone = {name: _calibrate_alone(usable, name, target, lens, skipped) for name in usable.cameras}
-        pairs = {other: _calibrate_pair(usable, (first, other), target, alone, flags) for other in others}
+    alone = {name: _calibrate_alone(usable, name, target, lens, skipped) for name in usable.cameras}
+    pairs = {other: _calibrate_pair(usable, (first, other), target, alone, flags) for other in others}
     return _assemble(usable, lens, alone, pairs, tuple(skipped))
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Keep OpenCV to one thread: with more it adds up in another order, and other bytes, at every run."""
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)
 
 
 def _assemble(

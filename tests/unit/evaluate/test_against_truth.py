@@ -56,7 +56,7 @@ def true_points(grid: DotGrid, poses: Poses) -> ReconstructedPoints:
     )
 
 
-def staged(grid: DotGrid) -> tuple[Poses, dict[str, Role]]:
+def staged() -> tuple[Poses, dict[str, Role]]:
     """Return a lower and an upper plane to train on, one half-way and one outside to test on."""
     poses = {}
     for name, x, z in (("low", 0, 300), ("high", 0, 400), ("middle", 10, 350), ("outside", 0, 450)):
@@ -69,7 +69,7 @@ def staged(grid: DotGrid) -> tuple[Poses, dict[str, Role]]:
 def test_on_a_stage_only_test_dots_within_the_trained_hull_count(
     tmp_path: Path, pair: Cameras, grid: DotGrid
 ) -> None:
-    poses, roles = staged(grid)
+    poses, roles = staged()
     shoot = a_shoot(tmp_path, pair, grid, poses, roles)
     points = true_points(grid, poses)
     points.point[:] += [1.0, -2.0, 2.0]
@@ -128,7 +128,7 @@ def test_points_that_cannot_be_scored_are_refused(
         errors_against_truth(replace(points, view=np.full(len(points), "elsewhere")), shoot, None)
     with pytest.raises(InputError, match=r"None of the 160 points can be scored"):
         errors_against_truth(replace(points, point=points.point * np.nan), shoot, None)
-    on_stage, roles = staged(grid)
+    on_stage, roles = staged()
     (tmp_path / "stage").mkdir()
     stage = a_shoot(tmp_path / "stage", pair, grid, on_stage, roles)
     trained = true_points(grid, on_stage)

@@ -39,8 +39,15 @@ def test_data_are_as_the_row_asks(row: PaperRow) -> None:
 
 @pytest.mark.parametrize(
     ("exp", "counts"),
-    [("01", (20, 15, 1)), ("03", (25, 10, 1)), ("05", (15, 10, 1)), ("11", (10, 5, 4)), ("12", (10, 10, 3)), ("14", (5, 5, 4))],
-)  # fmt: skip
+    [
+        ("01", (20, 15, 1)),
+        ("03", (25, 10, 1)),
+        ("05", (15, 10, 1)),
+        ("11", (10, 5, 4)),
+        ("12", (10, 10, 3)),
+        ("14", (5, 5, 4)),
+    ],
+)
 def test_grids_have_the_counts_that_the_reading_fixes(exp: str, counts: tuple[int, ...]) -> None:
     Y = simulate(row_named(exp), NoiseReading.NONE, 0).Y
     assert tuple(len(np.unique(column)) for column in Y.T) == counts

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -139,3 +140,15 @@ def test_dots_on_one_line_are_refused(see: See, pair: Cameras, poses: Poses, gri
     exact = see(pair, long, poses)
     with pytest.raises(InputError, match="determine no camera"):
         calibrate_handheld(exact.where(exact.index[:, 1] == 0), long, "brown5")
+
+
+def test_the_same_dots_give_the_same_bytes(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    # OpenCV's threads would form its sums in another order each time.
+    exact = see(pair, grid, poses)
+    noisy = replace(
+        exact, position=exact.position + np.random.default_rng(1).normal(size=exact.position.shape)
+    )
+    before = cv2.getNumThreads()
+    rigs = {calibrate_handheld(noisy, grid, "brown5").rig.model_dump_json() for _ in range(12)}
+    assert len(rigs) == 1
+    assert cv2.getNumThreads() == before
