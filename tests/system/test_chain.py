@@ -108,8 +108,8 @@ def test_from_a_stage_to_millimetres(labcal: Run, stage: Path, stage_dots: Path,
         assert told.status == 0
         errors = told.document
         assert {
-            "n", "mean_signed_mm", "mae_mm", "rmse_mm", "p95_mm", "max_mm", "limit_mm", "coverage95",
-            "alignment",
+            "n", "mean_signed_mm", "mae_mm", "rmse_mm", "p95_mm", "max_mm",
+            "limit_mm", "coverage95", "alignment",
         } <= set(errors)  # fmt: skip
         assert (errors["n"], errors["alignment"]) == (12 * 9, "none")  # those within the trained hull
         assert len(errors["mean_signed_mm"]) == 3
