@@ -55,7 +55,7 @@ def stage(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def handheld(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A rendered shoot of a target in the hand, three views."""
     folder = tmp_path_factory.mktemp("handheld") / "shoot"
-    options = ("--views", 3, "--spp", 4, "--workers", 1, "--set", "photometry.bayer=off")
+    options = ("--views", 3, "--spp", 16, "--workers", 1)
     assert _run("render", "webcam-handheld", "-o", folder, *options).status == 0
     return folder
 
