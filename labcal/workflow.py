@@ -14,13 +14,12 @@ import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
-from labcal.correspond.detections import Detections, gather
+from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
-from labcal.correspond.measure import Measurement, measure_pictures
+from labcal.correspond.measure import Measurement, detections_of, measure_pictures
 from labcal.correspond.points import ReconstructedPoints
 from labcal.correspond.sources import Source, shoot_sources
 from labcal.correspond.training import TrainingData, training_data
-from labcal.errors import InputError
 from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
 from labcal.render.shoot import RenderSettings, render_shoot
@@ -55,25 +54,21 @@ def render(scene: str, folder: Path, settings: RenderSettings | None = None) -> 
 
 def measure(
     sources: Sequence[Source], target: DotGrid, workers: int = 1, progress: Progress | None = None
-) -> tuple[Detections, list[Measurement]]:
-    """Find the dots in pictures; return all of them, and what came of each picture.
+) -> list[Measurement]:
+    """Find the dots in pictures; a picture that cannot be used is a result with a reason."""
+    with open_executor(workers) as executor:
+        return measure_pictures(sources, target, executor, progress or NoProgress())
+
+
+def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> Detections:
+    """Return the dots of a shoot, found by its own target.
 
     Raises
     ------
     InputError
         No picture could be read at all.
     """
-    with open_executor(workers) as executor:
-        measurements = measure_pictures(sources, target, executor, progress or NoProgress())
-    readable = [(found.source, found.dots) for found in measurements if found.dots is not None]
-    if not readable:
-        raise InputError(f"None of the {len(sources)} pictures can be used. {measurements[0].reason}")
-    return gather([source for source, _ in readable], [dots for _, dots in readable]), measurements
-
-
-def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> Detections:
-    """Return the dots of a shoot, found by its own target."""
-    return measure(shoot_sources(shoot), shoot.target, workers, progress)[0]
+    return detections_of(measure(shoot_sources(shoot), shoot.target, workers, progress))
 
 
 def fit(data: TrainingData, estimator: PointEstimator) -> FittedModel:

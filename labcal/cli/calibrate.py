@@ -56,7 +56,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import write_rig
     from labcal.cli.detect import choose_target
-    from labcal.cli.inputs import detections_of
+    from labcal.cli.inputs import read_or_detect
     from labcal.run.outputs import refuse_existing
     from labcal.solve.handheld import calibrate_handheld, require_handheld_lens
     from labcal.workflow import epipolar_rms
@@ -64,7 +64,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     refuse_existing(arguments.output, force=arguments.force)
     require_handheld_lens(arguments.lens)
     target = choose_target(arguments.target, [arguments.source])
-    detections = detections_of(arguments.source, target, arguments.workers, session)
+    detections = read_or_detect(arguments.source, target, arguments.workers, session)
     found = calibrate_handheld(detections, target, arguments.lens)
     write_rig(arguments.output, found.rig, force=arguments.force)
     for reason in found.skipped:

@@ -63,6 +63,7 @@ class DetectResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Detect, write the table, tell what came of each picture."""
     from labcal.correspond.detections import detections_csv
+    from labcal.correspond.measure import detections_of
     from labcal.correspond.sources import find_sources, parse_camera_endings
     from labcal.run.outputs import refuse_existing, write_file
     from labcal.workflow import measure
@@ -75,14 +76,16 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     )
     target = choose_target(arguments.target, arguments.pictures)
     with session.progress() as progress:
-        detections, measurements = measure(sources, target, arguments.workers, progress)
+        measurements = measure(sources, target, arguments.workers, progress)
     if arguments.overlay is not None:
         _write_overlays(arguments.overlay, measurements, target, force=arguments.force)
-    write_file(arguments.output, detections_csv(detections), force=arguments.force)
     result = _result(measurements, target)
-    session.emit(result, _table(result))
     if result.indexed == 0:
+        session.emit(result, _table(result))
+        session.warn(f"no picture has dots with ids, so {arguments.output} was not written")
         return ExitStatus.UNUSABLE
+    write_file(arguments.output, detections_csv(detections_of(measurements)), force=arguments.force)
+    session.emit(result, _table(result))
     return ExitStatus.PARTIAL if result.refused else ExitStatus.DONE
 
 

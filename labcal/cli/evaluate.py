@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.errors import InputError
 
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import TruthErrors
@@ -23,12 +24,13 @@ def add_parser(commands: CommandGroup) -> None:
         example="labcal evaluate points.csv shoot",
     )
     parser.add_argument("points", type=Path, metavar="points.csv", help="from 'labcal reconstruct'")
-    parser.add_argument("shoot", type=Path, metavar="SHOOT")
+    parser.add_argument("shoot", nargs="?", type=Path, metavar="SHOOT", help="left out for loose photographs")
+    parser.add_argument("--target", metavar="NAME", help="the target of loose photographs, for its lengths")
     parser.add_argument(
         "--detections",
         type=Path,
         metavar="FILE",
-        help="what the points came from; gives the limit of any method",
+        help="what the points came from; gives the limit of triangulation",
     )
 
 
@@ -37,10 +39,18 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.detections import read_detections
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
+    from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.shoot.dataset import open_shoot
+    from labcal.targets.catalogue import load_target
     from labcal.workflow import evaluate
 
+    if (arguments.shoot is None) == (arguments.target is None):
+        raise InputError("Give the SHOOT that the points are of or, for loose photographs, --target NAME.")
     points = read_points(arguments.points)
+    if arguments.shoot is None:
+        lengths = errors_of_lengths(points, load_target(arguments.target))
+        session.emit(lengths, _of_lengths(lengths))
+        return ExitStatus.DONE
     shoot = open_shoot(arguments.shoot)
     detections = None if arguments.detections is None else read_detections(arguments.detections)
     errors = evaluate(points, shoot, detections)
@@ -52,7 +62,7 @@ def _against_truth(errors: "TruthErrors") -> object:
     from rich.table import Table
 
     x, y, z = errors.mean_signed_mm
-    caption = f"{errors.scored}; {errors.not_scored} others not scored; alignment: {errors.alignment}"
+    caption = f"scored: {errors.scored}, not the {errors.not_scored} others; alignment: {errors.alignment}"
     table = Table("error against truth", "mm", caption=caption)
     table.add_row("points", str(errors.n))
     table.add_row("mean, with sign (x, y, z)", f"{x:+.4f}, {y:+.4f}, {z:+.4f}")
@@ -61,7 +71,7 @@ def _against_truth(errors: "TruthErrors") -> object:
         ("RMS", errors.rmse_mm),
         ("95th percentile", errors.p95_mm),
         ("greatest", errors.max_mm),
-        ("limit of any method (RMS)", errors.limit_mm),
+        ("limit of triangulation (RMS)", errors.limit_mm),
     ):
         if not isnan(value):  # the limit, without detections
             table.add_row(name, f"{value:.4f}")

@@ -62,12 +62,11 @@ class FitResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
-    from labcal.cli.inputs import detections_of
+    from labcal.cli.inputs import read_or_detect
     from labcal.correspond.detections import read_detections
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing
     from labcal.shoot.dataset import open_shoot
-    from labcal.solve.model_file import save_model
     from labcal.solve.registry import make_estimator
     from labcal.workflow import fit, training_data
 
@@ -82,10 +81,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     detections = (
         read_detections(arguments.detections)
         if arguments.detections is not None
-        else detections_of(str(arguments.shoot), None, arguments.workers, session)
+        else read_or_detect(str(arguments.shoot), None, arguments.workers, session)
     )
     data = training_data(shoot, detections)
-    results = []
+    results, fitted = [], []
     for path, estimator in zip(paths, estimators, strict=True):
         if "random_state" in estimator.get_params():
             estimator.set_params(random_state=arguments.seed)
@@ -97,14 +96,32 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             session.warn(f"{estimator.method}: {error}")
             results.append(_refused(estimator.method, str(error)))
             continue
-        save_model(path, model, force=arguments.force)
+        fitted.append((path, model))
         results.append(_fitted(model, data, path))
+    _save_all(fitted, force=arguments.force)
     result = FitResult(results)
     session.emit(result, _table(result))
     failed = sum(model.error is not None for model in results)
     if failed == len(results):
         return ExitStatus.UNUSABLE
     return ExitStatus.PARTIAL if failed else ExitStatus.DONE
+
+
+def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:
+    """Write all models or, where the disk refuses one, leave none that was not there before."""
+    from labcal.errors import OutputError
+    from labcal.solve.model_file import save_model
+
+    written: list[Path] = []
+    try:
+        for path, model in models:
+            new = not path.exists()
+            save_model(path, model, force=force)
+            written += [path] if new else []
+    except OutputError:
+        for path in written:
+            path.unlink()
+        raise
 
 
 def _path(output: Path, method: str, *, alone: bool) -> Path:

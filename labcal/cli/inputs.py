@@ -10,12 +10,13 @@ if TYPE_CHECKING:
     from labcal.targets.grid import DotGrid
 
 
-def detections_of(source: str, target: "DotGrid | None", workers: int, session: Session) -> "Detections":
+def read_or_detect(source: str, target: "DotGrid | None", workers: int, session: Session) -> "Detections":
     """Return the dots in a table, or find them in the pictures of a shoot.
 
     A shoot brings its own target where none is given. Pictures without ids are told as warnings.
     """
     from labcal.correspond.detections import read_detections
+    from labcal.correspond.measure import detections_of
     from labcal.correspond.sources import shoot_sources
     from labcal.shoot.dataset import open_shoot
     from labcal.workflow import measure
@@ -24,8 +25,8 @@ def detections_of(source: str, target: "DotGrid | None", workers: int, session: 
         return read_detections(Path(source))
     shoot = open_shoot(Path(source))
     with session.progress() as progress:
-        detections, measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)
+        measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)
     for found in measurements:
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")
-    return detections
+    return detections_of(measurements)

@@ -69,6 +69,7 @@ class InspectResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure, draw the sheet, tell."""
     from labcal.correspond.coverage import coverage
+    from labcal.correspond.measure import detections_of
     from labcal.correspond.sources import shoot_sources
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
     from labcal.run.outputs import refuse_existing
@@ -82,7 +83,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     aspect = max(height / width for width, height in sizes.values())
     roles = {view.name: view.role.value for view in shoot.views()}
     with session.progress() as progress:
-        detections, measurements = measure(shoot_sources(shoot), shoot.target, arguments.workers, progress)
+        measurements = measure(shoot_sources(shoot), shoot.target, arguments.workers, progress)
+        detections = detections_of(measurements)
         layout = plan_layout(len(measurements), len(sizes), aspect)
         progress.start("drawing", len(measurements))
         pictures, tiles = [], []

@@ -39,14 +39,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
     from collections import Counter
 
-    from labcal.cli.inputs import detections_of
+    from labcal.cli.inputs import read_or_detect
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, write_file
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_points
 
     refuse_existing(arguments.output, force=arguments.force)
     model = load_reconstructor(arguments.model)
-    detections = detections_of(arguments.source, None, arguments.workers, session)
+    detections = read_or_detect(arguments.source, None, arguments.workers, session)
     points = reconstruct_points(model, detections)
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))

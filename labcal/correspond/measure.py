@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
+from labcal.correspond.detections import Detections, gather
 from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
@@ -51,3 +52,17 @@ def measure_pictures(
         found.append(measurement)
         progress.advance()
     return found
+
+
+def detections_of(measurements: Sequence[Measurement]) -> Detections:
+    """Return one table of all dots in the pictures that could be read.
+
+    Raises
+    ------
+    InputError
+        None could be read.
+    """
+    readable = [(found.source, found.dots) for found in measurements if found.dots is not None]
+    if not readable:
+        raise InputError(f"None of the {len(measurements)} pictures can be used. {measurements[0].reason}")
+    return gather([source for source, _ in readable], [dots for _, dots in readable])

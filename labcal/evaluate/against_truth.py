@@ -27,7 +27,10 @@ class TruthErrors(ErrorStatistics):
     """The JSON document of ``labcal evaluate`` where the truth is known."""
 
     limit_mm: float
-    """What perfectly known cameras would have reached from the same detections; NaN without detections."""
+    """RMS error of triangulating the same detections with exactly known cameras; NaN without detections.
+
+    A method that knows more than the pixels, as that all points lie on one plane, may stay below it.
+    """
     coverage95: float
     """Share of points within the 95% ellipsoid that the method states; NaN where it states none."""
     alignment: Literal["none", "rigid"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from labcal.errors import UnknownNameError
+from labcal.errors import InputError, UnknownNameError
 from labcal.experiments.paper_rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
 from labcal.experiments.pictured import pictured_problems
 from labcal.experiments.problem import Problem
@@ -76,10 +76,14 @@ def rows_named(names: Sequence[str]) -> tuple[PaperRow, ...]:
     Raises
     ------
     UnknownNameError
-        The paper reports no such row.
+        The paper has no such row.
+    InputError
+        The paper has it in its text only.
     """
     known = {row.exp: row for row in ROWS}
     for name in names:
+        if name.zfill(2) in NOT_REPORTED:
+            raise InputError(f"The paper names experiment {name} in its text, but reports no figures of it.")
         if name.zfill(2) not in known:
             raise UnknownNameError("row of the paper", name, known)
     wanted = {name.zfill(2) for name in names} or set(known)

@@ -42,7 +42,7 @@ def explain_validation(error: ValidationError, model: type[BaseModel] | None = N
         what = (
             "this key is not known; " + _mend(fault["loc"], model)
             if fault["type"] == "extra_forbidden"
-            else fault["msg"]
+            else fault["msg"].removeprefix("Value error, ").rstrip(".")
         )
         lines.append(f"{where}: {what}")
     return "; ".join(lines)

@@ -37,7 +37,9 @@ def read_table(header: Sequence[str], what: str, path: Path) -> list[list[str]]:
     try:
         with path.open(newline="", encoding="utf-8") as handle:
             lines = list(csv.reader(handle))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except OSError as error:
+        raise InputError(f"The {what} {path} cannot be read: {error.strerror or error}.") from error
+    except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"The {what} {path} cannot be read: {error}.") from error
     if not lines or lines[0] != list(header):
         raise InputError(f"{path} is no table of {what}: its first line should be {','.join(header)}.")

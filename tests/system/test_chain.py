@@ -149,6 +149,10 @@ def test_from_the_hand_to_millimetres(
     assert errors["rmse_mm"] < 2.0
     assert 0.0 <= errors["coverage95"] <= 1.0
     assert 0.05 < errors["limit_mm"] < errors["rmse_mm"]
+    lengths = labcal("evaluate", points, "--target", "paper-13x10").document
+    assert {"length_error_mm", "epipolar_rms_px", "scale_ppm"} <= set(lengths)
+    assert 0.0 < lengths["length_error_mm"]["rms"] < lengths["length_error_mm"]["max"] < 10.0
+    assert labcal("evaluate", points).status == 2
 
 
 def test_without_truth_the_bytes_are_the_same(

@@ -135,7 +135,10 @@ def test_a_picture_of_another_size_is_told(labcal: Run, copy: Path, tmp_path: Pa
 def test_nothing_usable_is_status_2(labcal: Run, copy: Path, empty: Path) -> None:
     for path in (copy / "images").iterdir():
         path.write_bytes(path.read_bytes()[:1000])
-    refused(labcal, "None of the 4 pictures can be used", "detect", copy, "-o", empty / "d", "--workers", 1)
+    told = labcal("detect", copy, "-o", empty / "d", "--workers", 1)
+    assert told.status == 2
+    assert (told.document["indexed"], told.document["refused"]) == (0, 4)
+    assert all("truncated" in image["reason"] for image in told.document["images"])
     shutil.rmtree(copy / "images")
     refused(labcal, "None of the 4 pictures", "calibrate", copy, "-o", empty / "r", "--workers", 1)
     manifest = json.loads((copy / "shoot.json").read_text())
