@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, as_completed
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 from pydantic import BaseModel
 
@@ -11,6 +11,7 @@ from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 
 
+@runtime_checkable  # so that tests can check annotations
 class Case(Protocol):
     """A piece of work with a name of its own."""
 

@@ -1,0 +1,48 @@
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from labcal.run.cases import run_cases
+from labcal.run.executor import open_executor
+from labcal.run.progress import NoProgress
+
+
+@dataclass(frozen=True)
+class Square:
+    number: int
+
+    @property
+    def key(self) -> str:
+        return f"square-{self.number}"
+
+
+class Result(BaseModel):
+    value: int
+
+
+def square(case: Square) -> Result:
+    return Result(value=case.number**2)
+
+
+def never(case: Square) -> Result:
+    raise AssertionError(f"{case} has a result already")
+
+
+def test_results_keep_the_order_and_a_second_run_computes_nothing(tmp_path: Path) -> None:
+    cases = [Square(n) for n in (3, 1, 2)]
+    with open_executor(1) as executor:
+        first = run_cases(cases, square, Result, tmp_path / "cases", executor, NoProgress())
+        again = run_cases(cases, never, Result, tmp_path / "cases", executor, NoProgress())
+    assert [result.value for result in first] == [9, 1, 4]
+    assert again == first
+    assert sorted(path.name for path in (tmp_path / "cases").iterdir()) == [
+        f"square-{n}.json" for n in (1, 2, 3)
+    ]
+
+
+def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
+    (tmp_path / "square-1.json").write_text('{"value": -1}')
+    with open_executor(1) as executor:
+        results = run_cases([Square(1), Square(2)], square, Result, tmp_path, executor, NoProgress())
+    assert [result.value for result in results] == [-1, 4]

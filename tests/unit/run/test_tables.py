@@ -1,0 +1,40 @@
+from pathlib import Path
+
+import pytest
+
+from labcal.errors import InputError
+from labcal.run.tables import damaged_line, read_table, table_text
+
+HEADER = ("name", "x_px")
+
+
+def test_floats_read_back_exactly(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(table_text(HEADER, [["a,b", 0.1 + 0.2], ["c", float("nan")], ["d", 7]]))
+    lines = read_table(HEADER, "things", path)
+    assert lines == [["a,b", "0.30000000000000004"], ["c", "nan"], ["d", "7"]]
+    assert float(lines[0][1]) == 0.1 + 0.2
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "its first line should be name,x_px"),
+        (b"name,y_px\n", "is no table of things"),
+        (b"\xff\xfe\x00", "things .*cannot be read"),
+    ],
+)
+def test_what_is_no_such_table_is_refused(tmp_path: Path, content: bytes, says: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=says):
+        read_table(HEADER, "things", path)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"The things .*none\.csv cannot be read: No such file"):
+        read_table(HEADER, "things", tmp_path / "none.csv")
+
+
+def test_lines_are_counted_as_an_editor_does() -> None:
+    assert "Line 2 of a.csv is damaged: x,y" in str(damaged_line(Path("a.csv"), 0, ["x", "y"]))
