@@ -29,7 +29,7 @@ from labcal.workflow import detect
 MAX_EPOCHS = 5000
 """The paper's."""
 QUICK_EPOCHS = 300
-QUICK_SPP = 16
+QUICK_SPP = 8
 FULL_SEEDS, QUICK_SEEDS = 5, 1
 _PLANE_READINGS = ("affine", "quadratic", "homography")
 _VOLUME_READINGS = ("affine", "quadratic", "dlt")
