@@ -20,7 +20,7 @@ from labcal.correspond.measure import Measurement, detections_of, measure_pictur
 from labcal.correspond.points import ReconstructedPoints
 from labcal.correspond.sources import Source, shoot_sources
 from labcal.correspond.training import TrainingData, training_data
-from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
+from labcal.evaluate.against_truth import Alignment, TruthErrors, errors_against_truth
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.executor import open_executor
@@ -78,11 +78,14 @@ def fit(data: TrainingData, estimator: PointEstimator) -> FittedModel:
 
 
 def evaluate(
-    points: ReconstructedPoints, shoot: Shoot, detections: Detections | None = None
+    points: ReconstructedPoints,
+    shoot: Shoot,
+    detections: Detections | None = None,
+    alignment: Alignment | None = None,
 ) -> TruthErrors | LengthErrors:
     """Return the errors of points, against the truth where the shoot has one, else against lengths."""
     if has_truth(shoot.folder):
-        return errors_against_truth(points, shoot, detections)
+        return errors_against_truth(points, shoot, detections, alignment)
     return errors_of_lengths(points, shoot.target)
 
 

@@ -32,6 +32,12 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="FILE",
         help="what the points came from; gives the limit of triangulation",
     )
+    parser.add_argument(
+        "--alignment",
+        choices=["none", "rigid"],
+        help="bring the points onto the truth first; rigid for a rig.json, whose world is its first camera "
+        "(where not given: rigid for a hand-held target, else none)",
+    )
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -53,7 +59,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         return ExitStatus.DONE
     shoot = open_shoot(arguments.shoot)
     detections = None if arguments.detections is None else read_detections(arguments.detections)
-    errors = evaluate(points, shoot, detections)
+    errors = evaluate(points, shoot, detections, arguments.alignment)
     session.emit(errors, _against_truth(errors) if isinstance(errors, TruthErrors) else _of_lengths(errors))
     return ExitStatus.DONE
 

@@ -21,6 +21,8 @@ from labcal.shoot.truth import Truth, read_truth
 
 _HULL_TOLERANCE_MM = 1e-3
 
+Alignment = Literal["none", "rigid"]
+
 
 @dataclass(frozen=True)
 class TruthErrors(ErrorStatistics):
@@ -33,7 +35,7 @@ class TruthErrors(ErrorStatistics):
     """
     coverage95: float
     """Share of points within the 95% ellipsoid that the method states; NaN where it states none."""
-    alignment: Literal["none", "rigid"]
+    alignment: Alignment
     """`rigid` where the model's world is not the truth's, as with a hand-held target."""
     scored: str
     """Which points count, in words."""
@@ -42,7 +44,10 @@ class TruthErrors(ErrorStatistics):
 
 
 def errors_against_truth(
-    points: ReconstructedPoints, shoot: Shoot, detections: Detections | None
+    points: ReconstructedPoints,
+    shoot: Shoot,
+    detections: Detections | None,
+    alignment: Alignment | None = None,
 ) -> TruthErrors:
     """Compare points with where the dots truly were.
 
@@ -55,6 +60,9 @@ def errors_against_truth(
         Its folder holds the truth.
     detections : Detections or None
         What the points came from, for the limit.
+    alignment : {"none", "rigid"}, optional
+        Whether to bring the points onto the truth by a rigid motion first. Where left out, only for a
+        hand-held target, whose world is the first camera's frame.
 
     Raises
     ------
@@ -73,9 +81,9 @@ def errors_against_truth(
     if not counts.any():
         raise InputError(f"None of the {len(points)} points can be scored; {scored} would be.")
     kept, true = points.where(counts), true[counts]
-    handheld = not shoot.nominal_poses()
+    alignment = alignment or ("none" if shoot.nominal_poses() else "rigid")
     predicted, covariance = kept.point, kept.covariance
-    if handheld:
+    if alignment == "rigid":
         T_true_model = rigid_alignment(true, predicted)
         R = T_true_model[:3, :3]
         predicted, covariance = transform(T_true_model, predicted), R @ covariance @ R.T
@@ -89,7 +97,7 @@ def errors_against_truth(
         max_mm=figures.max_mm,
         limit_mm=float("nan") if detections is None else _limit(kept, shoot, truth, detections),
         coverage95=coverage(predicted - true, covariance),
-        alignment="rigid" if handheld else "none",
+        alignment=alignment,
         scored=scored,
         not_scored=int((~counts).sum()),
     )

@@ -149,6 +149,9 @@ def test_from_the_hand_to_millimetres(
     assert errors["rmse_mm"] < 2.0
     assert 0.0 <= errors["coverage95"] <= 1.0
     assert 0.05 < errors["limit_mm"] < errors["rmse_mm"]
+    as_it_is = labcal("evaluate", points, handheld, "--alignment", "none").document
+    assert as_it_is["alignment"] == "none"
+    assert as_it_is["rmse_mm"] > 100.0  # the rig's world is its first camera
     lengths = labcal("evaluate", points, "--target", "paper-13x10").document
     assert {"length_error_mm", "epipolar_rms_px", "scale_ppm"} <= set(lengths)
     assert 0.0 < lengths["length_error_mm"]["rms"] < lengths["length_error_mm"]["max"] < 10.0
