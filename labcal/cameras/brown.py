@@ -10,6 +10,10 @@ LENGTH = 5
 """OpenCV's shortest coefficient vector that it takes everywhere."""
 
 
+_FLAT = 1e-6
+"""Jacobian determinant below which Newton's step would leave the part of the lens that has an inverse."""
+
+
 def distort(numbers: tuple[Number, ...], x: Number, y: Number) -> tuple[Number, Number]:
     """Return the distorted position of an ideal one, both at unit focal length."""
     k1, k2, p1, p2, k3 = numbers[:LENGTH]
@@ -81,7 +85,7 @@ class Brown:
                 ex, ey = fx - x, fy - y
                 a, b, d = distort_jacobian(numbers, ix, iy)
                 det = a * d - b * b
-                safe = m.where(det > 1e-6, det, 1.0)  # noqa: PLR2004
+                safe = m.where(det > _FLAT, det, 1.0)
                 ix, iy = ix - (d * ex - b * ey) / safe, iy - (a * ey - b * ex) / safe
             fx, fy = distort(numbers, ix, iy)
             ex, ey = fx - x, fy - y

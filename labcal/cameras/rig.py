@@ -9,9 +9,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 from labcal.run.documents import read_document
+from labcal.run.names import Name
 from labcal.run.outputs import write_file
-
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$")]
 
 
 class Rig(BaseModel):

@@ -100,12 +100,12 @@ def choose_target(name: str | None, pictures: Sequence[str]) -> "DotGrid":
         No target is named, and the pictures are no shoot.
     """
     from labcal.errors import InputError
-    from labcal.shoot.dataset import MANIFEST, open_shoot
+    from labcal.shoot.dataset import is_shoot, open_shoot
     from labcal.targets.catalogue import load_target
 
     if name is not None:
         return load_target(name)
-    if len(pictures) == 1 and (Path(pictures[0]) / MANIFEST).exists():
+    if len(pictures) == 1 and is_shoot(Path(pictures[0])):
         return open_shoot(Path(pictures[0])).target
     raise InputError(
         "Say which target the pictures show: --target NAME ('labcal target list' shows the names)."

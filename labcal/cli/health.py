@@ -7,11 +7,10 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from labcal.errors import DeviceError
-from labcal.run.machine import free_disk_bytes, memory_bytes, usable_cores
+from labcal.run.machine import free_disk_bytes, memory_bytes, package_version, usable_cores
 
 OLDEST_PYTHON = (3, 11)
 
@@ -105,10 +104,10 @@ def _check_disk() -> Check:
 
 def _check_package(name: str, purpose: str) -> Check:
     """Check that a package is installed, without importing it."""
-    try:
-        return Check(name, True, version(name), None)
-    except PackageNotFoundError:
-        return Check(name, False, None, f"pip install {name} (for {purpose})")
+    version = package_version(name)
+    return Check(
+        name, version is not None, version, None if version else f"pip install {name} (for {purpose})"
+    )
 
 
 def _check_trial(name: str, code: str) -> Check:

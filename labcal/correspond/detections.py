@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.correspond.sources import CAMERA_NAME, Source
+from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.names import is_name
 from labcal.run.tables import damaged_line, read_table, table_text
 
 HEADER = (
@@ -135,7 +136,7 @@ def read_detections(path: Path) -> Detections:
             has_id[i] = col != "" and row != ""
             whole[i] = [int(width), int(height), int(col or 0), int(row or 0)]
             figures[i] = [float(v) for v in (x, y, xx, xy, yy)]
-            sound = flag in flags and CAMERA_NAME.fullmatch(camera) is not None and min(whole[i, :2]) > 0
+            sound = flag in flags and is_name(camera) and min(whole[i, :2]) > 0
         except (ValueError, OverflowError):
             sound = False
         measured = sound and has_id[i] and np.isfinite(figures[i, :2]).all()

@@ -1,6 +1,5 @@
 """Where pictures come from: a shoot, or loose files whose names tell view and camera."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,11 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from labcal.errors import InputError
-from labcal.shoot.dataset import MANIFEST, Shoot, open_shoot
+from labcal.run.names import is_name
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
-
-CAMERA_NAME = re.compile(r"[A-Za-z0-9-]+")
-"""What a camera may be called."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ def parse_camera_endings(text: str) -> dict[str, str]:
     endings = {}
     for part in text.split(","):
         ending, equals, camera = part.partition("=")
-        if not (ending and equals and CAMERA_NAME.fullmatch(camera)) or ending in endings:
+        if not (ending and equals and is_name(camera)) or ending in endings:
             raise InputError(
                 "--cameras takes endings of file names, each once, and names of letters, digits and hyphens, "
                 f"as in '_0=left,_1=right', but got '{text}'."
@@ -138,6 +135,6 @@ def find_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sourc
     InputError
         See :func:`loose_sources` and :func:`labcal.shoot.dataset.open_shoot`.
     """
-    if len(paths) == 1 and (Path(paths[0]) / MANIFEST).exists():
+    if len(paths) == 1 and is_shoot(Path(paths[0])):
         return shoot_sources(open_shoot(Path(paths[0])))
     return loose_sources(paths, endings)

@@ -3,8 +3,11 @@
 The paper's page of this project, docs/reproduction.md, says how each was read.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+
+from labcal.errors import InputError, UnknownNameError
 
 
 class Solver(StrEnum):
@@ -113,5 +116,27 @@ NOT_REPORTED: tuple[str, ...] = ("16",)
 
 
 def row_named(exp: str) -> PaperRow:
-    """Return a row by its number, with or without the leading zero; KeyError where the paper has none."""
-    return {row.exp: row for row in ROWS}[exp.zfill(2)]
+    """Return a row by its number, with or without the leading zero.
+
+    Raises
+    ------
+    UnknownNameError
+        The paper has no such row.
+    InputError
+        The paper has it in its text only.
+    """
+    known = {row.exp: row for row in ROWS}
+    if exp.zfill(2) in NOT_REPORTED:
+        raise InputError(f"The paper names experiment {exp} in its text, but reports no figures of it.")
+    if exp.zfill(2) not in known:
+        raise UnknownNameError("row of the paper", exp, known)
+    return known[exp.zfill(2)]
+
+
+def rows_named(names: Sequence[str]) -> tuple[PaperRow, ...]:
+    """Return the rows of these numbers in the paper's order, or all where none is named.
+
+    See :func:`row_named` for the errors.
+    """
+    wanted = {row_named(name).exp for name in names}
+    return tuple(row for row in ROWS if not wanted or row.exp in wanted)

@@ -4,10 +4,8 @@ import json
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from labcal.errors import InputError, UnknownNameError
 from labcal.experiments.paper_rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
 from labcal.experiments.pictured import pictured_problems
 from labcal.experiments.problem import Problem
@@ -20,10 +18,11 @@ from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
 from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
+from labcal.run.machine import package_version
 from labcal.run.outputs import unfinished_folder, write_file
 from labcal.run.progress import Progress
 from labcal.scene.catalogue import load_scene
-from labcal.shoot.dataset import MANIFEST, Shoot, open_shoot
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.workflow import detect
 
 MAX_EPOCHS = 5000
@@ -31,6 +30,7 @@ MAX_EPOCHS = 5000
 QUICK_EPOCHS = 300
 QUICK_SPP = 8
 FULL_SEEDS, QUICK_SEEDS = 5, 1
+_PACKAGES = ("labcal", "mitsuba", "numpy", "opencv-contrib-python-headless", "torch")
 _PLANE_READINGS = ("affine", "quadratic", "homography")
 _VOLUME_READINGS = ("affine", "quadratic", "dlt")
 _VOLUMES = frozenset({Data.VOLUME, Data.VOLUME_RANDOM, Data.WEBCAM_VOLUME})
@@ -68,26 +68,6 @@ class ReproduceSettings:
             f"pictures are rendered with {QUICK_SPP} rays a pixel",
             f"training stops after {QUICK_EPOCHS} epochs where the paper allows {MAX_EPOCHS}",
         )
-
-
-def rows_named(names: Sequence[str]) -> tuple[PaperRow, ...]:
-    """Return the rows of these numbers in the paper's order, or all where none is named.
-
-    Raises
-    ------
-    UnknownNameError
-        The paper has no such row.
-    InputError
-        The paper has it in its text only.
-    """
-    known = {row.exp: row for row in ROWS}
-    for name in names:
-        if name.zfill(2) in NOT_REPORTED:
-            raise InputError(f"The paper names experiment {name} in its text, but reports no figures of it.")
-        if name.zfill(2) not in known:
-            raise UnknownNameError("row of the paper", name, known)
-    wanted = {name.zfill(2) for name in names} or set(known)
-    return tuple(row for row in ROWS if row.exp in wanted)
 
 
 def reproduce(folder: Path, settings: ReproduceSettings, progress: Progress) -> Reproduction:
@@ -143,7 +123,7 @@ def _pictured(
 
 def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Progress) -> Shoot:
     """Render a shoot, unless an earlier run has."""
-    if (folder / MANIFEST).exists():
+    if is_shoot(folder):
         return open_shoot(folder)
     folder.parent.mkdir(exist_ok=True)
     render_settings = RenderSettings(
@@ -204,12 +184,7 @@ def _command(settings: ReproduceSettings) -> str:
 
 def _provenance(settings: ReproduceSettings, seconds: float) -> str:
     """Return ``run.json``: what differs from run to run."""
-    versions = {}
-    for package in ("labcal", "mitsuba", "numpy", "opencv-contrib-python-headless", "torch"):
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            versions[package] = "not installed"
+    versions = {package: package_version(package) for package in _PACKAGES}
     return (
         json.dumps({"seconds": seconds, "workers": settings.workers, "versions": versions}, indent=2) + "\n"
     )

@@ -4,7 +4,6 @@ import json
 import time
 from concurrent.futures import BrokenExecutor, as_completed
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 from labcal.cameras.record import CameraRecord, matrix4_record
@@ -13,6 +12,7 @@ from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
 from labcal.run.executor import open_executor
+from labcal.run.machine import package_version
 from labcal.run.outputs import unfinished_folder, write_file
 from labcal.run.progress import Progress
 from labcal.scene.check import check_scene
@@ -176,14 +176,6 @@ def _write_run(working: Path, seconds: dict[str, float], total: float, settings:
         "picture_seconds": seconds,
         "workers": settings.workers,
         "seed": settings.seed,
-        "versions": {package: _version(package) for package in PACKAGES},
+        "versions": {package: package_version(package) for package in PACKAGES},
     }
     write_file(working / "run.json", json.dumps(run, indent=2) + "\n", force=True)
-
-
-def _version(package: str) -> str | None:
-    """Return the version of an installed package."""
-    try:
-        return version(package)
-    except ModuleNotFoundError:
-        return None

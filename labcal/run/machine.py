@@ -1,7 +1,8 @@
-"""What this machine offers: processors, memory and disk."""
+"""What this machine offers: processors, memory, disk and packages."""
 
 import os
 import shutil
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 
@@ -23,3 +24,11 @@ def memory_bytes() -> int | None:
 def free_disk_bytes(folder: Path) -> int:
     """Return the free space of the disk that holds `folder`."""
     return shutil.disk_usage(folder).free
+
+
+def package_version(package: str) -> str | None:
+    """Return the version of a package without importing it, or None where it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

@@ -7,11 +7,11 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
+from labcal.run.names import Name
 from labcal.scene.camera import CameraDescription
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
 from labcal.scene.room import Board, Lamp, Room
-from labcal.shoot.manifest import Name
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 

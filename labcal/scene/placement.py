@@ -4,8 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.run.names import Name
 from labcal.scene.camera import Coordinate, Vector
-from labcal.shoot.manifest import Name, Role
+from labcal.shoot.manifest import Role
 
 Degrees = Annotated[float, Field(ge=0, le=180)]
 

@@ -45,6 +45,11 @@ class Shoot:
         }
 
 
+def is_shoot(folder: Path) -> bool:
+    """Return whether a folder holds a manifest."""
+    return (folder / MANIFEST).is_file()
+
+
 def open_shoot(folder: Path) -> Shoot:
     """Open a shoot.
 
@@ -53,12 +58,11 @@ def open_shoot(folder: Path) -> Shoot:
     InputError
         There is no manifest, it is not one that this version reads, or the shoot has no pictures.
     """
-    path = folder / MANIFEST
-    if not path.is_file():
+    if not is_shoot(folder):
         raise InputError(
             f"{folder} is not a shoot: it has no {MANIFEST}. Give the folder that 'labcal render' made."
         )
-    manifest = read_document(Manifest, "manifest", path)
+    manifest = read_document(Manifest, "manifest", folder / MANIFEST)
     if not manifest.views:
         raise InputError(f"The shoot {folder} has no pictures. Render or capture it again.")
     return Shoot(folder, manifest)

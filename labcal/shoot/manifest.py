@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.cameras.record import Matrix4Record
+from labcal.run.names import Name
 from labcal.targets.grid import DotGrid
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$")]
 RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
 
 

@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from labcal.arrays import Mask, Pixels, Points
 from labcal.cameras.record import CameraRecord, Matrix4Record
 from labcal.run.documents import read_document
+from labcal.run.names import Name
 from labcal.run.outputs import write_file
 from labcal.run.tables import damaged_line, read_table, table_text
-from labcal.shoot.manifest import Name
 
 FOLDER = "truth"
 HEADER = (

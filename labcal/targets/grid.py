@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.arrays import DotIndices, Lengths, Points
+from labcal.run.names import Name
 
 Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 GridIndex = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
@@ -59,7 +60,7 @@ class DotGrid(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$")]
+    name: Name
     description: str = ""
     cols: Annotated[int, Field(ge=2, le=1000)]
     rows: Annotated[int, Field(ge=2, le=1000)]
