@@ -4,16 +4,21 @@ The centroid of a projected disc is not the projection of its centre (the "eccen
 and Kotowski 1999); lens distortion moves it further. Here both follow from the outline, for any camera.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 
 from labcal.arrays import Mask, Outlines, Pixels, Points, Pose
-from labcal.cameras.camera import Camera
+from labcal.cameras.camera import Camera, Projection
 from labcal.geometry.poses import transform
 
 SAMPLES = 64
-"""Points on an outline; on a smooth closed curve the trapezoidal rule converges exponentially."""
+"""Points on an outline; on a smooth closed curve sums and Fourier derivatives converge exponentially."""
+
+Imaging = Callable[[Points], Projection]
+"""From points of the target, in mm in any one frame, to pixels."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +35,23 @@ class DotImages:
     """(n,), whether the whole dot is imaged."""
 
 
+def flat_outlines(centres: Points, radii: np.ndarray) -> Float64[np.ndarray, "n samples 3"]:
+    """Return the outlines of discs parallel to the target's x-y plane, mm, shape (n, SAMPLES, 3).
+
+    Parameters
+    ----------
+    centres : ndarray, shape (n, 3)
+        Centres of the dots in the target's frame, mm.
+    radii : ndarray, shape (n,)
+        Radii of the outer outlines, mm.
+    """
+    angle = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(SAMPLES)], axis=-1)
+    return np.asarray(centres[:, None, :] + radii[:, None, None] * circle)
+
+
 def dot_images(camera: Camera, T_world_target: Pose, centres: Points, radii: np.ndarray) -> DotImages:
-    """Return where dots of a flat target are imaged.
+    """Return where the dots of a flat target are imaged.
 
     Parameters
     ----------
@@ -42,27 +62,39 @@ def dot_images(camera: Camera, T_world_target: Pose, centres: Points, radii: np.
         Centres of the dots in the target's frame, mm; the discs lie parallel to its x-y plane.
     radii : ndarray, shape (n,)
         Radii of the outer outlines, mm.
+    """
+    return outlined_images(
+        lambda p: camera.project(transform(T_world_target, p)), centres, flat_outlines(centres, radii)
+    )
+
+
+def outlined_images(
+    image: Imaging, centres: Points, outlines: Float64[np.ndarray, "n samples 3"]
+) -> DotImages:
+    """Return where dots of any shape are imaged, by any smooth imaging.
+
+    Parameters
+    ----------
+    image : callable
+        Takes points (..., 3) of the frame of `centres`, returns their :class:`Projection`.
+    centres : ndarray, shape (n, 3)
+        The dots' centres, mm.
+    outlines : ndarray, shape (n, SAMPLES, 3)
+        Their outlines at equal steps of a parameter that runs once around, mm.
 
     Notes
     -----
     With the outline (x(t), y(t)), Green's theorem gives the area as half the integral of x dy - y dx and the
-    centroid as the integrals of x^2 dy / 2 and -y^2 dx / 2 over the area.
+    centroid as the integrals of x^2 dy / 2 and -y^2 dx / 2 over the area. The derivatives are those of the
+    trigonometric interpolant.
     """
-    angle = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
-    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(SAMPLES)], axis=-1)
-    tangent = np.stack([-np.sin(angle), np.cos(angle), np.zeros(SAMPLES)], axis=-1)
-    radius = radii[:, None, None]
-    p = transform(T_world_target, centres[:, None, :] + radius * circle)
-    dp = radius * tangent @ T_world_target[:3, :3].T
-
-    middle = camera.project(transform(T_world_target, centres))
-    edge = camera.project(p)
+    middle = image(centres)
+    edge = image(outlines)
     ok = middle.ok & edge.ok.all(axis=-1)
     offset = edge.q - middle.q[:, None, :]  # about the centre, where no digits are lost
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        dq = np.einsum("nsij,nsj->nsi", camera.point_jacobian(p), dp)
         x, y = offset[..., 0], offset[..., 1]
-        dx, dy = dq[..., 0], dq[..., 1]
+        dx, dy = _derivative(x), _derivative(y)
         area = 0.5 * (x * dy - y * dx).sum(axis=-1)
         first = np.stack([0.5 * (x * x * dy).sum(axis=-1), -0.5 * (y * y * dx).sum(axis=-1)], axis=-1)
         centroid = middle.q + first / area[:, None]
@@ -73,3 +105,11 @@ def dot_images(camera: Camera, T_world_target: Pose, centres: Points, radii: np.
         outline=np.where(keep[..., None], edge.q, np.nan),
         ok=ok,
     )
+
+
+def _derivative(values: np.ndarray) -> np.ndarray:
+    """Return the derivative of periodic samples (last axis) by their own index."""
+    frequency = np.fft.fftfreq(values.shape[-1], 1.0 / values.shape[-1])
+    frequency[values.shape[-1] // 2] = 0.0  # the highest one has no sign
+    spectrum = np.fft.fft(np.where(np.isfinite(values), values, 0.0), axis=-1)
+    return np.asarray(np.fft.ifft(1j * frequency * spectrum, axis=-1).real)
