@@ -6,11 +6,18 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import Mask, Matrix3, Pixels, PointJacobians, Points, Pose
-from labcal.cameras.brown import LENGTH
-from labcal.cameras.lens import lens_by_name
-from labcal.cameras.mathematics import NUMPY, Mathematics, Number
+from labcal.cameras.dual import DualMathematics, constants, variables
+from labcal.cameras.lens import LENGTH, PRESCRIPTION, Lens, lens_by_name
+from labcal.cameras.mathematics import NUMPY, Number, NumpyMathematics
+from labcal.cameras.optics import INTRINSICS, Optics
+from labcal.cameras.prescribed import PrescribedLens
+from labcal.cameras.prescription import Prescription
+from labcal.cameras.window import FlatWindow, WavyWindow
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse, require_rigid, transform
+
+_MOST_COEFFICIENTS = 14
+_LATTICE = 65
 
 
 @dataclass(frozen=True)
@@ -31,15 +38,6 @@ class Projection:
 
 
 @dataclass(frozen=True)
-class Trace:
-    """A ray in the camera frame, component by component, in the caller's kind of number."""
-
-    origin: tuple[Number, Number, Number]
-    direction: tuple[Number, Number, Number]
-    ok: Number
-
-
-@dataclass(frozen=True)
 class Camera:
     """A camera with a lens model, at its place in the world.
 
@@ -48,18 +46,23 @@ class Camera:
     K : ndarray, shape (3, 3)
         Camera matrix in pixels, without skew; pixel (0, 0) is the centre of the top-left pixel.
     lens : str
-        Name of a lens model.
+        Name of a lens model, or ``prescription``.
     dist : ndarray, shape (k,)
         Its coefficients in OpenCV's order, padded with zeros to at least 5.
     T_cam_world : ndarray, shape (4, 4)
         World to camera (x right, y down, z forward), mm.
     size : (int, int)
         Width and height of the picture, px.
+    prescription : Prescription, optional
+        The lens's surfaces, where `lens` is ``prescription``; its focal length is ``fx`` pixels.
+    window : FlatWindow or WavyWindow, optional
+        Glass in front of the lens.
 
     Raises
     ------
     InputError
-        A matrix is malformed, there are more coefficients than the model has, or the size is not positive.
+        A matrix is malformed, there are more coefficients than the model has, the size is not positive, or a
+        prescription is missing or out of place.
     UnknownNameError
         There is no such lens model.
     """
@@ -69,9 +72,16 @@ class Camera:
     dist: np.ndarray
     T_cam_world: Pose
     size: tuple[int, int]
+    prescription: Prescription | None = None
+    window: FlatWindow | WavyWindow | None = None
 
     def __post_init__(self) -> None:
-        model = lens_by_name(self.lens)
+        if (self.lens == PRESCRIPTION) != (self.prescription is not None):
+            raise InputError(
+                f"A camera with the lens '{PRESCRIPTION}' needs a prescription, and no other has one; the lens "
+                f"is '{self.lens}'."
+            )
+        model = self.model
         fx, fy, cx, cy = self.intrinsics
         expected = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
         if not (np.isfinite(self.K).all() and np.array_equal(self.K, expected) and min(fx, fy) > 0):
@@ -84,6 +94,8 @@ class Camera:
             raise InputError(
                 f"The lens model '{self.lens}' has {model.coefficients} coefficients; the rest must be 0."
             )
+        if self.prescription is not None and fx != fy:
+            raise InputError("A lens prescription images round things round: fx and fy must be equal.")
         if min(self.size) < 1:
             raise InputError(f"The picture size must be positive, but is {self.size[0]} x {self.size[1]}.")
         require_rigid(self.T_cam_world, "T_cam_world")
@@ -99,26 +111,41 @@ class Camera:
         return inverse(self.T_cam_world)[:3, 3]
 
     @cached_property
+    def model(self) -> Lens:
+        """The lens model."""
+        return lens_by_name(self.lens) if self.prescription is None else PrescribedLens(self.prescription)
+
+    @property
+    def optics(self) -> Optics:
+        """Lens and window, to which :attr:`numbers` belong."""
+        return Optics(self.model, self.window)
+
+    @cached_property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers of the lens formula: fx fy cx cy, then the lens model's own."""
-        return (*self.intrinsics, *lens_by_name(self.lens).numbers(self.dist))
+        """All numbers of the camera: fx fy cx cy, then the window's and the lens model's own."""
+        return (*self.intrinsics, *self._window_numbers, *self._lens_numbers)
 
-    def trace(self, m: Mathematics, numbers: tuple[Number, ...], u: Number, v: Number) -> Trace:
-        """Follow the ray of pixel (u, v) out of the camera, in the camera frame.
+    @property
+    def reach(self) -> float:
+        """Largest radius of the picture on the plane at unit focal length."""
+        fx, fy, cx, cy = self.intrinsics
+        width, height = self.size
+        spare = 1.0 + (self.window.largest_px if isinstance(self.window, WavyWindow) else 0.0)
+        x, y = max(cx, width - 1 - cx) + spare, max(cy, height - 1 - cy) + spare
+        return float(np.hypot(x / fx, y / fy))
 
-        Parameters
-        ----------
-        m : Mathematics
-            The functions on the caller's kind of number.
-        numbers : tuple
-            :attr:`numbers` in that kind.
-        u, v : number
-            Pixel position.
-        """
-        fx, fy, cx, cy, *coefficients = numbers
-        X, Y, Z, ok = lens_by_name(self.lens).direction(m, tuple(coefficients), (u - cx) / fx, (v - cy) / fy)
-        zero = 0.0 * Z
-        return Trace((zero, zero, zero), (X, Y, Z), ok)
+    @cached_property
+    def newton_steps(self) -> int:
+        """Newton steps after which the inverse of the lens is found everywhere in the picture."""
+        q = self._lattice()
+        with np.errstate(invalid="ignore", over="ignore"):
+            there = self.optics.trace(NUMPY, self.numbers, *q).ok
+            for steps in range(1, NUMPY.newton_steps):
+                # Well short of what is asked for, since between the nodes it may be worse.
+                m = NumpyMathematics(steps, settled=5e-5)
+                if not np.any(there & ~self.optics.trace(m, self.numbers, *q).ok):
+                    return steps
+        return NUMPY.newton_steps
 
     def rays(self, q: Pixels) -> Rays:
         """Return the rays of pixels, in the world.
@@ -134,7 +161,7 @@ class Camera:
             Points in mm and unit directions; NaN and not ok where the lens formula has no inverse.
         """
         with np.errstate(invalid="ignore", over="ignore"):
-            traced = self.trace(NUMPY, self.numbers, q[..., 0], q[..., 1])
+            traced = self.optics.trace(NUMPY, self.numbers, q[..., 0], q[..., 1])
         T_world_cam = inverse(self.T_cam_world)
         origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
         direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
@@ -155,37 +182,37 @@ class Camera:
             Pixels, also outside the picture; NaN and not ok behind the camera, beyond the fold of the lens
             model and for NaN.
         """
-        p_cam = transform(self.T_cam_world, p)
-        fx, fy, cx, cy, *coefficients = self.numbers
-        with np.errstate(invalid="ignore", over="ignore"):
-            x, y, ok = lens_by_name(self.lens).image(
-                NUMPY, tuple(coefficients), p_cam[..., 0], p_cam[..., 1], p_cam[..., 2]
-            )
-        q = np.stack([fx * x + cx, fy * y + cy], axis=-1)
-        ok = np.asarray(ok)
-        return Projection(np.where(ok[..., None], q, np.nan), ok)
+        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            found = self.optics.project(NUMPY, self.numbers, (X, Y, Z))
+        ok = np.asarray(found.ok)
+        return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
     def point_jacobian(self, p: Points) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
-        p_cam = transform(self.T_cam_world, p)
-        fx, fy, _, _, *coefficients = self.numbers
-        ideal = lens_by_name(self.lens).image_jacobian(tuple(coefficients), *np.moveaxis(p_cam, -1, 0))
-        jacobian: np.ndarray = np.array([[fx], [fy]]) * ideal @ self.T_cam_world[:3, :3]
+        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        numbers = constants(self.numbers, 3)
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            found = self.optics.project(DualMathematics(NUMPY), numbers, variables(X, Y, Z))
+        local = _slopes(found.u.slopes, found.v.slopes, np.shape(X))
+        jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
         return jacobian
 
     def intrinsic_jacobian(self, p: Points) -> np.ndarray:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""
-        model = lens_by_name(self.lens)
-        p_cam = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
-        fx, fy, _, _, *coefficients = self.numbers
-        x, y, _ = model.image(NUMPY, tuple(coefficients), p_cam[0], p_cam[1], p_cam[2])
-        jacobian = np.zeros((*np.shape(x), 2, 4 + model.coefficients))
-        jacobian[..., 0, 0] = x
-        jacobian[..., 1, 1] = y
-        jacobian[..., 0, 2] = 1.0
-        jacobian[..., 1, 3] = 1.0
-        jacobian[..., 4:] = np.array([[fx], [fy]]) * model.coefficient_jacobian(p_cam[0], p_cam[1], p_cam[2])
-        return jacobian
+        free = self.model.coefficients
+        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        varied = variables(*self.intrinsics, *self._padded_dist[:free])
+        directions = INTRINSICS + free
+        fixed = constants(self._padded_dist[free:], directions)
+        m = DualMathematics(NUMPY)
+        formula = self.model.formula(m, (*varied[INTRINSICS:], *fixed))
+        rest = constants(self._lens_numbers[len(formula) :], directions)
+        glass = constants(self._window_numbers, directions)
+        numbers = (*varied[:INTRINSICS], *glass, *formula, *rest)
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            found = self.optics.project(m, numbers, constants((X, Y, Z), directions))
+        return _slopes(found.u.slopes, found.v.slopes, np.shape(X))
 
     def in_picture(self, q: Pixels) -> Mask:
         """Return whether pixels lie on the picture, which reaches half a pixel beyond the outer centres."""
@@ -199,20 +226,46 @@ class Camera:
         Raises
         ------
         InputError
-            A pixel of the picture's border has no ray.
+            A pixel on a lattice over the picture has no ray.
         """
-        width, height = self.size
-        u = np.linspace(-0.5, width - 0.5, 65)
-        v = np.linspace(-0.5, height - 0.5, 65)
-        border = np.concatenate(
-            [np.stack([u, np.full_like(u, edge)], axis=-1) for edge in (-0.5, height - 0.5)]
-            + [np.stack([np.full_like(v, edge), v], axis=-1) for edge in (-0.5, width - 0.5)]
-        )
-        lost = ~self.rays(border).ok
+        q = np.stack(self._lattice(), axis=-1)
+        lost = ~self.rays(q).ok
         if lost.any():
-            q = border[lost][0]
+            q = q[lost][0]
             raise InputError(
                 f"The lens of camera '{name}' ({self.lens}) folds within its picture: pixel "
-                f"({q[0]:.0f}, {q[1]:.0f}) "
-                "sees no direction. Weaken the distortion, or add coefficients that let it grow outwards."
+                f"({q[0]:.0f}, {q[1]:.0f}) sees no direction. {self._mend}"
             )
+
+    @property
+    def _mend(self) -> str:
+        """What helps where the picture reaches beyond the lens's field."""
+        if self.prescription is not None:
+            return "Raise focal_px, lessen the picture's size, or give the prescription wider surfaces."
+        return "Weaken the distortion, or add coefficients that let it grow outwards."
+
+    @property
+    def _padded_dist(self) -> tuple[float, ...]:
+        """The coefficients, with zeros up to as many as any model has."""
+        return (*(float(k) for k in self.dist), *(0.0,) * max(0, _MOST_COEFFICIENTS - len(self.dist)))
+
+    @cached_property
+    def _window_numbers(self) -> tuple[float, ...]:
+        return () if self.window is None else self.window.numbers
+
+    @cached_property
+    def _lens_numbers(self) -> tuple[float, ...]:
+        return self.model.numbers(NUMPY, self._padded_dist, self.reach)
+
+    def _lattice(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return u and v of a lattice over the picture up to its very edges."""
+        u = np.linspace(-0.5, self.size[0] - 0.5, _LATTICE)
+        v = np.linspace(-0.5, self.size[1] - 0.5, _LATTICE)
+        across, down = np.meshgrid(u, v)
+        return across.ravel(), down.ravel()
+
+
+def _slopes(of_u: tuple[Number, ...], of_v: tuple[Number, ...], shape: tuple[int, ...]) -> np.ndarray:
+    """Return slopes of both coordinates as one array, shape (..., 2, directions)."""
+    rows = [np.stack([np.broadcast_to(slope, shape) for slope in of], axis=-1) for of in (of_u, of_v)]
+    return np.stack(rows, axis=-2)

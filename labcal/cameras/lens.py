@@ -1,23 +1,25 @@
-"""What a lens model is, and the models by name.
-
-A lens maps a direction in the camera frame to the ideal image plane at unit focal length and back. Its
-formulas are written on separate x and y with plain operators.
-"""
+"""What a lens model is, and the models by name."""
 
 from typing import Protocol, runtime_checkable
 
-import numpy as np
-
-from labcal.cameras.brown import Brown
+from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.fisheye import KannalaBrandt
 from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.perspective import Perspective
 from labcal.errors import UnknownNameError
+
+LENGTH = 5
+"""OpenCV's shortest coefficient vector that it takes everywhere."""
+PRESCRIPTION = "prescription"
+"""The lens model whose rays are traced through a prescription; it has no entry of its own in LENSES."""
 
 
 @runtime_checkable  # so that tests can check annotations
 class Lens(Protocol):
-    """A central lens model with numeric coefficients.
+    """A lens model: closed formulas from a field point to the picture and to a ray, and the ways back.
 
-    Every method takes the coefficients as `numbers`, because the renderer passes its own kind of number.
+    Formulas are written on separate components with plain operators. Every method takes the lens's numbers,
+    because the renderer passes its own kind of number, and derivatives pass dual ones.
     """
 
     @property
@@ -28,30 +30,45 @@ class Lens(Protocol):
     def coefficients(self) -> int:
         """How many coefficients are free."""
 
-    def numbers(self, dist: np.ndarray) -> tuple[float, ...]:
-        """Return what the formulas take, from OpenCV's coefficient vector."""
+    @property
+    def central(self) -> bool:
+        """Whether all rays pass the origin of the camera's frame."""
+
+    def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return the leading :meth:`numbers`, all that :meth:`image` takes, from the coefficients."""
+
+    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all numbers; `reach` is the largest radius of the picture at unit focal length."""
 
     def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], X: Number, Y: Number, Z: Number
-    ) -> tuple[Number, Number, Number]:
-        """Return ``x, y, ok`` of the direction (X, Y, Z), at unit focal length."""
+        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    ) -> tuple[Number, Number]:
+        """Return where a field point is imaged, at unit focal length."""
 
-    def direction(
-        self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number
-    ) -> tuple[Number, Number, Number, Number]:
-        """Return ``X, Y, Z, ok`` of the direction, of unit length, that is imaged at (x, y)."""
+    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+        """Return the field point of a direction of any length; of a lens that is not central, roughly."""
 
-    def image_jacobian(
-        self, numbers: tuple[float, ...], X: np.ndarray, Y: np.ndarray, Z: np.ndarray
-    ) -> np.ndarray:
-        """Return d(x, y) / d(X, Y, Z), shape (..., 2, 3)."""
+    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point that is imaged at (x, y); not ok where there is none."""
 
-    def coefficient_jacobian(self, X: np.ndarray, Y: np.ndarray, Z: np.ndarray) -> np.ndarray:
-        """Return d(x, y) / d(free coefficients, in OpenCV's order), shape (..., 2, coefficients)."""
+    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+        """Return whether the lens has a field point: short of its fold, and past every surface."""
+
+    def ray(self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+        """Return the ray of a field point, in the camera's frame, out into the scene."""
 
 
 LENSES: dict[str, Lens] = {
-    lens.name: lens for lens in (Brown("pinhole", 0), Brown("brown-k1k2", 2), Brown("brown5", 5))
+    lens.name: lens
+    for lens in (
+        Perspective("pinhole", 0),
+        Perspective("brown-k1k2", 2),
+        Perspective("brown5", 5),
+        Perspective("rational8", 8),
+        Perspective("thin-prism12", 12),
+        Perspective("tilted14", 14),
+        KannalaBrandt("fisheye-kb4"),
+    )
 }
 
 
@@ -64,5 +81,5 @@ def lens_by_name(name: str) -> Lens:
         There is none; the nearest name is offered.
     """
     if name not in LENSES:
-        raise UnknownNameError("lens model", name, LENSES)
+        raise UnknownNameError("lens model", name, [*LENSES, PRESCRIPTION])
     return LENSES[name]

@@ -1,42 +1,78 @@
 """The mathematics a lens formula may use, so that NumPy and Dr.Jit run the same lines."""
 
+from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 Number = Any
-"""A NumPy array, a Dr.Jit array or a plain float: whatever takes part in ``+ - * /`` and comparison."""
+"""A NumPy array, a Dr.Jit array, a dual number or a plain float: what takes part in ``+ - * /`` and ``<``."""
 
 
 @runtime_checkable  # so that tests can check annotations
 class Mathematics(Protocol):
     """A namespace of functions on one kind of number."""
 
-    newton_steps: int
-    """Newton steps after which an inverse that converges has reached this number's precision."""
-    tolerance: float
-    """Residual, in units of the focal length, below which an inverse counts as found."""
+    @property
+    def newton_steps(self) -> int:
+        """Newton steps that an inverse may take."""
+
+    @property
+    def settled(self) -> float:
+        """Length of Newton's last step, at unit focal length, from which on an inverse counts as found.
+
+        Newton squares the error in every step, so what is left after it is far less than this.
+        """
 
     def sqrt(self, a: Number) -> Number:
         """Return the square root."""
 
+    def sin(self, a: Number) -> Number:
+        """Return the sine of an angle in radians."""
+
+    def cos(self, a: Number) -> Number:
+        """Return the cosine of an angle in radians."""
+
+    def atan2(self, y: Number, x: Number) -> Number:
+        """Return the angle of (x, y), radians."""
+
     def where(self, condition: Number, a: Number, b: Number) -> Number:
         """Return `a` where the condition holds, else `b`."""
 
+    def all_below(self, a: Number, limit: float) -> bool:
+        """Return whether it is known that no element exceeds the limit; never, where that would cost."""
 
+
+@dataclass(frozen=True)
 class NumpyMathematics:
     """float64 arrays."""
 
-    newton_steps = 16
-    tolerance = 1e-11
+    newton_steps: int = 24
+    settled: float = 1e-8
 
     def sqrt(self, a: Number) -> Number:
         """Return the square root."""
         return np.sqrt(a)
 
+    def sin(self, a: Number) -> Number:
+        """Return the sine of an angle in radians."""
+        return np.sin(a)
+
+    def cos(self, a: Number) -> Number:
+        """Return the cosine of an angle in radians."""
+        return np.cos(a)
+
+    def atan2(self, y: Number, x: Number) -> Number:
+        """Return the angle of (x, y), radians."""
+        return np.arctan2(y, x)
+
     def where(self, condition: Number, a: Number, b: Number) -> Number:
         """Return `a` where the condition holds, else `b`."""
         return np.where(condition, a, b)
+
+    def all_below(self, a: Number, limit: float) -> bool:
+        """Return whether no element exceeds the limit; NaN does not."""
+        return not bool(np.any(a > limit))
 
 
 NUMPY = NumpyMathematics()

@@ -1,12 +1,15 @@
 """A camera as it stands in ``rig.json`` and ``truth.json``."""
 
+from collections.abc import Callable
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
+from labcal.cameras.prescription import Prescription
+from labcal.cameras.window import Window
 
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
@@ -30,6 +33,14 @@ class CameraRecord(BaseModel):
     dist: Annotated[tuple[float, ...], Field(min_length=5)]
     T_cam_world: Matrix4Record
     size: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
+    prescription: Prescription | None = None
+    """The lens's surfaces, where the lens is ``prescription``."""
+    window: Window | None = None
+    """Glass in front of the lens."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if value is not None}
 
     @classmethod
     def of(cls, camera: Camera) -> "CameraRecord":
@@ -41,6 +52,8 @@ class CameraRecord(BaseModel):
             dist=tuple(float(k) for k in camera.dist),
             T_cam_world=matrix4_record(camera.T_cam_world),
             size=camera.size,
+            prescription=camera.prescription,
+            window=camera.window,
         )
 
     def camera(self) -> Camera:
@@ -57,4 +70,6 @@ class CameraRecord(BaseModel):
             dist=np.array(self.dist),
             T_cam_world=np.array(self.T_cam_world),
             size=self.size,
+            prescription=self.prescription,
+            window=self.window,
         )

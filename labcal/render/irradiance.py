@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
-from labcal.render.laboratory import Laboratory
+from labcal.render.laboratory import Laboratory, Passes
 from labcal.rng import integer_seed
 from labcal.scene.model import samples_per_pass
 
@@ -35,15 +35,15 @@ def render_light(laboratory: Laboratory, camera: Camera, case: Case) -> np.ndarr
     height = camera.size[1]
     spp = laboratory.description.spp
     samples = samples_per_pass(spp)
-    passes = spp // samples
     rows = laboratory.band_rows
     laboratory.place(case.T_world_target)
+    sensor = laboratory.sensor(camera)
+    seed = integer_seed(case.seed, case.view, case.camera)
     bands = []
     for first_row in range(0, height, rows):
         total: np.ndarray | None = None
-        for number in range(passes):
-            seed = integer_seed(case.seed, case.view, case.camera, f"row {first_row}", f"pass {number}")
-            band = laboratory.trace(camera, first_row, samples, seed)
+        for first in range(0, spp, samples):
+            band = laboratory.trace(sensor, first_row, Passes(seed, spp, first, samples))
             total = band if total is None else total + band
-        bands.append(np.asarray(total) / np.float32(passes))
+        bands.append(np.asarray(total) / np.float32(spp // samples))
     return np.concatenate(bands)[:height]

@@ -1,15 +1,21 @@
 """A scene compiled for Mitsuba once, in which the target then moves from view to view."""
 
+from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import pose
+from labcal.render.direct_light import LitScene, radiance
 from labcal.render.dots import dots_plugin
-from labcal.render.sensor import sensor_plugin
+from labcal.render.panels import Panels
+from labcal.render.samples import Samples
+from labcal.render.sensor import Pixels, Sensor, Shading
+from labcal.render.variant import Jit
+from labcal.scene.camera import Aperture
 from labcal.scene.furniture import blocks
 from labcal.scene.lighting import REC709, lamp_pose
 from labcal.scene.model import Scene, samples_per_pass
@@ -18,8 +24,47 @@ FAR_MM = 12000.0
 """Half the size of floor and wall."""
 DARKER = 0.8
 """Reflectance of every other tile of the floor."""
-RAYS_PER_BAND = 2**21
+RAYS_PER_BAND = 2**22
 """A band of rows holds no more rays of one pass than this, which bounds the memory."""
+
+
+def _face(x: tuple[int, int, int], y: tuple[int, int, int]) -> Pose:
+    """Return the face of a cube from -1 to 1 that has these edges."""
+    normal = np.cross(x, y)
+    return pose(np.stack([x, y, normal], axis=1).astype(np.float64), normal.astype(np.float64))
+
+
+FACES = {
+    "top": _face((1, 0, 0), (0, 1, 0)),
+    "right": _face((0, 1, 0), (0, 0, 1)),
+    "left": _face((0, -1, 0), (0, 0, 1)),
+    "back": _face((-1, 0, 0), (0, 0, 1)),
+    "front": _face((1, 0, 0), (0, 0, 1)),
+}
+"""A block's faces that may be seen; its underside never is."""
+PIXEL = 0
+"""Purpose of the samples that choose a point of the pixel."""
+
+
+class Rays(Protocol):
+    """What gives a picture's rays."""
+
+    def rays(self, pixels: Pixels) -> tuple[Jit, Jit]:
+        """Return rays in the world and their weights."""
+
+
+@dataclass(frozen=True)
+class Passes:
+    """Some of a pixel's samples."""
+
+    seed: int
+    """Of the picture; 32 bits."""
+    total: int
+    """Samples a pixel in all passes together."""
+    first: int
+    """Number of the first sample of this pass."""
+    samples: int
+    """How many there are in this pass."""
 
 
 class Laboratory:
@@ -42,49 +87,51 @@ class Laboratory:
         self.band_rows = min(height, max(1, RAYS_PER_BAND // (width * samples)))
         self.dots = mi.load_dict({"type": dots_plugin(mi.variant())})
         self.dots.show(scene.target, self._channels(scene.board.dark), self._channels(scene.board.light))
-        self.sensor = mi.load_dict(
-            {
-                "type": sensor_plugin(mi.variant()),
-                "film": {
-                    "type": "hdrfilm",
-                    "width": width,
-                    "height": self.band_rows,
-                    "rfilter": {"type": "box"},  # the default filter gives other bytes at every run
-                    "component_format": "float32",
-                    "pixel_format": "rgb" if self.colour else "luminance",
-                },
-                "sampler": {"type": "multijitter", "sample_count": samples},
-            }
-        )
-        self.integrator = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
         # Optimised, a scene has its lamps in another order, and so another noise, at every run.
         self.scene = mi.load_dict(self._contents(), parallel=False, optimize=False)
-        self.parameters = mi.traverse(self.scene)
-        self.unit_cube = np.array(self.parameters["block-0.vertex_positions"]).reshape(-1, 3)
+        self.lit: LitScene | None = None
 
     def place(self, T_world_target: Pose) -> None:
         """Move the target, and what carries it, to a pose (mm)."""
-        mi = self.mi
-        self.parameters["print.to_world"] = mi.Transform4f(self._print_pose(T_world_target))
-        for number, block in enumerate(blocks(self.description, T_world_target)):
-            vertices = 0.5 * np.array(block.size_mm) * self.unit_cube
-            vertices = vertices @ block.T_world_block[:3, :3].T + block.T_world_block[:3, 3]
-            self.parameters[f"block-{number}.vertex_positions"] = mi.Float(
-                vertices.ravel().astype(np.float32)
-            )
-        self.parameters.update()
+        places = self._panels(T_world_target)
+        # Mitsuba's own shapes stay where they are: it is asked for materials and lamps only.
+        self.lit = LitScene(self.mi, self.scene, self.scene.shapes_dr(), Panels(self.mi, list(places.values())))
 
-    def trace(self, camera: Camera, first_row: int, samples: int, seed: int) -> np.ndarray:
-        """Return the radiance in a band of rows, one pass.
+    def sensor(self, camera: Camera, aperture: Aperture | None = None) -> Sensor:
+        """Return a camera's rays, with the fall-off of light that the scene's photometry asks for."""
+        return Sensor(self.mi, camera, aperture, Shading())
+
+    def trace(self, sensor: Rays, first_row: int, passes: Passes) -> np.ndarray:
+        """Return the radiance in a band of rows, the mean of some of a pixel's samples.
+
+        Parameters
+        ----------
+        sensor : Rays
+        first_row : int
+            The band's top row in the picture.
+        passes : Passes
+            Which of a pixel's samples.
 
         Returns
         -------
         ndarray, shape (band_rows, width) or (band_rows, width, 3)
             float32; rows below the picture's end are there too.
         """
-        self.sensor.aim(camera, first_row)
-        picture = self.integrator.render(self.scene, self.sensor, seed=seed, spp=samples)
-        band = np.array(picture, dtype=np.float32)
+        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+
+        mi, (width, _), rows, count = self.mi, self.size, self.band_rows, passes.samples
+        lane = dr.arange(mi.UInt32, rows * width * count)
+        pixel = lane // count + dr.opaque(mi.UInt32, first_row * width)
+        index = lane % count + dr.opaque(mi.UInt32, passes.first)
+        samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, passes.seed), passes.total)
+        column, row = pixel % width, pixel // width
+        within = samples.square(PIXEL)
+        u = mi.Float64(column) + (mi.Float64(within.x) - 0.5)
+        v = mi.Float64(row) + (mi.Float64(within.y) - 0.5)
+        ray, weight = sensor.rays(Pixels(u, v, samples))
+        light = radiance(self._placed(), ray, samples) * weight
+        channels = [np.array(dr.block_sum(light[c], count)) for c in range(3 if self.colour else 1)]
+        band = np.stack(channels, axis=-1).reshape(rows, width, len(channels)) / np.float32(count)
         return band if self.colour else band[..., 0]
 
     def _rgb(self, colour: tuple[float, float, float]) -> dict[str, Any]:
@@ -107,50 +154,53 @@ class Laboratory:
             "to_uv": self.mi.ScalarTransform4f().scale(FAR_MM / room.tile_mm),
         }
 
-    def _print_pose(self, T_world_target: Pose) -> np.ndarray:
-        """Return the matrix that takes Mitsuba's rectangle (-1 to 1) to the board."""
+    def _placed(self) -> LitScene:
+        """Return the scene with its target in place."""
+        if self.lit is None:
+            raise RuntimeError("The target has no place yet: call place() before trace().")
+        return self.lit
+
+    def _panels(self, T_world_target: Pose) -> dict[str, Pose]:
+        """Return every flat rectangle by name: the affine map of the square from -1 to 1 into the world."""
+        room = self.description.room
         x_min, y_min, x_max, y_max = self.description.target.extent_mm
         middle = pose(np.eye(3), np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.0]))
-        scale = np.diag([0.5 * (x_max - x_min), 0.5 * (y_max - y_min), 1.0, 1.0])
-        matrix: np.ndarray = T_world_target @ middle @ scale
-        return matrix
+        board = np.diag([0.5 * (x_max - x_min), 0.5 * (y_max - y_min), 1.0, 1.0])
+        far = np.diag([FAR_MM, FAR_MM, 1.0, 1.0])
+        upright = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+        panels = {
+            "print": T_world_target @ middle @ board,
+            "floor": pose(np.eye(3), np.array([0.0, 0.0, room.floor_z_mm])) @ far,
+            "wall": pose(upright, np.array([0.0, room.wall_y_mm, 0.0])) @ far,
+        }
+        for number, block in enumerate(blocks(self.description, T_world_target)):
+            size = np.diag([*(0.5 * np.array(block.size_mm)), 1.0])
+            for face, T_block_face in FACES.items():
+                panels[f"block-{number}-{face}"] = block.T_world_block @ size @ T_block_face
+        for number, lamp in enumerate(self.description.lamps):
+            width, height = lamp.size_mm
+            panels[f"lamp-{number}"] = lamp_pose(lamp) @ np.diag([0.5 * width, 0.5 * height, 1.0, 1.0])
+        return panels
 
     def _contents(self) -> dict[str, Any]:
         """Return Mitsuba's dictionary of the scene, with the target at the world's origin."""
-        mi, scene, room = self.mi, self.description, self.description.room
-        transform = mi.ScalarTransform4f
-        contents: dict[str, Any] = {
-            "type": "scene",
-            "print": {
-                "type": "rectangle",
-                "to_world": transform(self._print_pose(np.eye(4))),
-                "bsdf": {"type": "diffuse", "reflectance": self.dots},
-            },
-            "floor": {
-                "type": "rectangle",
-                "to_world": transform().translate([0, 0, room.floor_z_mm]).scale(FAR_MM),
-                "bsdf": {"type": "diffuse", "reflectance": self._tiles()},
-            },
-            "wall": {
-                "type": "rectangle",
-                "to_world": transform().translate([0, room.wall_y_mm, 0]).rotate([1, 0, 0], 90).scale(FAR_MM),
-                "bsdf": {"type": "diffuse", "reflectance": self._rgb(room.wall)},
-            },
+        scene, room = self.description, self.description.room
+        black = self._rgb((0.0, 0.0, 0.0))
+        surfaces: dict[str, dict[str, Any]] = {
+            "print": {"bsdf": {"type": "diffuse", "reflectance": self.dots}},
+            "floor": {"bsdf": {"type": "diffuse", "reflectance": self._tiles()}},
+            "wall": {"bsdf": {"type": "diffuse", "reflectance": self._rgb(room.wall)}},
         }
         for number, block in enumerate(blocks(scene, np.eye(4))):
-            contents[f"block-{number}"] = {
-                "type": "cube",
-                "face_normals": True,
-                "bsdf": {"type": "diffuse", "reflectance": self._rgb(block.reflectance)},
-            }
+            for face in FACES:
+                paint = {"type": "diffuse", "reflectance": self._rgb(block.reflectance)}
+                surfaces[f"block-{number}-{face}"] = {"bsdf": paint}
         for number, lamp in enumerate(scene.lamps):
-            width, height = lamp.size_mm
-            colour = tuple(lamp.radiance * share for share in lamp.colour)
-            matrix = lamp_pose(lamp) @ np.diag([0.5 * width, 0.5 * height, 1.0, 1.0])
-            contents[f"lamp-{number}"] = {
-                "type": "rectangle",
-                "to_world": transform(matrix),
-                "bsdf": {"type": "diffuse", "reflectance": self._rgb((0.0, 0.0, 0.0))},
-                "emitter": {"type": "area", "radiance": self._rgb((colour[0], colour[1], colour[2]))},
-            }
+            red, green, blue = (lamp.radiance * share for share in lamp.colour)
+            emitter = {"type": "area", "radiance": self._rgb((red, green, blue))}
+            surfaces[f"lamp-{number}"] = {"bsdf": {"type": "diffuse", "reflectance": black}, "emitter": emitter}
+        transform = self.mi.ScalarTransform4f
+        contents: dict[str, Any] = {"type": "scene"}
+        for name, T_world_panel in self._panels(np.eye(4)).items():
+            contents[name] = {"type": "rectangle", "to_world": transform(T_world_panel), **surfaces[name]}
         return contents

@@ -1,90 +1,146 @@
-"""A Mitsuba sensor that traces a camera's own rays: distortion bends the ray, no picture is resampled."""
+"""The rays of a camera's picture: distortion and glass bend the ray itself, no picture is resampled."""
 
-from functools import cache
+from dataclasses import dataclass
+
+import numpy as np
 
 from labcal.cameras.camera import Camera
+from labcal.cameras.prescribed import PrescribedLens
+from labcal.cameras.pupil import Pupil, ThinPupil, TracedPupil
 from labcal.geometry.poses import inverse
+from labcal.render.samples import Samples
 from labcal.render.variant import Jit
+from labcal.scene.camera import Aperture
 
-FILM_SHIFT = 0.5
-"""Mitsuba's film has its origin at the corner of the top-left pixel, OpenCV's picture at its centre."""
+APERTURE = 2
+"""Purpose of the samples that choose a point of the aperture."""
+_FALL_OFF_DEGREE = 10
+_FALL_OFF_RADII = 64
+_COS4_LENSES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "tilted14")
 
 
-@cache
-def sensor_plugin(variant: str) -> str:
-    """Register the sensor with the variant in use and return its plugin name.
+@dataclass(frozen=True)
+class Shading:
+    """How light falls off towards the rim of the picture."""
+
+    fall_off: bool = False
+    """The lens's own: cos^4 of the angle to the axis, traced for a prescription, none for a fisheye."""
+    vignetting: float = 0.0
+    """Share of the light that is lost in the picture's corner on top, growing with the radius squared."""
+
+
+@dataclass(frozen=True)
+class Pixels:
+    """Positions on the picture, and the samples that belong to them."""
+
+    u: Jit
+    v: Jit
+    """float64, px; (0, 0) is the centre of the top-left pixel."""
+    samples: Samples
+
+
+class Sensor:
+    """A camera's rays for Mitsuba.
+
+    All numbers are opaque to the compiler, so that one kernel serves every camera with the same lens model.
 
     Parameters
     ----------
-    variant : str
-        The variant in use; every variant has a class of its own.
+    mi : module
+        Mitsuba with the variant in use.
+    camera : Camera
+    aperture : Aperture or None
+        None: every ray is the chief ray of its pixel.
+    shading : Shading
     """
-    import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
-    import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
 
-    from labcal.render.drjit_mathematics import DRJIT  # noqa: PLC0415 -- imports Dr.Jit
+    def __init__(self, mi: Jit, camera: Camera, aperture: Aperture | None, shading: Shading) -> None:
+        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
 
-    class TracedSensor(mi.Sensor):
-        """Traces ``Camera.trace`` for a band of rows of the picture."""
+        from labcal.render.drjit_mathematics import DrjitMathematics  # noqa: PLC0415 -- imports Dr.Jit
 
-        def __init__(self, props: Jit) -> None:
-            super().__init__(props)
-            self.m_needs_sample_2 = True
-            self.m_needs_sample_3 = False
+        def opaque(numbers: tuple[float, ...]) -> tuple[Jit, ...]:
+            return tuple(dr.opaque(mi.Float64, float(number)) for number in numbers)
 
-        def aim(self, camera: Camera, first_row: int) -> None:
-            """Become the camera, with the film's top row at `first_row` of its picture.
+        self._mi, self._camera, self._shading = mi, camera, shading
+        self._m = DrjitMathematics(camera.newton_steps)
+        self._numbers = opaque(camera.numbers)
+        self._T_world_cam = [opaque(tuple(row)) for row in inverse(camera.T_cam_world)[:3]]
+        self._pupil = None if aperture is None else _pupil(camera, aperture)
+        self._pupil_numbers = () if self._pupil is None else opaque(self._pupil.numbers)
+        self._fall_off = opaque(_fall_off(camera, self._pupil)) if shading.fall_off else ()
+        width, height = camera.size
+        corner2 = 0.25 * (width**2 + height**2)
+        middle = (0.5 * (width - 1), 0.5 * (height - 1), shading.vignetting / corner2)
+        self._vignetting = opaque(middle) if shading.vignetting > 0.0 else ()
 
-            All numbers are opaque to the compiler, so that one kernel serves every camera of a lens model.
-            """
-            T_world_cam = inverse(camera.T_cam_world)
-            self.trace = camera.trace
-            self.numbers = tuple(dr.opaque(mi.Float, number) for number in camera.numbers)
-            self.first_row = dr.opaque(mi.Float, first_row)
-            self.T_world_cam = [[dr.opaque(mi.Float, float(n)) for n in row] for row in T_world_cam[:3]]
+    def rays(self, pixels: Pixels) -> tuple[Jit, Jit]:
+        """Return rays in the world and their weights; where the lens has no ray the weight is 0."""
+        mi, m, optics, numbers = self._mi, self._m, self._camera.optics, self._numbers
+        x, y = optics.ideal(m, numbers, pixels.u, pixels.v)
+        ray = optics.before_window(m, numbers, x, y)
+        weight = self._light(x * x + y * y, ray.direction[2], pixels)
+        if self._pupil is not None:
+            a, b = pixels.samples.square(APERTURE)
+            disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(a, b))
+            at = (x, y, mi.Float64(disc.x), mi.Float64(disc.y))
+            through = self._pupil.ray(m, self._pupil_numbers, ray, at)
+            ray, weight = through.ray, weight * through.weight
+        ray = optics.behind_window(m, numbers, ray)
+        # Where there is no ray NaN would go through the whole of the scene.
+        origin = [m.where(ray.ok, part, 0.0) for part in ray.origin]
+        direction = [
+            m.where(ray.ok, part, 1.0 if i == 2 else 0.0) for i, part in enumerate(ray.direction)  # noqa: PLR2004 -- z
+        ]
+        rows = self._T_world_cam
+        o = mi.Point3f(*(mi.Float(r[0] * origin[0] + r[1] * origin[1] + r[2] * origin[2] + r[3]) for r in rows))
+        d = mi.Vector3f(
+            *(mi.Float(r[0] * direction[0] + r[1] * direction[1] + r[2] * direction[2]) for r in rows)
+        )
+        return mi.Ray3f(o, d), mi.Float(m.where(ray.ok, weight, 0.0))
 
-        def sample_ray(
-            self,
-            time: Jit,
-            _wavelength: Jit,
-            position: Jit,
-            _aperture: Jit,
-            _active: Jit = True,  # noqa: FBT002 -- the signature is Mitsuba's
-        ) -> tuple[Jit, Jit]:
-            """Return rays and their weights at positions (0 to 1) on the film; no ray weighs nothing."""
-            width, height = self.film().size()
-            u = position.x * width - FILM_SHIFT
-            v = position.y * height - FILM_SHIFT + self.first_row
-            traced = self.trace(DRJIT, self.numbers, u, v)
-            origin, direction = [], []
-            for r0, r1, r2, t in self.T_world_cam:
-                a, b, c = traced.origin
-                origin.append(r0 * a + r1 * b + r2 * c + t)
-                a, b, c = traced.direction
-                direction.append(r0 * a + r1 * b + r2 * c)
-            ray = mi.Ray3f(mi.Point3f(*origin), dr.normalize(mi.Vector3f(*direction)), time)
-            return ray, mi.Spectrum(dr.select(traced.ok, mi.Float(1.0), mi.Float(0.0)))
+    def _light(self, r2: Jit, cosine: Jit, pixels: Pixels) -> Jit:
+        """Return the share of light that a pixel gets, from its ideal radius squared and its angle."""
+        weight = 0.0 * r2 + 1.0
+        if self._fall_off:
+            scale, *coefficients = self._fall_off
+            if coefficients:
+                relative = 0.0 * r2
+                for coefficient in reversed(coefficients):
+                    relative = relative * (r2 * scale) + coefficient
+                weight = weight * relative
+            else:
+                squared = cosine * cosine
+                weight = weight * squared * squared
+        if self._vignetting:
+            cu, cv, loss = self._vignetting
+            du, dv = pixels.u - cu, pixels.v - cv
+            weight = weight * (1.0 - loss * (du * du + dv * dv))
+        return weight
 
-        def sample_ray_differential(
-            self,
-            time: Jit,
-            wavelength: Jit,
-            position: Jit,
-            aperture: Jit,
-            active: Jit = True,  # noqa: FBT002 -- the signature is Mitsuba's
-        ) -> tuple[Jit, Jit]:
-            """Return the same without differentials, which only bitmaps would use."""
-            ray, weight = self.sample_ray(time, wavelength, position, aperture, active)
-            return mi.RayDifferential3f(ray), weight
 
-        def bbox(self) -> Jit:
-            """Return an empty box: the sensor takes no part in the scene."""
-            return mi.ScalarBoundingBox3f()
+def _pupil(camera: Camera, aperture: Aperture) -> Pupil:
+    """Return the open aperture of a camera."""
+    model = camera.model
+    if isinstance(model, PrescribedLens):
+        return TracedPupil(model, aperture.diameter_mm, camera.reach)
+    return ThinPupil(0.5 * aperture.diameter_mm, aperture.focus_mm)
 
-        def to_string(self) -> str:
-            """Return its name."""
-            return "TracedSensor[]"
 
-    name = f"labcal-traced-{variant}"
-    mi.register_sensor(name, TracedSensor)
-    return name
+def _fall_off(camera: Camera, pupil: Pupil | None) -> tuple[float, ...]:
+    """Return what the fall-off takes: nothing but a 1 for cos^4, or a polynomial in the radius squared.
+
+    A prescription that is open loses its light on the way; one that is closed, as if it were open.
+    """
+    model, reach = camera.model, camera.reach
+    if not isinstance(model, PrescribedLens):
+        return (1.0,) if camera.lens in _COS4_LENSES else (1.0, 1.0)
+    if pupil is not None:
+        return (1.0, 1.0)
+    prescription = model.prescription
+    stop = prescription.surfaces[prescription.stop]
+    full = TracedPupil(model, stop.diameter_mm / model.paraxial.pupil_slope, reach)
+    radius = np.linspace(0.0, reach, _FALL_OFF_RADII)
+    light = full.relative_light(radius)
+    fit = np.polynomial.Chebyshev.fit((radius / reach) ** 2, light, _FALL_OFF_DEGREE, domain=[0.0, 1.0])
+    return (1.0 / reach**2, *(float(c) for c in fit.convert(kind=np.polynomial.Polynomial).coef))

@@ -3,15 +3,28 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from labcal.cameras.brown import LENGTH
 from labcal.cameras.camera import Camera
+from labcal.cameras.lens import LENGTH
+from labcal.cameras.prescription import Prescription, load_prescription
+from labcal.cameras.window import Window
 from labcal.geometry.poses import look_at
 
 Coordinate = Annotated[float, Field(allow_inf_nan=False)]
 Vector = tuple[Coordinate, Coordinate, Coordinate]
 Count = Annotated[int, Field(ge=1)]
+
+
+class Aperture(BaseModel):
+    """An open lens: what lies before or behind the focus distance is blurred."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    diameter_mm: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    """Diameter of the entrance pupil: focal length in mm over f-number."""
+    focus_mm: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    """Distance along the camera's axis at which things are sharp (without a window)."""
 
 
 class CameraDescription(BaseModel):
@@ -28,10 +41,21 @@ class CameraDescription(BaseModel):
     lens: str = "brown5"
     dist: tuple[Coordinate, ...] = ()
     """Coefficients in OpenCV's order; those left out are zero."""
+    prescription: Prescription | None = None
+    """For the lens ``prescription``: its surfaces; in a file the name of a lens, or its whole description."""
+    window: Window | None = None
+    """Glass in front of the lens."""
+    aperture: Aperture | None = None
+    """Open where things may be out of focus; where left out everything is sharp."""
     eye_mm: Vector
     look_at_mm: Vector
     up: Vector = (0.0, 1.0, 0.0)
     """World direction towards the top of the picture."""
+
+    @field_validator("prescription", mode="before")
+    @classmethod
+    def _prescription_by_name(cls, value: object) -> object:
+        return load_prescription(value) if isinstance(value, str) else value
 
     def camera(self) -> Camera:
         """Return the camera.
@@ -53,4 +77,14 @@ class CameraDescription(BaseModel):
             dist=dist,
             T_cam_world=look_at(np.array(self.eye_mm), np.array(self.look_at_mm), np.array(self.up)),
             size=self.size,
+            prescription=self._focused_prescription(),
+            window=self.window,
+        )
+
+    def _focused_prescription(self) -> Prescription | None:
+        """Return the prescription with its film where the aperture's focus is."""
+        if self.prescription is None or self.aperture is None:
+            return self.prescription
+        return Prescription.model_validate(
+            {**self.prescription.model_dump(), "focus_mm": self.aperture.focus_mm}
         )

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from labcal.arrays import Pose
-from labcal.cameras.brown import LENGTH
+from labcal.cameras.lens import LENGTH
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections

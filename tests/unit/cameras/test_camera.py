@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from labcal.cameras.camera import Camera
+from labcal.cameras.lens import lens_by_name
 from labcal.errors import InputError, UnknownNameError
 
 IDENTITY = np.eye(4)
@@ -20,7 +21,12 @@ def barrel(focal_px: float) -> Camera:
 
 def opencv(camera: Camera, points: np.ndarray) -> np.ndarray:
     rotation, _ = cv2.Rodrigues(camera.T_cam_world[:3, :3])
-    q, _ = cv2.projectPoints(points, rotation, camera.T_cam_world[:3, 3], camera.K, camera.dist)
+    if camera.lens == "fisheye-kb4":
+        q, _ = cv2.fisheye.projectPoints(
+            points[:, None], rotation, camera.T_cam_world[:3, 3], camera.K, camera.dist[:4]
+        )
+    else:
+        q, _ = cv2.projectPoints(points, rotation, camera.T_cam_world[:3, 3], camera.K, camera.dist)
     return q[:, 0]
 
 
@@ -35,7 +41,10 @@ def test_rays_are_the_undistorted_pixels_of_opencv(camera: Camera, points: np.nd
     criteria = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 500, 1e-15)
     # OpenCV 5 gave undistortPoints the criteria that in OpenCV 4 only undistortPointsIter takes.
     undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)
-    ideal = undistort(q[:, None], camera.K, camera.dist, R=np.eye(3), P=np.eye(3), criteria=criteria)[:, 0]
+    if camera.lens == "fisheye-kb4":
+        ideal = cv2.fisheye.undistortPoints(q[:, None], camera.K, camera.dist[:4], criteria=criteria)[:, 0]
+    else:
+        ideal = undistort(q[:, None], camera.K, camera.dist, R=np.eye(3), P=np.eye(3), criteria=criteria)[:, 0]
     rays = camera.rays(q)
     assert rays.ok.all()
     local = rays.direction @ camera.T_cam_world[:3, :3].T
@@ -69,7 +78,7 @@ def test_the_point_jacobian_is_the_slope(camera: Camera, points: np.ndarray) -> 
 
 
 def test_the_intrinsic_jacobian_is_the_slope(camera: Camera, points: np.ndarray) -> None:
-    count = {"pinhole": 0, "brown-k1k2": 2, "brown5": 5}[camera.lens]
+    count = lens_by_name(camera.lens).coefficients
     found = camera.intrinsic_jacobian(points)
     assert found.shape == (len(points), 2, 4 + count)
 

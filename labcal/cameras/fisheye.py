@@ -1,0 +1,110 @@
+"""The fisheye lens of Kannala and Brandt (2006) as OpenCV has it: theta_d = theta (1 + k1 theta^2 + ...).
+
+Field coordinates are the angle to the axis, theta, split along x and y, so that more than 180 degrees are as
+good as any.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.radial import guess, inverse_guess
+
+_POWERS = 4
+_FOLD = _POWERS
+_GUESS = slice(_FOLD + 1, None)
+_ON_AXIS = 1e-16
+"""Squared radius below which a direction counts as the axis itself."""
+
+
+def _stretch(numbers: tuple[Number, ...], theta2: Number) -> Number:
+    """Return theta_d / theta."""
+    k1, k2, k3, k4 = numbers[:_POWERS]
+    return 1.0 + theta2 * (k1 + theta2 * (k2 + theta2 * (k3 + theta2 * k4)))
+
+
+def _slope(numbers: tuple[Number, ...], theta2: Number) -> Number:
+    """Return d theta_d / d theta."""
+    k1, k2, k3, k4 = numbers[:_POWERS]
+    return 1.0 + theta2 * (3.0 * k1 + theta2 * (5.0 * k2 + theta2 * (7.0 * k3 + theta2 * (9.0 * k4))))
+
+
+def fold_angle(dist: tuple[float, ...]) -> float:
+    """Return the angle to the axis (rad) where the image radius stops growing, at most pi."""
+    k1, k2, k3, k4 = dist[:_POWERS]
+    roots = np.polynomial.Polynomial([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4]).trim().roots()
+    folds = [float(np.sqrt(s.real)) for s in roots if abs(s.imag) <= 1e-12 * abs(s) and s.real > 0.0]
+    return min([*folds, float(np.pi)])
+
+
+@dataclass(frozen=True)
+class KannalaBrandt:
+    """The equidistant fisheye with four coefficients k1 to k4 (a fifth place of `dist` is zero)."""
+
+    name: str
+    coefficients = _POWERS
+    central = True
+
+    def formula(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return what :meth:`image` takes: k1 to k4."""
+        return dist[:_POWERS]
+
+    def numbers(self, _m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
+        fold = fold_angle(dist)
+        start = inverse_guess(lambda t: np.asarray(t * _stretch(dist, t * t)), fold, reach)
+        return (*dist[:_POWERS], fold, *start)
+
+    def image(
+        self, _m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    ) -> tuple[Number, Number]:
+        """Return where a field point is imaged, at unit focal length."""
+        stretch = _stretch(numbers, a * a + b * b)
+        return a * stretch, b * stretch
+
+    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+        """Return the field point of a direction; not ok beyond the fold."""
+        X, Y, Z = direction
+        across = X * X + Y * Y
+        on_axis = across < _ON_AXIS * (Z * Z)
+        radius = m.sqrt(m.where(on_axis, 1.0 + 0.0 * across, across))
+        theta = m.atan2(radius, Z)
+        front = Z > 0.0
+        ratio = m.where(on_axis, 1.0 / m.where(front, Z, 1.0), theta / radius)
+        ok = m.where(on_axis, front, theta < numbers[_FOLD])
+        return FieldPoint(X * ratio, Y * ratio, ok)
+
+    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point that is imaged at (x, y), by Newton's method on the angle."""
+        r2 = x * x + y * y
+        on_axis = r2 < _ON_AXIS
+        radius = m.sqrt(m.where(on_axis, 1.0, r2))
+        theta = radius * guess(m, numbers[_GUESS], r2)
+        step = 0.0 * theta + 1.0
+        for _ in range(m.newton_steps):
+            theta2 = theta * theta
+            slope = _slope(numbers, theta2)
+            step = (theta * _stretch(numbers, theta2) - radius) / m.where(slope > 0.0, slope, 1.0)
+            theta = theta - step
+            if m.all_below(step * step, 1e-30):
+                break
+        ratio = m.where(on_axis, 1.0, theta / radius)
+        found = (step * step < m.settled * m.settled) & (theta < numbers[_FOLD]) & (theta > 0.0)
+        # At the fold the slope vanishes; a step there is short for no good reason.
+        return FieldPoint(x * ratio, y * ratio, (on_axis | found) & (_slope(numbers, theta * theta) > 0.0))
+
+    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+        """Return whether a field point lies short of the fold."""
+        return a * a + b * b < numbers[_FOLD] * numbers[_FOLD]
+
+    def ray(self, m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+        """Return the ray of a field point, from the lens out into the scene."""
+        theta2 = a * a + b * b
+        on_axis = theta2 < _ON_AXIS
+        theta = m.sqrt(m.where(on_axis, 1.0 + 0.0 * theta2, theta2))
+        ratio = m.where(on_axis, 1.0, m.sin(theta) / theta)
+        Z = m.where(on_axis, 1.0, m.cos(theta))
+        zero = 0.0 * theta2
+        return SceneRay((zero, zero, zero), (a * ratio, b * ratio, Z), theta2 >= 0.0)

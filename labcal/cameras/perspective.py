@@ -1,0 +1,174 @@
+"""Lenses that image straight lines nearly straight, in OpenCV's order of coefficients.
+
+k1 k2 p1 p2 k3 (Brown 1966), k4 k5 k6 (the rational model, Claus and Fitzgibbon 2005), s1 s2 s3 s4 (thin
+prism, Weng, Cohen and Herniou 1992), tau_x tau_y (a tilted sensor after Scheimpflug, Louhichi et al. 2007).
+Field coordinates of such a lens are X/Z and Y/Z.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.cameras.dual import constants
+from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.newton import solve_two
+from labcal.cameras.radial import LENGTH as GUESS_LENGTH
+from labcal.cameras.radial import guess, inverse_guess
+
+DISTORTION = 12
+"""k1 to s4; behind them stand the tilt's matrix, its inverse, the fold and the guess of the inverse."""
+_TANGENTIAL, _RATIONAL, _PRISM, _TILTED = 5, 8, 12, 14
+_TILT = slice(DISTORTION, DISTORTION + 9)
+_UNTILT = slice(DISTORTION + 9, DISTORTION + 18)
+_FOLD = DISTORTION + 18
+_GUESS = slice(_FOLD + 1, _FOLD + 1 + GUESS_LENGTH)
+
+
+def tilt_matrix(m: Mathematics, tau_x: Number, tau_y: Number) -> tuple[Number, ...]:
+    """Return the homography of a sensor turned by tau_x about x, then by tau_y about y (rad), row by row.
+
+    The plane of the picture is the tilted one, seen from the lens at unit distance, as in OpenCV.
+    """
+    cx, sx, cy, sy = m.cos(tau_x), m.sin(tau_x), m.cos(tau_y), m.sin(tau_y)
+    # OpenCV's [R33 0 -R13; 0 R33 -R23; 0 0 1] R with R = R_y(tau_y) R_x(tau_x).
+    r13, r23, r33 = -sy * cx, sx, cy * cx
+    return (
+        r33 * cy - r13 * sy, r33 * sy * sx + r13 * cy * sx, 0.0 * r33,
+        -r23 * sy, r33 * cx + r23 * cy * sx, 0.0 * r33,
+        sy, -cy * sx, r33,
+    )  # fmt: skip
+
+
+def _moved(matrix: tuple[Number, ...], x: Number, y: Number) -> tuple[Number, Number]:
+    """Return a position after a homography."""
+    a, b, c, d, e, f, g, h, i = matrix
+    w = 1.0 / (g * x + h * y + i)
+    return (a * x + b * y + c) * w, (d * x + e * y + f) * w
+
+
+@dataclass(frozen=True)
+class Perspective:
+    """A perspective lens with the first `coefficients` of OpenCV's 14 free and the rest zero."""
+
+    name: str
+    coefficients: int
+    central = True
+
+    def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return what :meth:`image` takes: k1 to s4, and the tilt's matrix where there is one."""
+        distortion = dist[:DISTORTION]
+        return distortion if self.coefficients < _TILTED else (*distortion, *tilt_matrix(m, *dist[12:14]))
+
+    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
+        tilt = self.formula(m, dist)[_TILT] or tuple(np.eye(3).ravel())
+        untilt = np.linalg.inv(np.array(tilt, dtype=np.float64).reshape(3, 3))
+        fold2 = fold_radius_squared(dist)
+        # The tilt, and what is not radial, reach a little farther.
+        flat_reach = 1.03 * reach * (1.0 + 2.0 * float(np.abs(untilt[2, :2]).sum()) * reach)
+        start = inverse_guess(
+            lambda r: np.asarray(r * self._radial(dist, r * r)),
+            float(np.sqrt(fold2)),
+            flat_reach,
+        )
+        return (*dist[:DISTORTION], *tilt, *untilt.ravel().tolist(), fold2, *start)
+
+    def image(
+        self, _m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    ) -> tuple[Number, Number]:
+        """Return where a field point is imaged, at unit focal length."""
+        x, y = self._distort(numbers, a, b)
+        return (x, y) if self.coefficients < _TILTED else _moved(numbers[_TILT], x, y)
+
+    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+        """Return the field point of a direction; not ok behind the camera and beyond the fold."""
+        X, Y, Z = direction
+        front = Z > 0.0
+        depth = m.where(front, Z, 1.0)
+        a, b = X / depth, Y / depth
+        return FieldPoint(a, b, front & self.in_field(numbers, a, b))
+
+    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point that is imaged at (x, y), by Newton's method."""
+        if self.coefficients == 0:
+            return FieldPoint(x, y, x - x == 0.0)  # false for NaN and infinity, in any number
+        if self.coefficients >= _TILTED:
+            x, y = _moved(numbers[_UNTILT], x, y)
+        lifted = constants(numbers[:DISTORTION], 2)
+        ratio = guess(m, numbers[_GUESS], x * x + y * y)
+        a, b = ratio * x, ratio * y
+        if self.coefficients >= _TANGENTIAL:
+            # What is not radial is small, and nearly the same where the guess without it lies.
+            aside_x, aside_y = self._decentre(numbers, a, b)
+            a, b = x - aside_x, y - aside_y
+            ratio = guess(m, numbers[_GUESS], a * a + b * b)
+            a, b = ratio * a, ratio * b
+
+        def miss(a: Number, b: Number) -> tuple[Number, Number]:
+            at_x, at_y = self._distort(lifted, a, b)
+            return at_x - x, at_y - y
+
+        found = solve_two(m, miss, a, b)
+        a, b = found.a, found.b
+        return FieldPoint(a, b, found.ok & self.in_field(numbers, a, b) & (found.determinant > 0.0))
+
+    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+        """Return whether a field point lies short of the fold."""
+        return a * a + b * b < numbers[_FOLD]
+
+    def ray(self, m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+        """Return the ray of a field point, from the lens out into the scene."""
+        Z = 1.0 / m.sqrt(a * a + b * b + 1.0)
+        zero = 0.0 * Z
+        return SceneRay((zero, zero, zero), (a * Z, b * Z, Z), Z > 0.0)
+
+    def _distort(self, numbers: tuple[Number, ...], a: Number, b: Number) -> tuple[Number, Number]:
+        """Return a field point after distortion, before the tilt."""
+        if self.coefficients == 0:
+            return a, b
+        radial = self._radial(numbers, a * a + b * b)
+        if self.coefficients < _TANGENTIAL:
+            return a * radial, b * radial
+        aside_x, aside_y = self._decentre(numbers, a, b)
+        return a * radial + aside_x, b * radial + aside_y
+
+    def _radial(self, numbers: tuple[Number, ...], r2: Number) -> Number:
+        """Return the factor along the radius."""
+        k1, k2, _, _, k3, k4, k5, k6 = numbers[:_RATIONAL]
+        if self.coefficients < _TANGENTIAL:
+            return 1.0 + r2 * (k1 + r2 * k2)
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        if self.coefficients < _RATIONAL:
+            return radial
+        return radial / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+
+    def _decentre(self, numbers: tuple[Number, ...], a: Number, b: Number) -> tuple[Number, Number]:
+        """Return the displacement that is not radial."""
+        p1, p2, s1, s2, s3, s4 = (*numbers[2:4], *numbers[8:DISTORTION])
+        r2, ab2 = a * a + b * b, 2.0 * (a * b)
+        x = p1 * ab2 + p2 * (r2 + 2.0 * (a * a))
+        y = p1 * (r2 + 2.0 * (b * b)) + p2 * ab2
+        if self.coefficients < _PRISM:
+            return x, y
+        return x + r2 * (s1 + r2 * s2), y + r2 * (s3 + r2 * s4)
+
+
+def fold_radius_squared(dist: tuple[float, ...]) -> float:
+    """Return X/Z squared where the radial part stops growing, infinity where it never does.
+
+    Beyond this radius two directions share one image, so the model says nothing there. With s = r^2 and the
+    radial factor N(s) / D(s), the image radius stops growing where N D + 2 s (N' D - N D') = 0, and jumps
+    where D = 0.
+    """
+    k1, k2, _, _, k3, k4, k5, k6 = dist[:_RATIONAL]
+    P = np.polynomial.Polynomial
+    N, D = P([1.0, k1, k2, k3]), P([1.0, k4, k5, k6])
+    slope = N * D + P([0.0, 2.0]) * (N.deriv() * D - N * D.deriv())
+    folds = [
+        float(root.real)
+        for polynomial in (slope.trim(), D.trim())
+        for root in polynomial.roots()
+        if abs(root.imag) <= 1e-12 * abs(root) and root.real > 0.0
+    ]
+    return min(folds, default=float("inf"))

@@ -1,0 +1,67 @@
+"""A first guess of the inverse of a radial mapping, as a polynomial, so that Newton needs one or two steps."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from labcal.cameras.mathematics import Mathematics, Number
+
+DEGREE = 8
+LENGTH = DEGREE + 2
+"""How many numbers a guess takes."""
+_SAMPLES = 129
+_SHORT_OF_FOLD = 0.999
+"""A guess is fitted this far towards the fold, where the inverse has no slope."""
+
+
+def inverse_guess(
+    forward: Callable[[np.ndarray], np.ndarray], fold: float, reach: float
+) -> tuple[float, ...]:
+    """Fit the inverse of a radial mapping with a slope of about one at its middle.
+
+    Parameters
+    ----------
+    forward : callable
+        Takes field radii from 0 on (an array), returns image radii, growing up to the fold.
+    fold : float
+        Field radius where it stops growing; infinity where it never does.
+    reach : float
+        Largest image radius wanted.
+
+    Returns
+    -------
+    tuple of float
+        1 / reach^2, then the coefficients of field radius over image radius in (image radius / reach)^2.
+    """
+    farthest = _field_radius(forward, fold, reach)
+    # Chebyshev nodes keep the fit as good at the rim as in the middle.
+    field = farthest * np.cos(0.5 * np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    image = np.asarray(forward(field))
+    reach = float(forward(np.array([farthest]))[0])
+    fit = np.polynomial.Chebyshev.fit((image / reach) ** 2, field / image, DEGREE, domain=[0.0, 1.0])
+    coefficients = fit.convert(kind=np.polynomial.Polynomial).coef
+    return (1.0 / reach**2, *(float(c) for c in coefficients))
+
+
+def guess(m: Mathematics, numbers: tuple[Number, ...], r2: Number) -> Number:
+    """Return field radius over image radius, from the squared image radius; constant beyond the fit."""
+    s = r2 * numbers[0]
+    s = m.where(s < 1.0, s, 1.0)
+    ratio = numbers[LENGTH - 1]
+    for coefficient in numbers[LENGTH - 2 : 0 : -1]:
+        ratio = ratio * s + coefficient
+    return ratio
+
+
+def _field_radius(forward: Callable[[np.ndarray], np.ndarray], fold: float, reach: float) -> float:
+    """Return the field radius that is imaged at `reach`, or one short of the fold, by bisection."""
+    high = _SHORT_OF_FOLD * fold if np.isfinite(fold) else reach
+    while not np.isfinite(fold) and forward(np.array([high]))[0] < reach:
+        high *= 2.0
+    if forward(np.array([high]))[0] <= reach:
+        return high
+    low = 0.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if forward(np.array([middle]))[0] < reach else (low, middle)
+    return high

@@ -1,0 +1,147 @@
+"""Glass in front of a camera: a flat pane with air or water behind it, or a wavy pane.
+
+The glass bends the camera's own rays, so that truth and picture follow the same path. What lies behind a flat
+pane fills all of the scene.
+"""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from labcal.cameras.field import Direction, SceneRay
+from labcal.cameras.mathematics import Mathematics, Number
+
+Index = Annotated[float, Field(ge=1.0, le=4.0)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+WATER = 1.333
+GLASS = 1.5168
+"""Schott N-BK7 at 588 nm."""
+_AHEAD = 1e-3
+"""Least cosine between a ray and the pane's normal."""
+
+
+class FlatWindow(BaseModel):
+    """A plane-parallel pane, with air on the camera's side."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["flat"] = "flat"
+    distance_mm: Positive
+    """From the camera's origin to the near face, along the pane's normal."""
+    tilt_x_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
+    """Turn of the normal about the camera's x axis, away from its z axis."""
+    tilt_y_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
+    """Then about its y axis."""
+    thickness_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 10.0
+    glass_index: Index = GLASS
+    behind_index: Index = 1.0
+    """Refractive index of what fills the scene: 1 for air, 1.333 for water."""
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The normal (away from the camera), distance, thickness, and both indices."""
+        a, b = np.radians(self.tilt_x_deg), np.radians(self.tilt_y_deg)
+        normal = (np.sin(b) * np.cos(a), -np.sin(a), np.cos(b) * np.cos(a))
+        rest = (self.distance_mm, self.thickness_mm, self.glass_index, self.behind_index)
+        return (*(float(n) for n in normal), *rest)
+
+
+class Wave(BaseModel):
+    """One sinusoid of a wavy pane."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    amplitude_px: tuple[Finite, Finite]
+    """Largest displacement of the picture along x and along y."""
+    period_px: Positive
+    direction_deg: Finite = 0.0
+    """Along which the wave runs, from the picture's x axis towards its y axis."""
+    phase_deg: Finite = 0.0
+    """At the pixel (0, 0)."""
+
+
+class WavyWindow(BaseModel):
+    """A pane whose waves displace the picture: pixel q sees what q + d(q) would see without it.
+
+    d(q) is the sum over the waves of ``amplitude sin(2 pi (q . direction) / period + phase)``. A thin pane
+    close to the lens does this; rays still pass one point.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["wavy"] = "wavy"
+    waves: Annotated[tuple[Wave, ...], Field(min_length=1, max_length=16)]
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """For each wave: wave vector (rad/px), phase (rad), amplitudes (px)."""
+        numbers: list[float] = []
+        for wave in self.waves:
+            angle, k = np.radians(wave.direction_deg), 2.0 * np.pi / wave.period_px
+            numbers += [float(k * np.cos(angle)), float(k * np.sin(angle)), float(np.radians(wave.phase_deg))]
+            numbers += wave.amplitude_px
+        return tuple(numbers)
+
+    @property
+    def largest_px(self) -> float:
+        """An upper bound of the displacement."""
+        return float(sum(np.hypot(*wave.amplitude_px) for wave in self.waves))
+
+
+Window = Annotated[FlatWindow | WavyWindow, Field(discriminator="kind")]
+_PER_WAVE = 5
+
+
+def displaced(m: Mathematics, numbers: tuple[Number, ...], u: Number, v: Number) -> tuple[Number, Number]:
+    """Return the pixel that would see, without the wavy pane, what (u, v) sees through it."""
+    to_u, to_v = u, v
+    for first in range(0, len(numbers), _PER_WAVE):
+        k_u, k_v, phase, amplitude_u, amplitude_v = numbers[first : first + _PER_WAVE]
+        height = m.sin(k_u * u + k_v * v + phase)
+        to_u, to_v = to_u + amplitude_u * height, to_v + amplitude_v * height
+    return to_u, to_v
+
+
+def bent(m: Mathematics, numbers: tuple[Number, ...], ray: SceneRay) -> SceneRay:
+    """Return a ray behind a flat pane; not ok for rays that do not meet it.
+
+    Snell's law in vector form: behind a face with normal n, ``v' = (v + (sqrt(i^2 - 1 + c^2) - c) n) / i``
+    with i the ratio of the indices behind and before and c the cosine of v and n.
+    """
+    nx, ny, nz, distance, thickness, glass, behind = numbers
+    (ox, oy, oz), (dx, dy, dz) = ray.origin, ray.direction
+    before = nx * dx + ny * dy + nz * dz
+    ahead = before > _AHEAD
+    cosine = m.where(ahead, before, 1.0)
+    in_glass = m.sqrt(glass * glass - 1.0 + cosine * cosine)  # glass times the cosine there
+    in_scene = m.sqrt(behind * behind - 1.0 + cosine * cosine)
+    near = (distance - (nx * ox + ny * oy + nz * oz)) / cosine
+    # In the glass the ray runs along v + (in_glass - cosine) n, whose part along n is in_glass.
+    far = thickness / in_glass
+    along, push = near + far, far * (in_glass - cosine)
+    origin = (ox + along * dx + push * nx, oy + along * dy + push * ny, oz + along * dz + push * nz)
+    push = in_scene - cosine
+    direction = ((dx + push * nx) / behind, (dy + push * ny) / behind, (dz + push * nz) / behind)
+    return SceneRay(origin, direction, ray.ok & ahead & (near > 0.0))
+
+
+def unbent(m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> Direction:
+    """Return the direction, before the pane, of light that comes from far away behind it (any length)."""
+    nx, ny, nz, _, _, _, behind = numbers
+    X, Y, Z = direction
+    length = m.sqrt(X * X + Y * Y + Z * Z)
+    X, Y, Z = behind * X / length, behind * Y / length, behind * Z / length
+    cosine = nx * X + ny * Y + nz * Z  # behind times the cosine there
+    squared = cosine * cosine + 1.0 - behind * behind
+    # Steeper light is totally reflected; from near by it may still come, so start at a grazing ray.
+    push = m.sqrt(m.where(squared > _AHEAD, squared, _AHEAD)) - cosine
+    return X + push * nx, Y + push * ny, Z + push * nz
+
+
+def depth_behind(numbers: tuple[Number, ...], direction: Direction) -> Number:
+    """Return how far a point (X, Y, Z) lies behind the far face, mm."""
+    nx, ny, nz, distance, thickness, _, _ = numbers
+    X, Y, Z = direction
+    return nx * X + ny * Y + nz * Z - distance - thickness
