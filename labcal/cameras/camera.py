@@ -78,8 +78,8 @@ class Camera:
     def __post_init__(self) -> None:
         if (self.lens == PRESCRIPTION) != (self.prescription is not None):
             raise InputError(
-                f"A camera with the lens '{PRESCRIPTION}' needs a prescription, and no other has one; the lens "
-                f"is '{self.lens}'."
+                f"A camera with the lens '{PRESCRIPTION}' needs a prescription, and no other has one; "
+                f"the lens is '{self.lens}'."
             )
         model = self.model
         fx, fy, cx, cy = self.intrinsics
@@ -193,7 +193,8 @@ class Camera:
         X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
         numbers = constants(self.numbers, 3)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = self.optics.project(DualMathematics(NUMPY), numbers, variables(X, Y, Z))
+            x, y, z = variables(X, Y, Z)
+            found = self.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
         local = _slopes(found.u.slopes, found.v.slopes, np.shape(X))
         jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
         return jacobian
@@ -211,7 +212,8 @@ class Camera:
         glass = constants(self._window_numbers, directions)
         numbers = (*varied[:INTRINSICS], *glass, *formula, *rest)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = self.optics.project(m, numbers, constants((X, Y, Z), directions))
+            x, y, z = constants((X, Y, Z), directions)
+            found = self.optics.project(m, numbers, (x, y, z))
         return _slopes(found.u.slopes, found.v.slopes, np.shape(X))
 
     def in_picture(self, q: Pixels) -> Mask:

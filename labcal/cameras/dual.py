@@ -50,21 +50,21 @@ class Dual:
     def __neg__(self) -> "Dual":
         return self._mapped(-self.value, lambda slope: _scaled(slope, -1.0))
 
-    def __add__(self, other: Number) -> "Dual":
+    def _plus(self, other: Number) -> "Dual":
         if not isinstance(other, Dual):
             return Dual(self.value + other, self.slopes)
         slopes = tuple(_sum(a, b) for a, b in zip(self.slopes, other.slopes, strict=True))
         return Dual(self.value + other.value, slopes)
 
-    __radd__ = __add__
+    __add__ = __radd__ = _plus
 
     def __sub__(self, other: Number) -> "Dual":
-        return self + -other
+        return self._plus(-other)
 
     def __rsub__(self, other: Number) -> "Dual":
-        return -self + other
+        return (-self)._plus(other)
 
-    def __mul__(self, other: Number) -> "Dual":
+    def _times(self, other: Number) -> "Dual":
         if not isinstance(other, Dual):
             return self._mapped(self.value * other, lambda slope: _scaled(slope, other))
         slopes = tuple(
@@ -73,11 +73,11 @@ class Dual:
         )
         return Dual(self.value * other.value, slopes)
 
-    __rmul__ = __mul__
+    __mul__ = __rmul__ = _times
 
     def __truediv__(self, other: Number) -> "Dual":
         if not isinstance(other, Dual):
-            return self * (1.0 / other)
+            return self._times(1.0 / other)
         quotient = self.value / other.value
         return Dual(
             quotient,

@@ -23,7 +23,7 @@ class FieldPoint:
 
 @dataclass(frozen=True)
 class SceneRay:
-    """A ray in the camera's frame: a point on it in mm, its unit direction into the scene, and whether it is."""
+    """A ray in the camera's frame: a point on it in mm, its unit direction outwards, and whether it is."""
 
     origin: Direction
     direction: Direction

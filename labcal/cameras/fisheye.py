@@ -10,7 +10,7 @@ import numpy as np
 
 from labcal.cameras.field import Direction, FieldPoint, SceneRay
 from labcal.cameras.mathematics import Mathematics, Number
-from labcal.cameras.radial import guess, inverse_guess
+from labcal.cameras.radial import guess, inverse_guess, positive_roots
 
 _POWERS = 4
 _FOLD = _POWERS
@@ -34,9 +34,8 @@ def _slope(numbers: tuple[Number, ...], theta2: Number) -> Number:
 def fold_angle(dist: tuple[float, ...]) -> float:
     """Return the angle to the axis (rad) where the image radius stops growing, at most pi."""
     k1, k2, k3, k4 = dist[:_POWERS]
-    roots = np.polynomial.Polynomial([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4]).trim().roots()
-    folds = [float(np.sqrt(s.real)) for s in roots if abs(s.imag) <= 1e-12 * abs(s) and s.real > 0.0]
-    return min([*folds, float(np.pi)])
+    slope = np.polynomial.Polynomial([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4])
+    return min([*(float(np.sqrt(s)) for s in positive_roots(slope)), float(np.pi)])
 
 
 @dataclass(frozen=True)

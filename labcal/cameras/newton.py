@@ -88,7 +88,8 @@ def solve_two_for(
     if not isinstance(m, DualMathematics):
         return found
     directions = len(parameters[0].slopes)
-    f, g = residuals(DualMathematics(plain), *variables(found.a, found.b), lifted)
+    unknowns = variables(found.a, found.b)
+    f, g = residuals(DualMathematics(plain), unknowns[0], unknowns[1], lifted)
     (fa, fb), (ga, gb) = f.slopes, g.slopes
     f, g = residuals(m, constant(found.a, directions), constant(found.b, directions), parameters)
     determinant = fa * gb - fb * ga

@@ -63,9 +63,7 @@ class Optics:
             u, v = panes.displaced(m, numbers[INTRINSICS : self.lens_at], u, v)
         return (u - cx) / fx, (v - cy) / fy
 
-    def before_window(
-        self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number
-    ) -> SceneRay:
+    def before_window(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> SceneRay:
         """Return the chief ray of an ideal position as it leaves the lens."""
         lens = numbers[self.lens_at :]
         found = self.lens.field_at(m, lens, x, y)

@@ -14,7 +14,7 @@ from labcal.cameras.field import Direction, FieldPoint, SceneRay
 from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.newton import solve_two
 from labcal.cameras.radial import LENGTH as GUESS_LENGTH
-from labcal.cameras.radial import guess, inverse_guess
+from labcal.cameras.radial import guess, inverse_guess, positive_roots
 
 DISTORTION = 12
 """k1 to s4; behind them stand the tilt's matrix, its inverse, the fold and the guess of the inverse."""
@@ -165,10 +165,4 @@ def fold_radius_squared(dist: tuple[float, ...]) -> float:
     P = np.polynomial.Polynomial
     N, D = P([1.0, k1, k2, k3]), P([1.0, k4, k5, k6])
     slope = N * D + P([0.0, 2.0]) * (N.deriv() * D - N * D.deriv())
-    folds = [
-        float(root.real)
-        for polynomial in (slope.trim(), D.trim())
-        for root in polynomial.roots()
-        if abs(root.imag) <= 1e-12 * abs(root) and root.real > 0.0
-    ]
-    return min(folds, default=float("inf"))
+    return min([*positive_roots(slope), *positive_roots(D)], default=float("inf"))

@@ -1,4 +1,4 @@
-"""A lens prescription: its surfaces as an optical designer lists them, and what paraxial optics says of them."""
+"""A lens prescription: surfaces as an optical designer lists them, and what paraxial optics says of them."""
 
 from dataclasses import dataclass
 from typing import Annotated

@@ -90,7 +90,7 @@ class TracedPupil:
         widest = described.surfaces[described.stop].diameter_mm / near_axis.pupil_slope
         if diameter_mm > widest * (1.0 + 1e-9):
             raise InputError(
-                f"The lens '{described.name}' opens to an aperture of {widest:.3g} mm, not {diameter_mm:g} mm. "
+                f"The lens '{described.name}' opens to {widest:.3g} mm, not to {diameter_mm:g} mm. "
                 "Lessen aperture.diameter_mm."
             )
         surfaces = list(described.towards_scene(len(described.surfaces) - 1))
@@ -128,7 +128,7 @@ class TracedPupil:
         return PupilRay(scene, m.where(passes, weight * cosine2 * cosine2, 0.0))
 
     def relative_light(self, radius: np.ndarray) -> np.ndarray:
-        """Return the light at image radii (unit focal length) relative to the axis: fall-off and vignetting."""
+        """Return the light at image radii (unit focal length) over that on the axis."""
         grid = (np.arange(_GRID) + 0.5) / _GRID * 2.0 - 1.0
         px, py = (g.ravel() for g in np.meshgrid(grid, grid))
         inside = px * px + py * py <= 1.0

@@ -1,4 +1,4 @@
-"""A first guess of the inverse of a radial mapping, as a polynomial, so that Newton needs one or two steps."""
+"""A first guess of the inverse of a radial mapping: a polynomial, so that Newton needs a step or two."""
 
 from collections.abc import Callable
 
@@ -65,3 +65,9 @@ def _field_radius(forward: Callable[[np.ndarray], np.ndarray], fold: float, reac
         middle = 0.5 * (low + high)
         low, high = (middle, high) if forward(np.array([middle]))[0] < reach else (low, middle)
     return high
+
+
+def positive_roots(polynomial: np.polynomial.Polynomial) -> list[float]:
+    """Return the positive real roots of a polynomial."""
+    roots: np.ndarray = polynomial.trim().roots()
+    return [float(root.real) for root in roots if abs(root.imag) <= 1e-12 * abs(root) and root.real > 0.0]

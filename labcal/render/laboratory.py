@@ -95,7 +95,9 @@ class Laboratory:
         """Move the target, and what carries it, to a pose (mm)."""
         places = self._panels(T_world_target)
         # Mitsuba's own shapes stay where they are: it is asked for materials and lamps only.
-        self.lit = LitScene(self.mi, self.scene, self.scene.shapes_dr(), Panels(self.mi, list(places.values())))
+        self.lit = LitScene(
+            self.mi, self.scene, self.scene.shapes_dr(), Panels(self.mi, list(places.values()))
+        )
 
     def sensor(self, camera: Camera, aperture: Aperture | None = None) -> Sensor:
         """Return a camera's rays, with the fall-off of light that the scene's photometry asks for."""
@@ -198,7 +200,10 @@ class Laboratory:
         for number, lamp in enumerate(scene.lamps):
             red, green, blue = (lamp.radiance * share for share in lamp.colour)
             emitter = {"type": "area", "radiance": self._rgb((red, green, blue))}
-            surfaces[f"lamp-{number}"] = {"bsdf": {"type": "diffuse", "reflectance": black}, "emitter": emitter}
+            surfaces[f"lamp-{number}"] = {
+                "bsdf": {"type": "diffuse", "reflectance": black},
+                "emitter": emitter,
+            }
         transform = self.mi.ScalarTransform4f
         contents: dict[str, Any] = {"type": "scene"}
         for name, T_world_panel in self._panels(np.eye(4)).items():

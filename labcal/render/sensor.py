@@ -89,15 +89,11 @@ class Sensor:
         ray = optics.behind_window(m, numbers, ray)
         # Where there is no ray NaN would go through the whole of the scene.
         origin = [m.where(ray.ok, part, 0.0) for part in ray.origin]
-        direction = [
-            m.where(ray.ok, part, 1.0 if i == 2 else 0.0) for i, part in enumerate(ray.direction)  # noqa: PLR2004 -- z
-        ]
-        rows = self._T_world_cam
-        o = mi.Point3f(*(mi.Float(r[0] * origin[0] + r[1] * origin[1] + r[2] * origin[2] + r[3]) for r in rows))
-        d = mi.Vector3f(
-            *(mi.Float(r[0] * direction[0] + r[1] * direction[1] + r[2] * direction[2]) for r in rows)
-        )
-        return mi.Ray3f(o, d), mi.Float(m.where(ray.ok, weight, 0.0))
+        ahead = (0.0, 0.0, 1.0)
+        direction = [m.where(ray.ok, part, other) for part, other in zip(ray.direction, ahead, strict=True)]
+        o = [mi.Float(_dot(row, origin) + row[3]) for row in self._T_world_cam]
+        d = [mi.Float(_dot(row, direction)) for row in self._T_world_cam]
+        return mi.Ray3f(mi.Point3f(*o), mi.Vector3f(*d)), mi.Float(m.where(ray.ok, weight, 0.0))
 
     def _light(self, r2: Jit, cosine: Jit, pixels: Pixels) -> Jit:
         """Return the share of light that a pixel gets, from its ideal radius squared and its angle."""
@@ -117,6 +113,11 @@ class Sensor:
             du, dv = pixels.u - cu, pixels.v - cv
             weight = weight * (1.0 - loss * (du * du + dv * dv))
         return weight
+
+
+def _dot(row: tuple[Jit, ...], vector: list[Jit]) -> Jit:
+    """Return the product of a matrix row's first three entries and a vector."""
+    return row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2]
 
 
 def _pupil(camera: Camera, aperture: Aperture) -> Pupil:

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 
 from labcal.arrays import Pose
-from labcal.cameras.lens import LENGTH
 from labcal.cameras.camera import Camera
+from labcal.cameras.lens import LENGTH
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target

@@ -44,7 +44,9 @@ def test_rays_are_the_undistorted_pixels_of_opencv(camera: Camera, points: np.nd
     if camera.lens == "fisheye-kb4":
         ideal = cv2.fisheye.undistortPoints(q[:, None], camera.K, camera.dist[:4], criteria=criteria)[:, 0]
     else:
-        ideal = undistort(q[:, None], camera.K, camera.dist, R=np.eye(3), P=np.eye(3), criteria=criteria)[:, 0]
+        ideal = undistort(q[:, None], camera.K, camera.dist, R=np.eye(3), P=np.eye(3), criteria=criteria)[
+            :, 0
+        ]
     rays = camera.rays(q)
     assert rays.ok.all()
     local = rays.direction @ camera.T_cam_world[:3, :3].T
