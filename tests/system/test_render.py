@@ -23,7 +23,13 @@ SMALL = (
     "cameras.right.principal_px=[159, 120]",
     "spp=16",
 )
-PLAIN = ("noise=off", "photometry.bayer=off", "photometry.format=exr", "photometry.blur_px=0")
+PLAIN = (
+    "noise=off",
+    "photometry.bayer=off",
+    "photometry.format=exr",
+    "photometry.blur_px=0",
+    "photometry.fall_off=off",
+)
 
 
 def small_scene(*overrides: str) -> Scene:
