@@ -1,10 +1,12 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from labcal.render import bands
 from labcal.render.demosaic import demosaic
 from labcal.render.development import develop, tone
-from labcal.render.response import Exposure, exposure_for, read_sensor
+from labcal.render.response import Exposure, Shot, exposure_for, read_sensor
 from labcal.scene.photometry import Photometry, ToneCurve
 
 UNIT = Exposure(1.0, (1.0, 1.0, 1.0))
@@ -82,3 +84,17 @@ def test_the_balance_is_made_before_the_colours() -> None:
     expected = np.clip(demosaic(codes / 4095.0 * factors), 0.0, 1.0)
     picture = develop(codes, photometry, Exposure(1.0, (1.3, 1.0, 1.1)))
     np.testing.assert_allclose(picture / 65535.0, expected, atol=1e-5)
+
+
+def test_memory_beside_the_results_does_not_grow_with_the_picture() -> None:
+    photometry = Photometry(bayer=True, prnu=0.01, dsnu_e=2.0)
+    beside = []
+    for height in (128, 1024):
+        light = np.full((height, 256, 3), 0.5, np.float32)
+        tracemalloc.start()
+        codes = read_sensor(light, photometry, UNIT, Shot(1, "a", "b"))
+        picture = develop(codes, photometry, UNIT)
+        beside.append(tracemalloc.get_traced_memory()[1] - codes.nbytes - picture.nbytes)
+        tracemalloc.stop()
+    assert beside[1] < 1.2 * beside[0]
+    assert beside[1] < 1024 * 256 * 3 * 4  # less than the light itself, which copies would take
