@@ -17,6 +17,8 @@ ALONG_COLUMN = np.ascontiguousarray(ALONG_ROW.T)
 """The same with such neighbours in its column."""
 DIAGONAL = np.array(_DIAGONAL, np.float32) / np.float32(16)
 """Red at a blue pixel, or blue at a red one."""
+HALO = 2
+"""Rows above and below that the colours of a row depend on."""
 
 
 def mosaic(light: np.ndarray) -> np.ndarray:

@@ -1,15 +1,26 @@
-"""What a camera makes of the light on its sensor: exposure, noise, converter, colour, tone curve, 8 bits."""
+"""A camera's sensor: from light to the codes of its converter, in the order and the terms of EMVA 1288.
+
+The linear model of EMVA 1288 (Release 4 Linear): a pixel gathers mu_e electrons on average, of which the dark
+signal mu_d is a part; their number is Poisson's, so its variance is mu_e; the electronics add the temporal
+dark noise sigma_d0; the system gain K (DN per electron) and the converter, whose steps have the variance
+sigma_q^2 = 1/12 DN^2, make the code y of it:
+
+    mu_y = mu_y.dark + K mu_e,    sigma_y^2 = K^2 (sigma_d^2 + mu_e) + sigma_q^2.
+
+From pixel to pixel the sensitivity varies by PRNU and the dark signal by DSNU; both stay in every picture.
+"""
 
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from labcal.render.demosaic import demosaic, mosaic
+from labcal.render.bands import Band, bands
+from labcal.render.demosaic import mosaic
+from labcal.render.photon_noise import poisson
+from labcal.rng import generator
 from labcal.scene.lighting import REC709
-from labcal.scene.photometry import Photometry, ToneCurve
-
-SRGB_KNEE = 0.0031308
+from labcal.scene.photometry import Photometry
 
 
 @dataclass(frozen=True)
@@ -17,13 +28,34 @@ class Exposure:
     """The settings a photographer makes once for all pictures of a scene."""
 
     gain: float
-    """Share of the sensor's full scale per unit of radiance."""
+    """Share of the sensor's saturation per unit of radiance."""
     balance: tuple[float, float, float]
     """Factors of red, green and blue that make a bare board grey; the least is 1."""
 
 
+@dataclass(frozen=True)
+class Shot:
+    """The picture that random numbers are drawn for."""
+
+    seed: int
+    """Seed of the whole run."""
+    view: str
+    camera: str
+
+    def temporal(self, band: Band) -> np.random.Generator:
+        """Return what draws the noise of this picture alone."""
+        return generator(self.seed, self.view, self.camera, "sensor noise", f"row {band.first}")
+
+    def pattern(self, kind: str, band: Band) -> np.random.Generator:
+        """Return what draws the camera's fixed pattern of a kind, the same in all of its pictures."""
+        return generator(self.seed, self.camera, kind, f"row {band.first}")
+
+
 def exposure_for(photometry: Photometry, brightest: np.ndarray) -> Exposure:
     """Return the exposure under which a bare board nowhere exceeds ``photometry.white``.
+
+    ``photometry.exposure_stops`` brightens or darkens it from there. The exposure time takes no part: lamps
+    and aperture are thought to suit it.
 
     Parameters
     ----------
@@ -31,80 +63,102 @@ def exposure_for(photometry: Photometry, brightest: np.ndarray) -> Exposure:
     brightest : ndarray, shape (3,)
         Highest radiance of the bare board in the scene, red, green and blue.
     """
+    white = photometry.white * 2.0**photometry.exposure_stops
     if not photometry.bayer:
-        return Exposure(photometry.white / float(REC709 @ brightest), (1.0, 1.0, 1.0))
+        return Exposure(white / float(REC709 @ brightest), (1.0, 1.0, 1.0))
     strongest = float(brightest.max())
     red, green, blue = (strongest / float(channel) for channel in brightest)
-    return Exposure(photometry.white / strongest, (red, green, blue))
+    return Exposure(white / strongest, (red, green, blue))
 
 
 def expose(light: np.ndarray, photometry: Photometry, exposure: Exposure) -> np.ndarray:
-    """Return the light on the sensor, after the point spread, as a share of the full scale (float32)."""
-    if photometry.blur_px > 0.0:
-        light = cv2.GaussianBlur(light, (0, 0), photometry.blur_px, borderType=cv2.BORDER_REPLICATE)
-    return light * np.float32(exposure.gain)
-
-
-def read_sensor(share: np.ndarray, photometry: Photometry, random: np.random.Generator | None) -> np.ndarray:
-    """Return the converter's reading of an exposed sensor.
+    """Return the light on the sensor, after the point spread, as a share of the saturation.
 
     Parameters
     ----------
-    share : ndarray, shape (height, width)
-        Mean signal as a share of the full scale.
-    photometry : Photometry
-    random : numpy.random.Generator or None
-        Draws photon noise (Poisson) and read noise (Gauss); none: the mean signal is converted.
-
-    Returns
-    -------
-    ndarray, shape (height, width)
-        Reading over the highest code, 0 to 1, in steps of the converter.
-    """
-    electrons = np.clip(share, 0.0, None).astype(np.float64) * photometry.full_well_e
-    if random is not None:
-        electrons = random.poisson(electrons) + random.normal(0.0, photometry.read_noise_e, electrons.shape)
-    highest = 2**photometry.adc_bits - 1
-    reading: np.ndarray = np.clip(np.rint(electrons / photometry.full_well_e * highest), 0, highest) / highest
-    return reading
-
-
-def tone(linear: np.ndarray, curve: ToneCurve) -> np.ndarray:
-    """Return a linear picture (0 to 1) after the tone curve; sRGB after IEC 61966-2-1."""
-    if curve is ToneCurve.LINEAR:
-        return linear
-    return np.where(
-        linear <= SRGB_KNEE,
-        12.92 * linear,
-        1.055 * np.maximum(linear, SRGB_KNEE) ** (1.0 / 2.4) - 0.055,
-    )
-
-
-def develop(
-    share: np.ndarray, photometry: Photometry, exposure: Exposure, random: np.random.Generator | None
-) -> np.ndarray:
-    """Return the picture that a camera delivers.
-
-    Parameters
-    ----------
-    share : ndarray, shape (height, width) or (height, width, 3)
-        The light of :func:`expose`; three colours where the sensor has a Bayer mosaic.
+    light : ndarray, shape (height, width) or (height, width, 3)
+        Radiance that each pixel receives.
     photometry : Photometry
     exposure : Exposure
-    random : numpy.random.Generator or None
-        For the sensor's noise; none: a sensor without noise.
 
     Returns
     -------
-    ndarray of uint8, of the shape of `share`
+    ndarray, float32, of the shape of `light`
     """
-    if not photometry.bayer:
-        picture = read_sensor(share, photometry, random)
-    else:
-        reading = read_sensor(mosaic(share), photometry, random)
-        red, green, blue = exposure.balance
-        balance = np.full(reading.shape, green)
-        balance[0::2, 0::2] = red
-        balance[1::2, 1::2] = blue
-        picture = demosaic(reading * balance)
-    return np.rint(255.0 * tone(np.clip(picture, 0.0, 1.0), photometry.tone_curve)).astype(np.uint8)
+    share = np.empty(light.shape, dtype=np.float32)
+    for band in bands(len(light)):
+        share[band.rows] = _exposed(light, band, photometry, exposure)
+    return share
+
+
+def read_sensor(
+    light: np.ndarray, photometry: Photometry, exposure: Exposure, shot: Shot | None
+) -> np.ndarray:
+    """Return the codes that the converter reads from an exposed sensor.
+
+    In this order: point spread; exposure; photon noise with PRNU, and dark current; DSNU; full well;
+    read noise; gain and black level; the converter's steps and range.
+
+    Parameters
+    ----------
+    light : ndarray, shape (height, width), or (height, width, 3) for a Bayer mosaic
+        Radiance that each pixel receives.
+    photometry : Photometry
+    exposure : Exposure
+    shot : Shot or None
+        What the noise is drawn for; none: the mean signal is converted, and there are no patterns.
+
+    Returns
+    -------
+    ndarray of uint16, shape (height, width)
+        DN.
+    """
+    codes = np.empty(light.shape[:2], dtype=np.uint16)
+    for band in bands(len(light)):
+        share = _exposed(light, band, photometry, exposure)
+        signal = np.maximum(mosaic(share) if photometry.bayer else share, np.float32(0))
+        signal *= np.float32(photometry.saturation_e)
+        electrons = _gathered(signal, photometry, shot, band)
+        electrons *= np.float32(photometry.gain)
+        electrons += np.float32(photometry.black_level_dn)
+        np.rint(electrons, out=electrons)
+        codes[band.rows] = np.clip(electrons, 0, photometry.highest_code, out=electrons)
+    return codes
+
+
+def _exposed(light: np.ndarray, band: Band, photometry: Photometry, exposure: Exposure) -> np.ndarray:
+    """Return :func:`expose` of one band, float32."""
+    sigma = photometry.blur_px
+    if sigma == 0.0:
+        return light[band.rows] * np.float32(exposure.gain)
+    halo = int(np.ceil(4.0 * sigma))
+    blurred = cv2.GaussianBlur(
+        band.widened(light, halo), (2 * halo + 1, 2 * halo + 1), sigma, borderType=cv2.BORDER_REPLICATE
+    )
+    return band.narrowed(blurred, halo) * np.float32(exposure.gain)
+
+
+def _gathered(signal: np.ndarray, photometry: Photometry, shot: Shot | None, band: Band) -> np.ndarray:
+    """Return the electrons that are read from a band, of the mean photo-electrons `signal`."""
+    full_well = np.float32(photometry.full_well_e)
+    if shot is None:
+        return np.minimum(signal + np.float32(photometry.dark_e), full_well)
+    if photometry.prnu > 0.0:
+        sensitivity = _normal(shot.pattern("PRNU", band), signal.shape, photometry.prnu)
+        sensitivity += np.float32(1)
+        signal *= np.maximum(sensitivity, np.float32(0), out=sensitivity)
+    temporal = shot.temporal(band)
+    # Photo-electrons and dark electrons are both Poisson's, and so is their sum.
+    electrons = poisson(signal + np.float32(photometry.dark_e), temporal)
+    if photometry.dsnu_e > 0.0:
+        electrons += _normal(shot.pattern("DSNU", band), signal.shape, photometry.dsnu_e)
+    np.minimum(electrons, full_well, out=electrons)
+    electrons += _normal(temporal, signal.shape, photometry.read_noise_e)
+    return electrons
+
+
+def _normal(random: np.random.Generator, shape: tuple[int, ...], deviation: float) -> np.ndarray:
+    """Return normal numbers of a standard deviation, float32."""
+    numbers: np.ndarray = random.standard_normal(shape, dtype=np.float32)
+    numbers *= np.float32(deviation)
+    return numbers

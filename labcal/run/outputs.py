@@ -23,7 +23,38 @@ def refuse_existing(path: Path, *, force: bool) -> None:
         raise OutputError(f"{path} exists already. Choose another name, or add --force to replace it.")
 
 
-def write_file(path: Path, content: bytes | str, *, force: bool) -> None:
+@contextmanager
+def appearing_file(path: Path, *, force: bool) -> Iterator[Path]:
+    """Give an empty file to fill that becomes `path` when that went well, and is removed when not.
+
+    Yields
+    ------
+    Path
+        A hidden file beside `path`.
+
+    Raises
+    ------
+    OutputError
+        `path` exists and `force` is not set, or it cannot be written (no such folder, no right, disk full).
+    """
+    refuse_existing(path, force=force)
+    temporary: Path | None = None
+    try:
+        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as handle:
+            temporary = Path(handle.name)
+        yield temporary
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(path)
+    except OutputError:
+        raise
+    except OSError as error:
+        raise _refusal(path, error) from error
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def write_file(path: Path, content: bytes | memoryview | str, *, force: bool) -> None:
     """Write a file whole, through a temporary file beside it.
 
     Raises
@@ -31,19 +62,8 @@ def write_file(path: Path, content: bytes | str, *, force: bool) -> None:
     OutputError
         The file exists and `force` is not set, or it cannot be written (no such folder, no right, disk full).
     """
-    refuse_existing(path, force=force)
-    data = content.encode() if isinstance(content, str) else content
-    temporary: Path | None = None
-    try:
-        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as handle:
-            temporary = Path(handle.name)
-            handle.write(data)
-        temporary.chmod(0o666 & ~_umask())
-        temporary.replace(path)
-    except OSError as error:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-        raise _refusal(path, error) from error
+    with appearing_file(path, force=force) as temporary:
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 def _refusal(path: Path, error: OSError) -> OutputError:

@@ -3,6 +3,9 @@
 from labcal.run.descriptions import description_content, description_names, validate_description
 from labcal.scene.model import Scene
 from labcal.scene.overrides import apply_overrides
+from labcal.scene.photometry import Photometry
+from labcal.scene.sensor_presets import expanded
+from labcal.targets.catalogue import load_target
 
 FOLDER = "scenes"
 
@@ -33,5 +36,19 @@ def load_scene(name: str, overrides: tuple[str, ...] = ()) -> Scene:
     if not overrides:
         return scene
     # The dump holds every key, so that one left at its default can be set and a wrong one is found.
-    content = apply_overrides(scene.model_dump(mode="json"), overrides)
+    content = apply_overrides(scene.model_dump(mode="json"), overrides, _WRITTEN_OUT)
     return validate_description(Scene, "scene", name, content)
+
+
+def _whole_target(value: object) -> object:
+    """Return the keys of a target given by its name."""
+    return load_target(value).model_dump(mode="json") if isinstance(value, str) else value
+
+
+def _whole_photometry(value: object) -> object:
+    """Return all keys of a sensor given by a preset, or by some of its keys."""
+    given = expanded(value)
+    return {**Photometry().model_dump(mode="json"), **given} if isinstance(given, dict) else given
+
+
+_WRITTEN_OUT = {"target": _whole_target, "photometry": _whole_photometry}

@@ -48,8 +48,9 @@ class Scene(BaseModel):
     room: Room = Room()
     board: Board = Board()
     photometry: Photometry = Photometry()
+    """The sensors; in a file the name of a preset, a preset with changes, or the whole description."""
     noise: bool = True
-    """Photon and read noise; off for tests of the geometry."""
+    """Whatever is random in the sensors: photon and read noise, fixed patterns; off to test the geometry."""
     spp: int = 64
     """Rays a pixel."""
 

@@ -1,15 +1,21 @@
 """Single values of a description set from the command line: ``cameras.left.focal_px=600``."""
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import yaml
 
 from labcal.errors import InputError, UnknownNameError
 
-Node = dict[str, Any] | list[Any]
+PRESET = ".preset"
+"""``photometry.preset=phone`` is ``photometry=phone``: a preset stands for the whole that it fills."""
 
 
-def apply_overrides(content: dict[str, Any], overrides: tuple[str, ...]) -> dict[str, Any]:
+def apply_overrides(
+    content: dict[str, Any],
+    overrides: tuple[str, ...],
+    written_out: Mapping[str, Callable[[object], object]],
+) -> dict[str, Any]:
     """Set values in a whole description.
 
     Parameters
@@ -18,7 +24,10 @@ def apply_overrides(content: dict[str, Any], overrides: tuple[str, ...]) -> dict
         The description with all its keys, also those that the author left at their defaults; it is changed.
     overrides : tuple of str
         ``key=value`` each: a dotted key (a number picks an entry of a list) and a value in YAML, so that
-        ``off`` is false.
+        ``off`` is false. A later one finds what an earlier one has set.
+    written_out : mapping of str to callable
+        By dotted key, for what may be given in short (by a name): returns the value with all of its keys, so
+        that later overrides find them.
 
     Returns
     -------
@@ -28,7 +37,7 @@ def apply_overrides(content: dict[str, Any], overrides: tuple[str, ...]) -> dict
     Raises
     ------
     UnknownNameError
-        There is no such key; the nearest one is offered.
+        There is no such key, or no such name for what may be named; the nearest one is offered.
     InputError
         There is no equals sign, or the value is not YAML.
     """
@@ -40,11 +49,13 @@ def apply_overrides(content: dict[str, Any], overrides: tuple[str, ...]) -> dict
             value = yaml.safe_load(text)
         except yaml.YAMLError as error:
             raise InputError(f"The value in '{override}' is not valid YAML: {error}") from error
+        key = key.removesuffix(PRESET)
         *path, last = key.split(".")
         node: Any = content
         for depth, part in enumerate(path):
             node = node[_index(node, part, path[:depth])]
-        node[_index(node, last, path)] = value
+        place = _index(node, last, path)
+        node[place] = written_out[key](value) if key in written_out else value
     return content
 
 

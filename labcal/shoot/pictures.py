@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.errors import InputError, OutputError
 from labcal.run.outputs import write_file
+from labcal.shoot.exr import read_exr
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
 
@@ -29,7 +30,7 @@ def read_picture(path: Path) -> np.ndarray:
     except OSError as error:
         raise InputError(f"The picture {path} cannot be read: {error.strerror}.") from error
     if path.suffix.lower() == ".exr":
-        return _read_exr(path)
+        return read_exr(path)
     if path.suffix.lower() in {".jpg", ".jpeg"} and b"\xff\xd9" not in data[-4096:]:
         raise InputError(
             f"The picture {path} is truncated: a JPEG file must end with its end mark. Copy it again."
@@ -47,18 +48,6 @@ def read_picture(path: Path) -> np.ndarray:
             f"{path} is not a picture, or is damaged. Copy it again, or convert it to PNG, JPEG or TIFF."
         )
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
-
-
-def _read_exr(path: Path) -> np.ndarray:
-    import OpenEXR  # noqa: PLC0415 -- a compiled library that few pictures need
-
-    try:
-        with OpenEXR.File(str(path)) as exr:
-            channels = exr.channels()
-            only = next(iter(channels.values())).pixels
-            return np.array(only, dtype=np.float32)
-    except Exception as error:
-        raise InputError(f"{path} is not an OpenEXR file that can be read: {error}.") from error
 
 
 def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:
@@ -82,4 +71,4 @@ def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, fo
         done = False
     if not done:
         raise OutputError(f"{path} cannot be encoded; choose a name that ends in .png, .jpg or .tif.")
-    write_file(path, data.tobytes(), force=force)
+    write_file(path, data.data, force=force)

@@ -211,23 +211,10 @@ def test_a_disk_that_refuses_leaves_nothing(
     full = number == errno.ENOSPC
     said, status = ("The disk is full", 3) if full else ("cannot be written: Permission denied", 2)
 
-    class Refusing:
-        """A temporary file that exists but takes no content."""
+    def refuse(path: Path, data: bytes) -> NoReturn:  # noqa: ARG001 - a path's form
+        raise OSError(number, os.strerror(number), str(path))
 
-        def __init__(self, *, dir: Path, prefix: str, delete: bool) -> None:  # noqa: A002, ARG002 - tempfile's names
-            self.name = str(dir / f"{prefix}part")
-            Path(self.name).touch()
-
-        def __enter__(self) -> "Refusing":
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            pass
-
-        def write(self, data: bytes) -> NoReturn:  # noqa: ARG002 - a file's form
-            raise OSError(number, os.strerror(number), self.name)
-
-    monkeypatch.setattr("labcal.run.outputs.NamedTemporaryFile", Refusing)
+    monkeypatch.setattr(Path, "write_bytes", refuse)  # a file that exists but takes no content
     for words in writing[1:]:
         refused(labcal, said, *words, "-o", empty / "x", status=status)
         assert list(empty.iterdir()) == []

@@ -1,15 +1,19 @@
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, OutputError
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 from labcal.scene.model import Scene
+from labcal.shoot.exr import read_exr_texts
 from labcal.shoot.manifest import Role
 from labcal.shoot.pictures import read_picture
 from labcal.shoot.truth import TrueDots, read_true_dots, read_truth
@@ -23,7 +27,13 @@ SMALL = (
     "cameras.right.principal_px=[159, 120]",
     "spp=16",
 )
-PLAIN = ("noise=off", "photometry.bayer=off", "photometry.format=exr", "photometry.blur_px=0")
+PLAIN = (
+    "noise=off",
+    "photometry.bayer=off",
+    "photometry.format=exr",
+    "photometry.blur_px=0",
+    "photometry.fall_off=off",
+)
 
 
 def small_scene(*overrides: str) -> Scene:
@@ -132,6 +142,27 @@ def test_delivered_colour_pictures_keep_the_centroids(tmp_path: Path) -> None:
         assert picture.max() < 255
         error = grey_centroids(picture.mean(axis=-1), dots, radius=9) - dots.centroid
         assert np.sqrt((error**2).sum(axis=1).mean()) < 0.02
+
+
+def test_an_exr_names_its_camera_and_its_picture(tmp_path: Path) -> None:
+    scene = small_scene("photometry.format=exr", "photometry.exposure_ms=4", "spp=1")
+    shoot = render_shoot(scene, tmp_path / "shoot", RenderSettings(views=1), NoProgress())
+    for name, record in read_truth(shoot.folder).cameras.items():
+        texts = read_exr_texts(shoot.folder / "images" / f"train_{name}.exr")
+        assert CameraRecord.model_validate_json(texts["labcal:camera"]) == record
+        picture = json.loads(texts["labcal:picture"])
+        assert (picture["view"], picture["camera"], picture["exposure_ms"]) == ("train", name, 4.0)
+        assert picture["full_scale_radiance"] > 0.0
+
+
+def test_a_picture_of_16_bits_is_rendered_and_detected(tmp_path: Path, labcal: Callable[..., Any]) -> None:
+    folder, table = tmp_path / "shoot", tmp_path / "detections.csv"
+    options = ("--set", "photometry.format=tif", "--set", "photometry.bits=16", "--spp", 4, "--views", 1)
+    assert labcal("render", "webcam-plane", "-o", folder, "--workers", 1, *options).status == 0
+    picture = read_picture(folder / "images" / "train_left.tif")
+    assert picture.dtype == np.uint16
+    assert len(np.unique(picture)) > 1000  # more than 8 bits could hold
+    assert labcal("detect", folder, "-o", table, "--workers", 1).document["indexed"] == 2
 
 
 def test_the_manifest_tells_nothing_of_the_truth(tmp_path: Path) -> None:

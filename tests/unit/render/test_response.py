@@ -1,87 +1,104 @@
-import cv2
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 from scipy.stats import chi2
 
-from labcal.render.demosaic import demosaic, mosaic
-from labcal.render.response import develop, expose, exposure_for, read_sensor, tone
-from labcal.rng import generator
-from labcal.scene.photometry import Photometry, ToneCurve
+from labcal.render import bands
+from labcal.render.response import Exposure, Shot, expose, exposure_for, read_sensor
+from labcal.scene.photometry import Photometry
 
 FLAT = (200, 300)
-PHOTOMETRY = Photometry(full_well_e=6000.0, read_noise_e=8.0, adc_bits=16, blur_px=0.0)
+PHOTOMETRY = Photometry(full_well_e=6000.0, read_noise_e=8.0, adc_bits=16, black_level_dn=2000.0, blur_px=0.0)
+UNIT = Exposure(1.0, (1.0, 1.0, 1.0))
 
 
-@pytest.mark.parametrize("share", [0.05, 0.75])
-def test_noise_has_the_variance_of_photons_and_reading(share: float) -> None:
-    reading = read_sensor(np.full(FLAT, share), PHOTOMETRY, generator(7, "flat", str(share)))
-    electrons = reading * PHOTOMETRY.full_well_e
-    expected = share * PHOTOMETRY.full_well_e + PHOTOMETRY.read_noise_e**2
-    n = electrons.size
-    low, high = chi2.ppf([5e-4, 1 - 5e-4], n - 1)
-    assert low < (n - 1) * electrons.var(ddof=1) / expected < high
-    z = (electrons.mean() - share * PHOTOMETRY.full_well_e) / np.sqrt(expected / n)
-    assert abs(z) < 3.3
+def electrons(share: float, photometry: Photometry, shot: Shot | None) -> np.ndarray:
+    """Return the electrons that evenly lit pixels read."""
+    codes = read_sensor(np.full(FLAT, share, np.float32), photometry, UNIT, shot)
+    return (codes - photometry.black_level_dn) / photometry.gain
 
 
-def test_without_noise_the_converter_rounds_and_full_scale_is_its_highest_code() -> None:
-    photometry = PHOTOMETRY.model_copy(update={"adc_bits": 10})
-    share = np.array([[0.0, 0.25, 0.5, 1.0, 1.7]])
-    np.testing.assert_array_equal(
-        read_sensor(share, photometry, None) * 1023, np.array([[0.0, 256.0, 512.0, 1023.0, 1023.0]])
+@pytest.mark.parametrize("share", [0.0, 0.005, 0.05, 0.75])
+def test_noise_has_the_variance_of_photons_dark_current_patterns_and_reading(share: float) -> None:
+    photometry = PHOTOMETRY.model_copy(
+        update={"prnu": 0.01, "dsnu_e": 5.0, "dark_current_e_per_s": 3000.0, "exposure_ms": 20.0}
     )
+    read = electrons(share, photometry, Shot(7, "flat", "left"))
+    mean = share * 6000.0 + 60.0
+    expected = mean + (0.01 * share * 6000.0) ** 2 + 5.0**2 + 8.0**2 + 1 / (12 * photometry.gain**2)
+    n = read.size
+    low, high = chi2.ppf([5e-4, 1 - 5e-4], n - 1)
+    assert low < (n - 1) * read.var(ddof=1) / expected < high
+    assert abs(read.mean() - mean) / np.sqrt(expected / n) < 3.3
 
 
-def test_the_tone_curve_is_that_of_iec_61966() -> None:
-    linear = np.array([0.0, 0.002, 0.0031308, 0.18, 1.0])
-    expected = [0.0, 0.02584, 0.040450, 0.461356, 1.0]
-    np.testing.assert_allclose(tone(linear, ToneCurve.SRGB), expected, atol=2e-6)
-    np.testing.assert_array_equal(tone(linear, ToneCurve.LINEAR), linear)
+def test_patterns_stay_with_the_camera_and_noise_does_not() -> None:
+    photometry = PHOTOMETRY.model_copy(update={"prnu": 0.02, "dsnu_e": 10.0})
+    a, b, other = (
+        electrons(0.5, photometry, Shot(7, view, camera)) - 3000.0
+        for view, camera in (("a", "left"), ("b", "left"), ("a", "right"))
+    )
+    n, pattern, whole = a.size, 60.0**2 + 10.0**2, 60.0**2 + 10.0**2 + 3000.0 + 64.0
+    # The variance of a product of jointly normal numbers is that of both times (1 + correlation^2).
+    z_same = ((a * b).mean() - pattern) / (whole * np.sqrt((1 + (pattern / whole) ** 2) / n))
+    z_other = (a * other).mean() / (whole / np.sqrt(n))
+    assert abs(z_same) < 3.3
+    assert abs(z_other) < 3.3
 
 
-def test_a_board_under_coloured_light_comes_out_grey_at_the_level_asked_for() -> None:
-    photometry = Photometry(bayer=True, white=0.5, tone_curve=ToneCurve.LINEAR, adc_bits=16)
+def test_without_noise_the_converter_rounds_the_mean_signal() -> None:
+    photometry = Photometry(
+        full_well_e=1000.0, adc_bits=10, black_level_dn=23.0, blur_px=0.0, prnu=0.1, dsnu_e=50.0,
+        dark_current_e_per_s=200.0, exposure_ms=50.0,
+    )  # fmt: skip
+    assert photometry.gain == 1.0
+    light = np.array([[0.0, 0.2503, 0.5, 0.98, 1.7]], np.float32)
+    expected = np.array([[33, 283, 533, 1013, 1023]])  # 10 dark electrons each
+    np.testing.assert_array_equal(read_sensor(light, photometry, UNIT, None), expected)
+
+
+def test_a_full_well_and_the_highest_code_both_end_the_reading() -> None:
+    full = PHOTOMETRY.model_copy(update={"read_noise_e": 0.0, "gain_dn_per_e": 3.0})
+    assert full.saturation_e == 6000.0
+    assert (electrons(2.0, full, Shot(1, "a", "b")) == 6000.0).all()
+    coded = full.model_copy(update={"gain_dn_per_e": 20.0})
+    assert coded.saturation_e == (65535 - 2000) / 20.0
+    assert (electrons(2.0, coded, Shot(1, "a", "b")) == coded.saturation_e).all()
+
+
+def test_the_board_reaches_the_level_asked_for_and_stops_are_factors_of_two() -> None:
     radiance = np.array([0.3, 0.5, 0.4])
-    exposure = exposure_for(photometry, radiance)
     light = np.broadcast_to(radiance, (40, 50, 3)).astype(np.float32)
-    share = expose(light, photometry, exposure)
-    assert share.max() == pytest.approx(0.5, rel=1e-6)  # green, the strongest
-    picture = develop(share, photometry, exposure, None)
-    assert picture.shape == (40, 50, 3)
-    assert set(np.unique(picture)) <= {127, 128}
+    for stops, factor in ((0.0, 1.0), (1.0, 2.0), (-2.0, 0.25)):
+        photometry = Photometry(bayer=True, white=0.5, exposure_stops=stops)
+        exposure = exposure_for(photometry, radiance)
+        share = expose(light, photometry, exposure)
+        assert share.max() == pytest.approx(0.5 * factor, rel=1e-6)  # green, the strongest
+        np.testing.assert_allclose(share[0, 0] * exposure.balance, 0.5 * factor, rtol=1e-6)
 
 
-def test_the_point_spread_keeps_a_dots_centroid_and_light() -> None:
-    light = np.zeros((41, 41), np.float32)
-    light[17:22, 19:26] = 1.0
-    photometry = Photometry(blur_px=0.8)
-    share = expose(light, photometry, exposure_for(photometry, np.ones(3) * photometry.white))
-    assert share.sum() == pytest.approx(light.sum(), rel=1e-5)
-    y, x = np.mgrid[:41, :41]
-    assert (x * share).sum() / share.sum() == pytest.approx(22.0, abs=1e-4)
-    assert (y * share).sum() / share.sum() == pytest.approx(19.0, abs=1e-4)
-    assert share.max() < 1.0
+def test_the_point_spread_is_a_gauss_function() -> None:
+    light = np.zeros((200, 41), np.float32)
+    light[60:70, 19:26] = 1.0
+    share = expose(light, Photometry(blur_px=1.3), UNIT)
+    expected = gaussian_filter(light.astype(np.float64), 1.3, mode="nearest", radius=6)
+    np.testing.assert_allclose(share, expected, atol=1e-6)
 
 
-def test_demosaicing_is_exact_on_grey_ramps() -> None:
-    # All three colours equal and linear in position: the filters are exact there, away from the border.
-    y, x = np.mgrid[:24, :30].astype(np.float64)
-    grey = 0.2 + 0.01 * x + 0.015 * y
-    picture = demosaic(mosaic(np.stack([grey] * 3, axis=-1)))
-    np.testing.assert_allclose(picture[2:-2, 2:-2], np.stack([grey] * 3, axis=-1)[2:-2, 2:-2], atol=1e-6)
+@pytest.mark.parametrize("blur_px", [0.0, 0.8, 20.0])
+@pytest.mark.parametrize("bayer", [False, True])
+def test_bands_leave_no_seams(blur_px: float, bayer: bool, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: FBT001
+    light = np.random.default_rng(0).random((150, 40, 3) if bayer else (150, 40), dtype=np.float32)
+    photometry = Photometry(bayer=bayer, blur_px=blur_px)
+    banded = expose(light, photometry, UNIT), read_sensor(light, photometry, UNIT, None)
+    monkeypatch.setattr(bands, "ROWS", 1000)
+    np.testing.assert_array_equal(banded[0], expose(light, photometry, UNIT))
+    np.testing.assert_array_equal(banded[1], read_sensor(light, photometry, UNIT, None))
 
 
-def test_demosaicing_puts_each_colour_where_opencv_does() -> None:
-    y, x = np.mgrid[:40, :40]
-    smooth = np.stack([20000 + 8000 * np.sin((x + 2 * y + k) / 9 + k) for k in range(3)], axis=-1)
-    ours = demosaic(mosaic(smooth))
-    # OpenCV names the pattern by the second row's second and third pixels.
-    theirs = cv2.demosaicing(mosaic(smooth).astype(np.uint16), cv2.COLOR_BayerBG2RGB)
-    inside = (slice(3, -3), slice(3, -3))
-    assert np.abs(ours[inside] - smooth[inside]).max() < 600
-    assert np.abs(theirs[inside] - smooth[inside]).max() < 400
-
-
-def test_a_mosaic_starts_with_red_green() -> None:
-    behind = mosaic(np.broadcast_to(np.array([1.0, 2.0, 3.0]), (4, 4, 3)))
-    np.testing.assert_array_equal(behind[:2, :2], [[1.0, 2.0], [2.0, 3.0]])
+def test_the_noise_of_rows_does_not_depend_on_those_below() -> None:
+    photometry = PHOTOMETRY.model_copy(update={"prnu": 0.02, "dsnu_e": 10.0})
+    light = np.random.default_rng(0).random((150, 40), dtype=np.float32)
+    whole = read_sensor(light, photometry, UNIT, Shot(1, "a", "b"))
+    np.testing.assert_array_equal(read_sensor(light[:128], photometry, UNIT, Shot(1, "a", "b")), whole[:128])
+    assert (whole[:64] != whole[64:128]).any()

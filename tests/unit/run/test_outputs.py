@@ -1,13 +1,10 @@
 import errno
 import stat
 from pathlib import Path
-from tempfile import NamedTemporaryFile
-from typing import Any
 
 import pytest
 
 from labcal.errors import DiskFullError, OutputError
-from labcal.run import outputs
 from labcal.run.outputs import unfinished_folder, write_file
 
 
@@ -49,19 +46,15 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path: Path) -> None:
 
 
 def test_a_file_is_never_replaced_by_half_of_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*arguments: Any, **options: Any) -> Any:  # noqa: ANN401 - stands in for an overloaded function
-        handle = NamedTemporaryFile(*arguments, **options)  # noqa: SIM115 - the caller closes it
+    write = Path.write_bytes
 
-        def write(data: bytes) -> int:
-            handle.file.write(data[:2])
-            raise OSError(errno.ENOSPC, "No space left on device")
-
-        handle.write = write  # type: ignore[method-assign]
-        return handle
+    def full(path: Path, data: bytes) -> int:
+        write(path, data[:2])
+        raise OSError(errno.ENOSPC, "No space left on device")
 
     path = tmp_path / "a.txt"
     path.write_text("old")
-    monkeypatch.setattr(outputs, "NamedTemporaryFile", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(DiskFullError, match="disk is full"):
         write_file(path, "something new", force=True)
     assert path.read_text() == "old"

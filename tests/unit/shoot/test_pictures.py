@@ -11,10 +11,13 @@ RNG = np.random.default_rng(1)
 GREY = RNG.integers(0, 256, (40, 60), dtype=np.uint8)
 COLOUR = RNG.integers(0, 256, (40, 60, 3), dtype=np.uint8)
 DEEP = RNG.integers(0, 65536, (40, 60), dtype=np.uint16)
+DEEP_COLOUR = RNG.integers(0, 65536, (40, 60, 3), dtype=np.uint16)
 
 
 @pytest.mark.parametrize("ending", ["png", "tif", "tiff"])
-@pytest.mark.parametrize("picture", [GREY, COLOUR, DEEP], ids=["grey", "colour", "16 bits"])
+@pytest.mark.parametrize(
+    "picture", [GREY, COLOUR, DEEP, DEEP_COLOUR], ids=["grey", "colour", "16 bits", "colour in 16 bits"]
+)
 def test_lossless_pictures_read_back_exactly(tmp_path: Path, ending: str, picture: np.ndarray) -> None:
     write_picture(tmp_path / f"a.{ending}", picture)
     back = read_picture(tmp_path / f"a.{ending}")

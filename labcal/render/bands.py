@@ -1,0 +1,37 @@
+"""Pictures worked through in bands of rows, so that large ones need little more memory than themselves."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+ROWS = 64
+"""Height of a band. It is fixed, since random numbers are drawn band by band."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """Rows `first` to `last` (excluded) of a picture; `first` is even, so a Bayer mosaic keeps its phase."""
+
+    first: int
+    last: int
+
+    @property
+    def rows(self) -> slice:
+        """The band's own rows."""
+        return slice(self.first, self.last)
+
+    def widened(self, picture: np.ndarray, halo: int) -> np.ndarray:
+        """Return the band of a picture with up to `halo` rows more on both sides, where there are any."""
+        return picture[max(0, self.first - halo) : self.last + halo]
+
+    def narrowed(self, wide: np.ndarray, halo: int) -> np.ndarray:
+        """Return the band's own rows of what was :meth:`widened` by `halo`."""
+        above = self.first - max(0, self.first - halo)
+        return wide[above : above + self.last - self.first]
+
+
+def bands(height: int) -> Iterator[Band]:
+    """Return the bands of a picture, from the top."""
+    for first in range(0, height, ROWS):
+        yield Band(first, min(first + ROWS, height))

@@ -1,0 +1,56 @@
+"""From the light of one picture to its file, in the format that the scene asks for."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from labcal.render.development import develop
+from labcal.render.response import Exposure, Shot, expose, read_sensor
+from labcal.scene.photometry import Photometry, PictureFormat, Stage
+from labcal.shoot.exr import write_exr
+from labcal.shoot.pictures import write_picture
+
+
+@dataclass(frozen=True)
+class Destination:
+    """Where a picture goes, and what is said about it."""
+
+    path: Path
+    texts: Mapping[str, str]
+    """By name; only the header of an EXR file holds them."""
+
+
+def deliver(
+    light: np.ndarray,
+    photometry: Photometry,
+    exposure: Exposure,
+    shot: Shot | None,
+    destination: Destination,
+) -> None:
+    """Expose a sensor, read and develop it as the description asks, and write the picture.
+
+    Parameters
+    ----------
+    light : ndarray of float32, shape (height, width), or (height, width, 3) for a Bayer mosaic
+        Radiance that each pixel receives.
+    photometry : Photometry
+        The format EXR holds the light after the point spread as a share of the saturation, without any noise.
+    exposure : Exposure
+    shot : Shot or None
+        What the noise is drawn for; none: no noise and no patterns.
+    destination : Destination
+
+    Raises
+    ------
+    OutputError
+        The file exists already, or cannot be written.
+    """
+    if photometry.format is PictureFormat.EXR:
+        write_exr(destination.path, expose(light, photometry, exposure), destination.texts)
+        return
+    picture = read_sensor(light, photometry, exposure, shot)
+    if photometry.stage is Stage.PICTURE:
+        picture = develop(picture, photometry, exposure)
+    write_picture(destination.path, picture, jpeg_quality=photometry.jpeg_quality)

@@ -1,0 +1,82 @@
+"""OpenEXR pictures on disk: linear light in float32, with texts about it in the header."""
+
+import errno
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from labcal.errors import InputError, OutputError
+from labcal.run.outputs import appearing_file
+
+
+def read_exr(path: Path) -> np.ndarray:
+    """Read the colours, or the only channel, of an OpenEXR file.
+
+    Returns
+    -------
+    ndarray, shape (height, width) or (height, width, 3)
+        float32; an alpha channel is dropped.
+
+    Raises
+    ------
+    InputError
+        The file is damaged, or of another kind.
+    """
+    import OpenEXR  # noqa: PLC0415 -- a compiled library that few pictures need
+
+    try:
+        with OpenEXR.File(str(path)) as exr:
+            channels = exr.channels()
+            wanted = next((name for name in ("RGB", "RGBA", "Y") if name in channels), next(iter(channels)))
+            pixels = np.asarray(channels[wanted].pixels, dtype=np.float32)
+    except Exception as error:
+        raise InputError(f"{path} is not an OpenEXR file that can be read: {error}.") from error
+    return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., :3])  # noqa: PLR2004 -- grey
+
+
+def read_exr_texts(path: Path) -> dict[str, str]:
+    """Return the texts in the header of an OpenEXR file, by name.
+
+    Raises
+    ------
+    InputError
+        The file is damaged, or of another kind.
+    """
+    import OpenEXR  # noqa: PLC0415 -- as above
+
+    try:
+        with OpenEXR.File(str(path), header_only=True) as exr:
+            return {name: value for name, value in exr.header().items() if isinstance(value, str)}
+    except Exception as error:
+        raise InputError(f"{path} is not an OpenEXR file that can be read: {error}.") from error
+
+
+def write_exr(path: Path, picture: np.ndarray, texts: Mapping[str, str], *, force: bool = False) -> None:
+    """Write a float32 picture in channels R, G and B, or Y, compressed without loss.
+
+    Parameters
+    ----------
+    path : Path
+    picture : ndarray of float32, shape (height, width) or (height, width, 3)
+    texts : mapping of str to str
+        What the header holds besides, by name.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+    """
+    import OpenEXR  # noqa: PLC0415 -- as above
+
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **texts}
+    channels = {"Y" if picture.ndim == 2 else "RGB": np.ascontiguousarray(picture)}  # noqa: PLR2004 -- grey
+    with appearing_file(path, force=force) as temporary:
+        try:
+            OpenEXR.File(header, channels).write(str(temporary))
+        except RuntimeError as error:  # it tells what the system said as a text only
+            for code in (errno.ENOSPC, errno.EDQUOT):
+                if os.strerror(code) in str(error):
+                    raise OSError(code, os.strerror(code)) from error
+            raise OutputError(f"{path} cannot be written: {error}.") from error
