@@ -1,7 +1,7 @@
 """Rays of an open lens: not only the chief ray of a pixel, but all that pass the aperture."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -27,6 +27,7 @@ class PupilRay:
     weight: Number
 
 
+@runtime_checkable  # so that tests can check annotations
 class Pupil(Protocol):
     """An aperture; disc samples are points of the unit disc."""
 

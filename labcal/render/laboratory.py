@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -46,6 +46,7 @@ PIXEL = 0
 """Purpose of the samples that choose a point of the pixel."""
 
 
+@runtime_checkable  # so that tests can check annotations
 class Rays(Protocol):
     """What gives a picture's rays."""
 
@@ -101,7 +102,9 @@ class Laboratory:
 
     def sensor(self, camera: Camera, aperture: Aperture | None = None) -> Sensor:
         """Return a camera's rays, with the fall-off of light that the scene's photometry asks for."""
-        return Sensor(self.mi, camera, aperture, Shading())
+        photometry = self.description.photometry
+        shading = Shading(fall_off=photometry.fall_off, vignetting=photometry.vignetting)
+        return Sensor(self.mi, camera, aperture, shading)
 
     def trace(self, sensor: Rays, first_row: int, passes: Passes) -> np.ndarray:
         """Return the radiance in a band of rows, the mean of some of a pixel's samples.
