@@ -1,0 +1,1 @@
+"""How large the rendered laboratory's own error is, and what it costs: ``labcal bench render``."""

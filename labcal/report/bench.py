@@ -1,0 +1,56 @@
+"""The document of ``labcal bench``: figures against their limits."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+from rich.table import Table
+
+
+def _nan_for_null(value: object) -> object:
+    """Return NaN for what :func:`labcal.run.json_text.to_json` writes as null."""
+    return float("nan") if value is None else value
+
+
+class Check(BaseModel):
+    """One measured figure."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    value: Annotated[float, BeforeValidator(_nan_for_null)]
+    limit: float
+    """Largest value that is good."""
+    ok: bool
+
+
+def at_most(name: str, value: float, limit: float) -> Check:
+    """Return the check that a figure does not exceed its limit; NaN does."""
+    return Check(name=name, value=float(value), limit=limit, ok=bool(value <= limit))
+
+
+class BenchResult(BaseModel):
+    """All checks of one benchmark."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    bench: str
+    quick: bool
+    checks: tuple[Check, ...]
+
+    @property
+    def failed(self) -> int:
+        """How many checks are not good."""
+        return sum(not check.ok for check in self.checks)
+
+
+def bench_table(result: BenchResult) -> Table:
+    """Return the checks for people."""
+    done = len(result.checks) - result.failed
+    title = f"labcal bench {result.bench}{' --quick' if result.quick else ''}: {done} of {len(result.checks)} good"
+    table = Table(title=title)
+    for column, side in (("check", "left"), ("value", "right"), ("limit", "right"), ("", "left")):
+        table.add_column(column, justify="right" if side == "right" else "left")
+    for check in result.checks:
+        verdict = "[green]ok[/]" if check.ok else "[bold red]missed[/]"
+        table.add_row(check.name, f"{check.value:.4g}", f"{check.limit:g}", verdict)
+    return table
