@@ -9,7 +9,7 @@ import numpy as np
 
 from labcal.errors import OutputError
 from labcal.render.irradiance import Case, render_light
-from labcal.render.laboratory import Laboratory
+from labcal.render.laboratories import Laboratories
 from labcal.render.response import Exposure, develop, expose
 from labcal.render.variant import COLOUR, MONO, renderer
 from labcal.rng import generator
@@ -24,6 +24,7 @@ class Job:
     """One picture, and everything it depends on."""
 
     scene: Scene
+    """The scene as it really stands."""
     case: Case
     exposure: Exposure
     path: Path
@@ -40,10 +41,9 @@ def render_picture(job: Job) -> float:
         The file cannot be written.
     """
     began = time.perf_counter()
-    scene, case, photometry = job.scene, job.case, job.scene.photometry
-    camera = scene.cameras[case.camera].camera()
+    scene, case, photometry = job.scene, job.case, job.case.take.photometry(job.scene.photometry)
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
-        light = render_light(Laboratory(mi, scene, camera.size), camera, case)
+        light = render_light(Laboratories(mi, scene), case)
     share = expose(light, photometry, job.exposure)
     if photometry.format is PictureFormat.EXR:
         _write_exr(job.path, share)

@@ -1,14 +1,17 @@
 """A scene: everything that is in the laboratory, as a person writes it down in YAML."""
 
+import math
 from typing import Annotated
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.run.names import Name
 from labcal.scene.camera import CameraDescription
+from labcal.scene.mistakes import Mistake
+from labcal.scene.motion import Motion, ShutterKind
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
 from labcal.scene.room import Board, Lamp, Room
@@ -33,6 +36,12 @@ def samples_per_pass(spp: int) -> int:
     raise InputError(f"The samples a pixel should be 1, 2, 4, 8 or a multiple of 16, but are {spp}.")
 
 
+def least_samples(wanted: float) -> int:
+    """Return the least number of samples a pixel that passes make up and that is not below `wanted`."""
+    small = [samples for samples in PASSES if wanted <= samples <= 16]  # noqa: PLR2004 -- see above
+    return min(small, default=16 * math.ceil(wanted / 16))
+
+
 class Scene(BaseModel):
     """A laboratory: cameras, a target and where it goes, lamps, room, and how the sensors respond."""
 
@@ -48,6 +57,12 @@ class Scene(BaseModel):
     room: Room = Room()
     board: Board = Board()
     photometry: Photometry = Photometry()
+    motion: Motion = Motion()
+    shutter: ShutterKind = ShutterKind.GLOBAL
+    readout_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    """With a rolling shutter, the time from the first row's exposure to the last one's."""
+    mistake: Mistake | None = None
+    """Something that goes wrong on purpose; `none` is nothing."""
     noise: bool = True
     """Photon and read noise; off for tests of the geometry."""
     spp: int = 64
@@ -58,11 +73,25 @@ class Scene(BaseModel):
     def _target_by_name(cls, value: object) -> object:
         return load_target(value) if isinstance(value, str) else value
 
+    @field_validator("mistake", mode="before")
+    @classmethod
+    def _none_is_no_mistake(cls, value: object) -> object:
+        return None if value == "none" else value
+
     @field_validator("spp")
     @classmethod
     def _spp_in_passes(cls, value: int) -> int:
         samples_per_pass(value)
         return value
+
+    @model_validator(mode="after")
+    def _readout_is_of_a_rolling_shutter(self) -> "Scene":
+        if (self.shutter is ShutterKind.ROLLING) != (self.readout_ms > 0.0):
+            raise ValueError(
+                "a rolling shutter needs a readout_ms above 0, and a global one has none: set shutter and "
+                "readout_ms together"
+            )
+        return self
 
     def true_cameras(self) -> dict[str, Camera]:
         """Return the cameras by name, in the scene's order.
