@@ -1,49 +1,62 @@
-"""One picture's light, linear and free of sensor noise: passes and bands put together."""
+"""One picture's light, linear and free of sensor noise: bands of rows and sub-frames put together."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Pose
-from labcal.cameras.camera import Camera
-from labcal.render.laboratory import Laboratory, Passes
+from labcal.render.laboratories import Laboratories
+from labcal.render.laboratory import Draw
 from labcal.rng import integer_seed
-from labcal.scene.model import samples_per_pass
+from labcal.scene.subframes import subframes
+from labcal.scene.take import Take
 
 
 @dataclass(frozen=True)
 class Case:
     """One picture to be rendered."""
 
-    view: str
-    camera: str
-    T_world_target: Pose
+    take: Take
     seed: int
     """Seed of the whole run."""
 
+    @property
+    def view(self) -> str:
+        """Name of the view."""
+        return self.take.view
 
-def render_light(laboratory: Laboratory, camera: Camera, case: Case) -> np.ndarray:
-    """Return the radiance that each pixel of a picture receives.
+    @property
+    def camera(self) -> str:
+        """Name of the camera that takes the picture, whatever name it is delivered under."""
+        return self.take.taken_by
 
-    Passes are added in a fixed order, so that the bytes are the same each time.
+
+def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
+    """Return the radiance that each pixel of a picture receives, on average over its exposure.
+
+    Everything is added in a fixed order, so that the bytes are the same each time. The rays a pixel are
+    shared among the sub-frames of a moving target, each having at least one, so that no row has more noise
+    than a still picture's.
 
     Returns
     -------
     ndarray, shape (height, width) or (height, width, 3)
         float32, in the unit of the scene's lamps.
     """
-    height = camera.size[1]
-    spp = laboratory.description.spp
-    samples = samples_per_pass(spp)
-    rows = laboratory.band_rows
-    laboratory.place(case.T_world_target)
-    sensor = laboratory.sensor(camera)
+    scene, camera = laboratories.scene, case.take.device
+    frames = subframes(case.take, scene.target)
+    count = math.ceil(scene.spp / frames.averaged)
+    laboratory = laboratories.of_size(camera.size)
+    sensor = laboratory.sensor(camera, scene.cameras[case.camera].aperture)
     seed = integer_seed(case.seed, case.view, case.camera)
-    bands = []
-    for first_row in range(0, height, rows):
-        total: np.ndarray | None = None
-        for first in range(0, spp, samples):
-            band = laboratory.trace(sensor, first_row, Passes(seed, spp, first, samples))
-            total = band if total is None else total + band
-        bands.append(np.asarray(total) / np.float32(spp // samples))
-    return np.concatenate(bands)[:height]
+    light = np.zeros(laboratory.shape, dtype=np.float32)
+    for number, seconds in enumerate(frames.seconds):
+        laboratory.place(case.take.track.at(float(seconds)))
+        draw = Draw(seed, count * len(frames.seconds), count * number, count)
+        first, end = frames.rows(number)
+        step = laboratory.rows_at_once(count)
+        for top in range(first, end, step):
+            rows = slice(top, min(top + step, end))
+            weight = frames.weights[number, rows].astype(np.float32).reshape(-1, *(1,) * (light.ndim - 1))
+            light[rows] += weight * laboratory.trace(sensor, rows, draw)
+    return light

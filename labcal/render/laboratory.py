@@ -18,14 +18,14 @@ from labcal.render.variant import Jit
 from labcal.scene.camera import Aperture
 from labcal.scene.furniture import blocks
 from labcal.scene.lighting import REC709, lamp_pose
-from labcal.scene.model import Scene, samples_per_pass
+from labcal.scene.model import Scene
 
 FAR_MM = 12000.0
 """Half the size of floor and wall."""
 DARKER = 0.8
 """Reflectance of every other tile of the floor."""
-RAYS_PER_BAND = 2**22
-"""A band of rows holds no more rays of one pass than this, which bounds the memory."""
+RAYS_AT_ONCE = 2**22
+"""No more rays are traced at once, which bounds the memory."""
 
 
 def _face(x: tuple[int, int, int], y: tuple[int, int, int]) -> Pose:
@@ -55,17 +55,17 @@ class Rays(Protocol):
 
 
 @dataclass(frozen=True)
-class Passes:
+class Draw:
     """Some of a pixel's samples."""
 
     seed: int
     """Of the picture; 32 bits."""
     total: int
-    """Samples a pixel in all passes together."""
+    """Samples a pixel altogether."""
     first: int
-    """Number of the first sample of this pass."""
-    samples: int
-    """How many there are in this pass."""
+    """Number of the first sample wanted."""
+    count: int
+    """How many are wanted."""
 
 
 class Laboratory:
@@ -83,9 +83,6 @@ class Laboratory:
     def __init__(self, mi: ModuleType, scene: Scene, size: tuple[int, int]) -> None:
         self.mi, self.description, self.size = mi, scene, size
         self.colour = scene.photometry.bayer
-        width, height = size
-        samples = samples_per_pass(scene.spp)
-        self.band_rows = min(height, max(1, RAYS_PER_BAND // (width * samples)))
         self.dots = mi.load_dict({"type": dots_plugin(mi.variant())})
         self.dots.show(scene.target, self._channels(scene.board.dark), self._channels(scene.board.light))
         # Optimised, a scene has its lamps in another order, and so another noise, at every run.
@@ -106,37 +103,49 @@ class Laboratory:
         shading = Shading(fall_off=photometry.fall_off, vignetting=photometry.vignetting)
         return Sensor(self.mi, camera, aperture, shading)
 
-    def trace(self, sensor: Rays, first_row: int, passes: Passes) -> np.ndarray:
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of a picture: (height, width), in colour (height, width, 3)."""
+        width, height = self.size
+        return (height, width, 3) if self.colour else (height, width)
+
+    def rows_at_once(self, count: int) -> int:
+        """Return how many rows are traced at once with `count` samples a pixel."""
+        width, height = self.size
+        return min(height, max(1, RAYS_AT_ONCE // (width * count)))
+
+    def trace(self, sensor: Rays, rows: slice, draw: Draw) -> np.ndarray:
         """Return the radiance in a band of rows, the mean of some of a pixel's samples.
 
         Parameters
         ----------
         sensor : Rays
-        first_row : int
-            The band's top row in the picture.
-        passes : Passes
-            Which of a pixel's samples.
+        rows : slice
+            First row, and the one after the last.
+        draw : Draw
+            Which of a pixel's samples; their values do not depend on the band.
 
         Returns
         -------
-        ndarray, shape (band_rows, width) or (band_rows, width, 3)
-            float32; rows below the picture's end are there too.
+        ndarray, shape (rows, width) or (rows, width, 3)
+            float32.
         """
         import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
 
-        mi, (width, _), rows, count = self.mi, self.size, self.band_rows, passes.samples
-        lane = dr.arange(mi.UInt32, rows * width * count)
-        pixel = lane // count + dr.opaque(mi.UInt32, first_row * width)
-        index = lane % count + dr.opaque(mi.UInt32, passes.first)
-        samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, passes.seed), passes.total)
-        column, row = pixel % width, pixel // width
+        mi, width, count = self.mi, self.size[0], draw.count
+        lane = dr.arange(mi.UInt32, (rows.stop - rows.start) * width * count)
+        # Numbers that are opaque to the compiler leave one kernel for all bands and pictures.
+        each, across = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, width)
+        pixel = lane // each + dr.opaque(mi.UInt32, rows.start * width)
+        index = lane % each + dr.opaque(mi.UInt32, draw.first)
+        samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, draw.seed), draw.total)
         within = samples.square(PIXEL)
-        u = mi.Float64(column) + (mi.Float64(within.x) - 0.5)
-        v = mi.Float64(row) + (mi.Float64(within.y) - 0.5)
+        u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
+        v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
         ray, weight = sensor.rays(Pixels(u, v, samples))
         light = radiance(self._placed(), ray, samples) * weight
-        channels = [np.array(dr.block_sum(light[c], count)) for c in range(3 if self.colour else 1)]
-        band = np.stack(channels, axis=-1).reshape(rows, width, len(channels)) / np.float32(count)
+        channels = [np.array(dr.block_sum(channel, count)) for channel in light]
+        band = np.stack(channels, axis=-1).reshape(-1, width, len(channels)) / np.float32(count)
         return band if self.colour else band[..., 0]
 
     def _rgb(self, colour: tuple[float, float, float]) -> dict[str, Any]:

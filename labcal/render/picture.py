@@ -5,11 +5,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
 from labcal.render.delivery import Destination, deliver
 from labcal.render.irradiance import Case, render_light
-from labcal.render.laboratory import Laboratory
+from labcal.render.laboratories import Laboratories
 from labcal.render.response import Exposure, Shot
 from labcal.render.variant import COLOUR, MONO, renderer
 from labcal.scene.model import Scene
@@ -20,6 +19,7 @@ class Job:
     """One picture, and everything it depends on."""
 
     scene: Scene
+    """The scene as it really stands."""
     case: Case
     exposure: Exposure
     path: Path
@@ -36,16 +36,15 @@ def render_picture(job: Job) -> float:
         The file cannot be written.
     """
     began = time.perf_counter()
-    scene, case, photometry = job.scene, job.case, job.scene.photometry
-    camera = scene.cameras[case.camera].camera()
+    scene, case, photometry = job.scene, job.case, job.case.take.photometry(job.scene.photometry)
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
-        light = render_light(Laboratory(mi, scene, camera.size), camera, case)
+        light = render_light(Laboratories(mi, scene), case)
     shot = Shot(case.seed, case.view, case.camera) if scene.noise else None
-    deliver(light, photometry, job.exposure, shot, Destination(job.path, _texts(job, camera)))
+    deliver(light, photometry, job.exposure, shot, Destination(job.path, _texts(job)))
     return time.perf_counter() - began
 
 
-def _texts(job: Job, camera: Camera) -> dict[str, str]:
+def _texts(job: Job) -> dict[str, str]:
     """Return what the header of an EXR file says, in JSON: the camera as in ``truth.json``, the picture."""
     picture = {
         "view": job.case.view,
@@ -54,6 +53,6 @@ def _texts(job: Job, camera: Camera) -> dict[str, str]:
         "full_scale_radiance": 1.0 / job.exposure.gain,
     }
     return {
-        "labcal:camera": CameraRecord.of(camera).model_dump_json(),
+        "labcal:camera": CameraRecord.of(job.case.take.device).model_dump_json(),
         "labcal:picture": json.dumps(picture),
     }

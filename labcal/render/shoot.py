@@ -4,6 +4,7 @@ import json
 import time
 from concurrent.futures import BrokenExecutor, as_completed
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 from labcal.cameras.record import CameraRecord, matrix4_record
@@ -17,12 +18,14 @@ from labcal.run.outputs import unfinished_folder, write_file
 from labcal.run.progress import Progress
 from labcal.scene.check import check_scene
 from labcal.scene.lighting import brightest_board
+from labcal.scene.mistakes import Outcome
 from labcal.scene.model import Scene
-from labcal.scene.truth import true_dots
+from labcal.scene.plan import built_scene, planned_takes
+from labcal.scene.truth import true_dots, true_view
 from labcal.scene.views import PlannedView, planned_views
 from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
-from labcal.shoot.truth import FOLDER, TrueView, Truth, write_truth
+from labcal.shoot.truth import FOLDER, Truth, write_truth
 
 PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headless")
 
@@ -78,29 +81,23 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
         raise InputError(f"The number of views must be at least 1, but is {settings.views}.")
     if settings.workers < 1:
         raise InputError(f"The number of workers must be at least 1, but is {settings.workers}.")
-    check_scene(scene, settings.seed)
+    check_scene(scene, settings.seed, settings.views)
     every_view = planned_views(scene, settings.seed)
     views = every_view[: settings.views]
+    outcome = planned_takes(scene, views, settings.seed)
     exposure = exposure_for(scene.photometry, brightest_board(scene, every_view))
+    built = built_scene(scene)
     began = time.time()
     with unfinished_folder(folder, _command(scene, settings), force=settings.force) as working:
         images = working / "images"
         images.mkdir(exist_ok=True)
-        for scrap in images.glob(".*"):  # a picture that was being written when an earlier run was killed
-            scrap.unlink()
         jobs = [
-            Job(
-                scene,
-                Case(view.name, camera, view.T_world_target, settings.seed),
-                exposure,
-                working / _image(scene, view.name, camera),
-            )
-            for view in views
-            for camera in scene.cameras
+            Job(built, Case(take, settings.seed), exposure, working / _image(scene, take.view, take.camera))
+            for take in outcome.takes
         ]
         seconds = _render(jobs, settings.workers, progress)
         write_manifest(working, _manifest(scene, views))
-        _write_truth(working, scene, views)
+        _write_truth(working, scene, outcome)
         _write_run(working, seconds, time.time() - began, settings)
     return open_shoot(folder)
 
@@ -155,15 +152,21 @@ def _manifest(scene: Scene, views: tuple[PlannedView, ...]) -> Manifest:
     return Manifest(target=scene.target, cameras=sizes, views=tuple(entries))
 
 
-def _write_truth(working: Path, scene: Scene, views: tuple[PlannedView, ...]) -> None:
+def _write_truth(working: Path, scene: Scene, outcome: Outcome) -> None:
     """Write the scene, the cameras and poses, and every dot."""
-    cameras = scene.true_cameras()
+    cameras = {name: CameraRecord.of(camera) for name, camera in scene.true_cameras().items()}
     truth = Truth(
-        cameras={name: CameraRecord.of(camera) for name, camera in cameras.items()},
-        views={view.name: TrueView(T_world_target=matrix4_record(view.T_world_target)) for view in views},
+        cameras=cameras,
+        views={
+            view: true_view(list(takes), cameras)
+            for view, takes in groupby(outcome.takes, key=lambda take: take.view)
+        },
+        mistake=scene.mistake,
+        mistake_description=outcome.wrong,
+        mistake_views=outcome.wrong_views,
     )
-    dots = [true_dots(scene.target, view, name, camera) for view in views for name, camera in cameras.items()]
-    write_truth(working, truth, dots)
+    target = built_scene(scene).target
+    write_truth(working, truth, [true_dots(target, take) for take in outcome.takes])
     write_file(working / FOLDER / "scene.yaml", scene.to_yaml(), force=True)
 
 

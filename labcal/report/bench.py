@@ -46,8 +46,8 @@ class BenchResult(BaseModel):
 def bench_table(result: BenchResult) -> Table:
     """Return the checks for people."""
     done = len(result.checks) - result.failed
-    title = f"labcal bench {result.bench}{' --quick' if result.quick else ''}: {done} of {len(result.checks)} good"
-    table = Table(title=title)
+    quick = " --quick" if result.quick else ""
+    table = Table(title=f"labcal bench {result.bench}{quick}: {done} of {len(result.checks)} good")
     for column, side in (("check", "left"), ("value", "right"), ("limit", "right"), ("", "left")):
         table.add_column(column, justify="right" if side == "right" else "left")
     for check in result.checks:

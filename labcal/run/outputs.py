@@ -81,6 +81,23 @@ def _umask() -> int:
     return mask
 
 
+MARK = ".command"
+"""The file in an unfinished folder that holds the command which is making it."""
+
+
+def _command_in(folder: Path) -> str | None:
+    """Return the command that a folder is marked with, if it is."""
+    mark = folder / MARK
+    return mark.read_text(encoding="utf-8") if mark.is_file() else None
+
+
+def _remove_scraps(working: Path) -> None:
+    """Remove files that were being written when an earlier run was killed."""
+    for path in working.rglob(".*"):
+        if path.is_file() and path.name != MARK:
+            path.unlink()
+
+
 def _discard_unfinished(working: Path, *, force: bool) -> None:
     """Remove what another command left unfinished, or refuse to."""
     if not force:
@@ -96,7 +113,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     """Give a folder to work in that becomes `path` when the work ends well.
 
     What an interrupted run left behind is given again when `command` is the same, so that the work resumes;
-    what another command left is refused.
+    what another command left is refused. A run may be killed at any moment, also as it begins or ends here.
 
     Parameters
     ----------
@@ -117,19 +134,23 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     OutputError
         `path` exists, another command's unfinished output is in the way, or the disk refuses.
     """
-    refuse_existing(path, force=force)
     working = path.with_name(path.name + ".unfinished")
-    mark = working / ".command"
     try:
-        if working.exists() and (not mark.is_file() or mark.read_text(encoding="utf-8") != command):
-            _discard_unfinished(working, force=force)
+        if not working.exists() and _command_in(path) == command:
+            path.replace(working)  # killed after the work and before the mark was removed
+        refuse_existing(path, force=force)
+        if working.exists():
+            _remove_scraps(working)
+            if any(working.iterdir()) and _command_in(working) != command:
+                _discard_unfinished(working, force=force)
         working.mkdir(parents=True, exist_ok=True)
-        mark.write_text(command, encoding="utf-8")
+        if _command_in(working) is None:
+            write_file(working / MARK, command, force=False)
         yield working
-        mark.unlink()
         if path.exists():
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         working.replace(path)
+        (path / MARK).unlink()
     except OutputError:
         raise
     except OSError as error:

@@ -2,18 +2,21 @@
 
 import numpy as np
 
-from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
 from labcal.scene.lighting import brightest_board
 from labcal.scene.model import Scene
+from labcal.scene.placement import Handheld
+from labcal.scene.plan import built_scene, planned_takes
+from labcal.scene.subframes import subframes
+from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
-from labcal.scene.views import PlannedView, planned_views
+from labcal.scene.views import planned_views
 
 LARGEST_PICTURE_PX = 400_000_000
 
 
-def check_scene(scene: Scene, seed: int) -> None:
+def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
     """Raise where a scene cannot be rendered, or where its pictures would be of no use.
 
     Parameters
@@ -21,13 +24,16 @@ def check_scene(scene: Scene, seed: int) -> None:
     scene : Scene
     seed : int
         Seed of the run; poses of a hand-held target are drawn from it.
+    count : int, optional
+        Only the first so many views are taken, and so a mistake is made among these; all where left out.
 
     Raises
     ------
     InputError
         A picture is larger than 400 megapixels; a lens folds within its picture; a camera is under the
         floor or behind the wall; in some view the target is behind a camera, turned away from it, or a ring
-        is not wholly in its picture; or no lamp shines on the target.
+        is not wholly in its picture; no lamp shines on the target; the scene's mistake cannot be made; or
+        the target moves too fast.
     """
     for name, description in scene.cameras.items():
         width, height = description.size
@@ -42,31 +48,43 @@ def check_scene(scene: Scene, seed: int) -> None:
                 f"Camera '{name}' at ({x:g}, {y:g}, {z:g}) mm is under the floor or behind the wall. "
                 "Move its eye_mm."
             )
-    cameras = scene.true_cameras()
-    for name, camera in cameras.items():
+    for name, camera in scene.true_cameras().items():
         camera.require_rays_everywhere(name)
     views = planned_views(scene, seed)
-    for view in views:
-        for name, camera in cameras.items():
-            _check_view(scene, view, name, camera)
+    as_meant = scene.model_copy(update={"mistake": None})
+    for take in planned_takes(as_meant, views, seed).takes:
+        _check_place(as_meant, take)
+        _check_rings(as_meant, take)
     if not (brightest_board(scene, views) > 0.0).all():
         raise InputError(f"No lamp of the scene '{scene.name}' shines on the target. Turn one towards it.")
+    built = built_scene(scene)
+    for take in planned_takes(scene, views[:count], seed).takes:
+        _check_place(built, take)  # a mistake may hide a ring, but not the target
+        subframes(take, built.target)
 
 
-def _check_view(scene: Scene, view: PlannedView, name: str, camera: Camera) -> None:
-    """Raise unless the camera sees the front of the target and its three rings."""
-    where = f"In view '{view.name}' of the scene '{scene.name}'"
-    points = transform(view.T_world_target, scene.target.points())
+def _check_place(scene: Scene, take: Take) -> None:
+    """Raise unless the camera sees the front of the target."""
+    where = f"In view '{take.view}' of the scene '{scene.name}'"
+    name, camera, T_world_target = take.taken_by, take.device, take.track.T_world_target
+    points = transform(T_world_target, scene.target.points())
     if (transform(camera.T_cam_world, points)[:, 2] <= 0.0).any():
         raise InputError(f"{where} the target is behind camera '{name}', or beside it. Move one of them.")
-    if float((camera.centre - points[0]) @ view.T_world_target[:3, 2]) <= 0.0:
+    if float((camera.centre - points[0]) @ T_world_target[:3, 2]) <= 0.0:
         raise InputError(f"{where} camera '{name}' sees the back of the target. Move the camera above it.")
-    dots = true_dots(scene.target, view, name, camera)
+
+
+def _check_rings(scene: Scene, take: Take) -> None:
+    """Raise unless the camera sees the three rings, if it needs to."""
+    if isinstance(scene.placement, Handheld) and not scene.placement.all_rings:
+        return
+    dots = true_dots(scene.target, take)
     for col, row in scene.target.ring_indices:
         number = row * scene.target.cols + col
         if not dots.visible[number]:
             q = np.round(dots.centre[number], 1)
             raise InputError(
-                f"{where} the ring at ({col}, {row}) is not wholly in the picture of camera '{name}': its "
-                f"centre falls at ({q[0]}, {q[1]}) px. Move the camera back, or shorten its focal_px."
+                f"In view '{take.view}' of the scene '{scene.name}' the ring at ({col}, {row}) is not wholly "
+                f"in the picture of camera '{take.taken_by}': its centre falls at ({q[0]}, {q[1]}) px. Move "
+                "the camera back, or shorten its focal_px."
             )

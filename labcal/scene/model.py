@@ -3,34 +3,18 @@
 from typing import Annotated
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from labcal.cameras.camera import Camera
-from labcal.errors import InputError
 from labcal.run.names import Name
 from labcal.scene.camera import CameraDescription
+from labcal.scene.mistakes import Mistake
+from labcal.scene.motion import Motion, ShutterKind
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
 from labcal.scene.room import Board, Lamp, Room
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
-
-PASSES = (64, 16, 8, 4, 2, 1)
-"""Samples a pixel that one pass may have: the sampler neither rounds them up nor gives other bytes twice."""
-
-
-def samples_per_pass(spp: int) -> int:
-    """Return how many samples a pixel each of the equal passes has that make up `spp`.
-
-    Raises
-    ------
-    InputError
-        No passes of 64 or 16 make it up, nor a single smaller one.
-    """
-    for samples in PASSES:
-        if spp == samples or (spp > 0 and samples >= 16 and spp % samples == 0):  # noqa: PLR2004 -- see above
-            return samples
-    raise InputError(f"The samples a pixel should be 1, 2, 4, 8 or a multiple of 16, but are {spp}.")
 
 
 class Scene(BaseModel):
@@ -49,9 +33,15 @@ class Scene(BaseModel):
     board: Board = Board()
     photometry: Photometry = Photometry()
     """The sensors; in a file the name of a preset, a preset with changes, or the whole description."""
+    motion: Motion = Motion()
+    shutter: ShutterKind = ShutterKind.GLOBAL
+    readout_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    """With a rolling shutter, the time from the first row's exposure to the last one's."""
+    mistake: Mistake | None = None
+    """Something that goes wrong on purpose; `none` is nothing."""
     noise: bool = True
     """Whatever is random in the sensors: photon and read noise, fixed patterns; off to test the geometry."""
-    spp: int = 64
+    spp: Annotated[int, Field(ge=1, le=65536)] = 64
     """Rays a pixel."""
 
     @field_validator("target", mode="before")
@@ -59,11 +49,19 @@ class Scene(BaseModel):
     def _target_by_name(cls, value: object) -> object:
         return load_target(value) if isinstance(value, str) else value
 
-    @field_validator("spp")
+    @field_validator("mistake", mode="before")
     @classmethod
-    def _spp_in_passes(cls, value: int) -> int:
-        samples_per_pass(value)
-        return value
+    def _none_is_no_mistake(cls, value: object) -> object:
+        return None if value == "none" else value
+
+    @model_validator(mode="after")
+    def _readout_is_of_a_rolling_shutter(self) -> "Scene":
+        if (self.shutter is ShutterKind.ROLLING) != (self.readout_ms > 0.0):
+            raise ValueError(
+                "a rolling shutter needs a readout_ms above 0, and a global one has none: set shutter and "
+                "readout_ms together"
+            )
+        return self
 
     def true_cameras(self) -> dict[str, Camera]:
         """Return the cameras by name, in the scene's order.
@@ -76,14 +74,8 @@ class Scene(BaseModel):
         return {name: description.camera() for name, description in self.cameras.items()}
 
     def with_spp(self, spp: int) -> "Scene":
-        """Return the scene with other samples a pixel.
-
-        Raises
-        ------
-        InputError
-            They cannot be traced in passes that give the same bytes each time.
-        """
-        return self.model_copy(update={"spp": self._spp_in_passes(spp)})
+        """Return the scene with other samples a pixel."""
+        return self.model_copy(update={"spp": spp})
 
     def to_yaml(self) -> str:
         """Return the scene with all its keys as a file that can be rendered again."""

@@ -1,14 +1,23 @@
 """How a scene places its target: on a stage, at places known to the measuring arm, or in the hand."""
 
+from abc import abstractmethod
+from itertools import pairwise
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.rng import generator
 from labcal.run.names import Name
 from labcal.scene.camera import Coordinate, Vector
 from labcal.shoot.manifest import Role
 
 Degrees = Annotated[float, Field(ge=0, le=180)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Views = Annotated[int, Field(ge=0, le=1000)]
+Shift = tuple[Coordinate, Coordinate]
+NO_SHIFT = (0.0, 0.0)
+HALF_A_PITCH = (0.5, 0.5)
 
 
 class StageView(BaseModel):
@@ -20,7 +29,7 @@ class StageView(BaseModel):
     role: Role
     origin_mm: Vector
     """Where dot (0, 0) is."""
-    shift_pitches: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+    shift_pitches: Shift = NO_SHIFT
     """A further move along x and y, in steps of the target's grid."""
 
 
@@ -29,35 +38,141 @@ class Stage(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    @abstractmethod
+    def places(self, seed: int) -> tuple[StageView, ...]:
+        """Return the places in order; `seed` is the seed of the run."""
+
+
+class ListedPlaces(Stage):
+    """Places one by one."""
+
     kind: Literal["stage"]
     views: Annotated[tuple[StageView, ...], Field(min_length=1)]
 
     @model_validator(mode="after")
-    def _names_differ(self) -> "Stage":
+    def _names_differ(self) -> "ListedPlaces":
         names = [view.name for view in self.views]
         if len(set(names)) != len(names):
             raise ValueError("two views have the same name")
         return self
 
+    def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn
+        """Return the places as they are listed."""
+        return self.views
+
+
+class EvenHeights(BaseModel):
+    """Heights at equal steps."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    first: Coordinate
+    last: Coordinate
+    count: Annotated[int, Field(ge=1, le=1000)]
+
+
+class Planes(Stage):
+    """Level planes one above another to train on, and planes half-way between them to test on."""
+
+    kind: Literal["planes"]
+    origin_mm: Shift
+    """X and Y of dot (0, 0) without a shift."""
+    heights_mm: Annotated[tuple[Coordinate, ...], Field(min_length=1)] | EvenHeights
+    """Z of the planes to train on: a list, or ``first``, ``last`` and ``count``."""
+    shifts_pitches: Annotated[tuple[Shift, ...], Field(min_length=1)] = (NO_SHIFT,)
+    """Moves along x and y at which each plane is taken, in steps of the target's grid."""
+    test_shifts_pitches: tuple[Shift, ...] = (HALF_A_PITCH,)
+    """The same for each plane between; none: no tests."""
+
+    def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn
+        """Return the planes to train on in the order given, then those to test on, from the lowest."""
+        heights = self.heights_mm
+        if isinstance(heights, EvenHeights):
+            heights = tuple(np.linspace(heights.first, heights.last, heights.count).tolist())
+        ordered = sorted(heights)
+        between = tuple(0.5 * (low + high) for low, high in pairwise(ordered))
+        return (
+            *self._taken("train", Role.TRAIN, heights, self.shifts_pitches),
+            *self._taken("test-between", Role.TEST, between, self.test_shifts_pitches),
+        )
+
+    def _taken(
+        self, name: str, role: Role, heights: tuple[float, ...], shifts: tuple[Shift, ...]
+    ) -> tuple[StageView, ...]:
+        """Return each plane at each shift; the shift is told in the name where there are several."""
+        return tuple(
+            StageView(
+                name=f"{name}-{plane}" if len(shifts) == 1 else f"{name}-{plane}-{number}",
+                role=role,
+                origin_mm=(*self.origin_mm, height),
+                shift_pitches=shift,
+            )
+            for plane, height in enumerate(heights, start=1)
+            for number, shift in enumerate(shifts, start=1)
+        )
+
+
+class Volume(Stage):
+    """A volume of points at random: the target's dots at random heights and small random shifts."""
+
+    kind: Literal["volume"]
+    origin_mm: Shift
+    """X and Y of dot (0, 0) without a shift."""
+    heights_mm: tuple[Coordinate, Coordinate]
+    """Lowest and highest Z."""
+    shift_pitches: tuple[NotNegative, NotNegative] = HALF_A_PITCH
+    """Largest shift to either side along x and y, in steps of the target's grid."""
+    train: Views
+    test: Views
+
+    @model_validator(mode="after")
+    def _has_views_and_a_range(self) -> "Volume":
+        if self.train + self.test == 0:
+            raise ValueError("train and test are both 0, so there are no views")
+        if self.heights_mm[0] > self.heights_mm[1]:
+            raise ValueError("heights_mm should be the lowest and the highest, in this order")
+        return self
+
+    def places(self, seed: int) -> tuple[StageView, ...]:
+        """Draw the places, each from a stream of its own."""
+        return tuple(
+            self._drawn(f"{role.value}-{number:02d}", role, seed)
+            for role, count in ((Role.TRAIN, self.train), (Role.TEST, self.test))
+            for number in range(1, count + 1)
+        )
+
+    def _drawn(self, name: str, role: Role, seed: int) -> StageView:
+        """Draw one place."""
+        random = generator(seed, "volume", name)
+        x, y = random.uniform(-1.0, 1.0, 2) * np.array(self.shift_pitches)
+        return StageView(
+            name=name,
+            role=role,
+            origin_mm=(*self.origin_mm, float(random.uniform(*self.heights_mm))),
+            shift_pitches=(float(x), float(y)),
+        )
+
 
 class Handheld(BaseModel):
-    """Poses drawn at random that cover the pictures and the angles; nobody is told of them."""
+    """Poses that cover the pictures and the angles, chosen among random ones; nobody is told of them."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["handheld"]
-    train: Annotated[int, Field(ge=0, le=1000)]
-    test: Annotated[int, Field(ge=0, le=1000)]
+    train: Views
+    test: Views
     centre_mm: Vector
     """Mean place of the target's middle."""
-    spread_mm: tuple[
-        Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]
-    ]
+    spread_mm: tuple[NotNegative, NotNegative, NotNegative]
     """Half the range of that place along X, Y and Z."""
     tilt_max_deg: Annotated[float, Field(ge=0, lt=90)] = 45.0
     """Largest angle of the target's normal to the line towards the middle of the cameras."""
     roll_max_deg: Degrees = 180.0
     """Largest turn about the normal."""
+    visible_share: Annotated[float, Field(gt=0, le=1)] = 0.6
+    """Share of the dots that every camera must see whole."""
+    all_rings: bool = True
+    """Whether every camera must see all three rings whole."""
 
     @model_validator(mode="after")
     def _has_views(self) -> "Handheld":
@@ -66,4 +181,4 @@ class Handheld(BaseModel):
         return self
 
 
-Placement = Annotated[Stage | Handheld, Field(discriminator="kind")]
+Placement = Annotated[ListedPlaces | Planes | Volume | Handheld, Field(discriminator="kind")]

@@ -31,7 +31,7 @@ def planned_views(scene: Scene, seed: int) -> tuple[PlannedView, ...]:
     ----------
     scene : Scene
     seed : int
-        Seed of the whole run; poses of a hand-held target are drawn from it.
+        Seed of the whole run; poses of a hand-held target and random places on the stage are drawn from it.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def planned_views(scene: Scene, seed: int) -> tuple[PlannedView, ...]:
     """
     if isinstance(scene.placement, Stage):
         views = []
-        for place in scene.placement.views:
+        for place in scene.placement.places(seed):
             pitch = np.array([scene.target.pitch_x_mm, scene.target.pitch_y_mm, 0.0])
             shift = pitch * np.array([*place.shift_pitches, 0.0])
             T_world_target = pose(np.eye(3), np.array(place.origin_mm) + shift)

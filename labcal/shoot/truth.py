@@ -21,12 +21,27 @@ HEADER = (
 )  # fmt: skip
 
 
+class TruePicture(BaseModel):
+    """What is true of one picture alone, where that differs from the rest; else null."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    taken_by: Name | None = None
+    """The camera that really took it."""
+    T_cam_world: Matrix4Record | None = None
+    """Where that camera was."""
+    T_world_target: Matrix4Record | None = None
+    """Where the target was."""
+
+
 class TrueView(BaseModel):
-    """Where the target truly was in one view."""
+    """Where the target truly was in one view; with motion, in the middle of the frame."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     T_world_target: Matrix4Record
+    cameras: dict[Name, TruePicture] = {}
+    """By the name under which a picture is delivered; only pictures of which something else is true."""
 
 
 class Truth(BaseModel):
@@ -38,6 +53,12 @@ class Truth(BaseModel):
     format_version: Literal[1] = 1
     cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
     views: dict[Name, TrueView]
+    mistake: str | None = None
+    """Name of the mistake that was made on purpose."""
+    mistake_description: str | None = None
+    """What is not as it was meant."""
+    mistake_views: tuple[Name, ...] = ()
+    """Views in which it is not."""
 
 
 @dataclass(frozen=True)

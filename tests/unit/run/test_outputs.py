@@ -95,6 +95,28 @@ def test_what_another_command_left_is_refused_and_discarded_only_with_force(tmp_
         assert entries(working) == [".command"]
 
 
+def test_a_run_killed_at_any_moment_goes_on(tmp_path: Path) -> None:
+    target, working = tmp_path / "shoot", tmp_path / "shoot.unfinished"
+    working.mkdir()  # killed before the folder was marked
+    (working / ".command.abc").write_text("ren")  # or while it was
+    with pytest.raises(KeyboardInterrupt):
+        work_until_interrupted(target, "render")
+    (working / "images").mkdir()
+    (working / "images" / ".b.png.xyz").write_text("half a picture")
+    with unfinished_folder(target, "render", force=False) as again:
+        assert sorted(path.name for path in again.rglob("*")) == [".command", "a.txt", "images"]
+    assert entries(target) == ["a.txt", "images"]
+    (target / ".command").write_text("render")  # killed when all was done but for removing the mark
+    with pytest.raises(OutputError, match="--force"), unfinished_folder(target, "other", force=False):
+        pass
+    with unfinished_folder(target, "render", force=False) as again:
+        assert again == working
+        assert not target.exists()
+    assert entries(target) == ["a.txt", "images"]
+    with pytest.raises(OutputError, match="--force"), unfinished_folder(target, "render", force=False):
+        pass
+
+
 def test_an_existing_folder_is_kept_until_its_successor_is_whole(tmp_path: Path) -> None:
     target = tmp_path / "shoot"
     target.mkdir()

@@ -3,6 +3,7 @@ import pytest
 
 from labcal.errors import InputError
 from labcal.scene.catalogue import load_scene
+from labcal.scene.plan import planned_takes
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
 from labcal.shoot.manifest import Role
@@ -35,6 +36,7 @@ def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles() -> Non
     scene = load_scene("still-handheld")
     cameras = scene.true_cameras()
     views = planned_views(scene, 0)
+    takes = planned_takes(scene, views, 0).takes
     middle = np.mean([camera.centre for camera in cameras.values()], axis=0)
     rings = [row * scene.target.cols + col for col, row in scene.target.ring_indices]
     seen, tilts = [], []
@@ -42,11 +44,11 @@ def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles() -> Non
         board = view.T_world_target[:3, :3] @ scene.target.points().mean(axis=0) + view.T_world_target[:3, 3]
         towards = (middle - board) / np.linalg.norm(middle - board)
         tilts.append(np.degrees(np.arccos(towards @ view.T_world_target[:3, 2])))
-        for name, camera in cameras.items():
-            dots = true_dots(scene.target, view, name, camera)
-            assert dots.visible[rings].all()
-            assert dots.visible.mean() >= 0.6
-            seen.append(dots.centre[dots.visible] / camera.size)
+    for take in takes:
+        dots = true_dots(scene.target, take)
+        assert dots.visible[rings].all()
+        assert dots.visible.mean() >= 0.6
+        seen.append(dots.centre[dots.visible] / take.device.size)
     assert 35.0 < max(tilts) <= 45.0 + 1e-9
     low, high = np.concatenate(seen).min(axis=0), np.concatenate(seen).max(axis=0)
     assert (low < 0.1).all()

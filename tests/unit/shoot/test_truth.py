@@ -10,7 +10,16 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.errors import InputError
-from labcal.shoot.truth import TrueDots, TrueView, Truth, has_truth, read_true_dots, read_truth, write_truth
+from labcal.shoot.truth import (
+    TrueDots,
+    TruePicture,
+    TrueView,
+    Truth,
+    has_truth,
+    read_true_dots,
+    read_truth,
+    write_truth,
+)
 
 HEADER = "view,camera,col,row,X_mm,Y_mm,Z_mm,centre_x_px,centre_y_px,centroid_x_px,centroid_y_px,visible"
 
@@ -60,6 +69,30 @@ def test_the_files_have_the_form_that_others_rely_on(tmp_path: Path, pair: dict[
     assert {"cameras", "views"} <= set(content)
     assert set(content["cameras"]["left"]) == {"K", "lens", "dist", "T_cam_world", "size"}
     assert np.shape(content["views"]["one"]["T_world_target"]) == (4, 4)
+
+
+def test_a_mistake_and_pictures_of_their_own_are_told(tmp_path: Path, pair: dict[str, Camera]) -> None:
+    plain = truth(pair)
+    own = TruePicture(taken_by="left", T_cam_world=matrix4_record(2.0 * np.eye(4)))
+    mistaken = plain.model_copy(
+        update={
+            "views": {"one": plain.views["one"].model_copy(update={"cameras": {"right": own}})},
+            "mistake": "swapped-cameras",
+            "mistake_description": "Exchanged.",
+            "mistake_views": ("one",),
+        }
+    )
+    write_truth(tmp_path, mistaken, [])
+    assert read_truth(tmp_path) == mistaken
+    content = json.loads((tmp_path / "truth" / "truth.json").read_text())
+    assert content["mistake"] == "swapped-cameras"
+    assert content["views"]["one"]["cameras"]["right"]["T_world_target"] is None
+    # A shoot from before there were mistakes has none of these keys.
+    for key in ("mistake", "mistake_description", "mistake_views"):
+        del content[key]
+    del content["views"]["one"]["cameras"]
+    (tmp_path / "truth" / "truth.json").write_text(json.dumps(content))
+    assert read_truth(tmp_path) == plain
 
 
 def test_damage_is_refused(tmp_path: Path, pair: dict[str, Camera]) -> None:

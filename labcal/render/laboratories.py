@@ -1,0 +1,40 @@
+"""Laboratories that are compiled once in a process and serve all of its pictures."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+
+from labcal.render.laboratory import Laboratory
+from labcal.scene.model import Scene
+
+KEPT = 8
+"""Scenes, variants and sizes of film of which a process keeps the laboratory."""
+
+
+@dataclass(frozen=True)
+class Laboratories:
+    """The laboratories of one scene, for films of any size.
+
+    What was traced in one before leaves no mark on what is traced next, so sharing it changes no picture.
+    """
+
+    mi: ModuleType
+    """Mitsuba with the variant in use; it must be in use whenever a laboratory is."""
+    scene: Scene
+    """The scene as it really stands."""
+
+    def of_size(self, size: tuple[int, int]) -> Laboratory:
+        """Return the laboratory whose film has a width and height (px); a height may be of some rows only."""
+        # A scene cannot be hashed, its JSON can.
+        return _laboratory(self.mi, self.mi.variant(), self.scene.model_dump_json(), size)
+
+
+@lru_cache(maxsize=KEPT)
+def _laboratory(
+    mi: ModuleType,
+    variant: str,  # noqa: ARG001 -- tells laboratories apart
+    scene: str,
+    size: tuple[int, int],
+) -> Laboratory:
+    """Compile a laboratory."""
+    return Laboratory(mi, Scene.model_validate_json(scene), size)

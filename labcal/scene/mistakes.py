@@ -1,0 +1,238 @@
+"""Mistakes that people make when they shoot, made on purpose to see whether measuring names them."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from labcal.errors import InputError
+from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.rng import generator
+from labcal.scene.motion import Track
+from labcal.scene.take import Take
+from labcal.targets.grid import DotGrid
+
+PITCH_FACTOR = 1.03
+DRIFT_MM = 4.0
+DRIFT_DEG = 0.4
+KNOCK_MM = 3.0
+KNOCK_DEG = 0.5
+DEFOCUS_PX = 3.0
+
+
+class Mistake(StrEnum):
+    """What went wrong."""
+
+    SWAPPED_CAMERAS = "swapped-cameras"
+    BOARD_TURNED = "board-turned"
+    WRONG_PITCH = "wrong-pitch"
+    UNSYNCHRONISED = "unsynchronised"
+    CAMERA_KNOCKED = "camera-knocked"
+    OUT_OF_FOCUS = "out-of-focus"
+
+
+_OF_A_PAIR = {Mistake.SWAPPED_CAMERAS, Mistake.UNSYNCHRONISED, Mistake.CAMERA_KNOCKED}
+_BETWEEN_VIEWS = {Mistake.SWAPPED_CAMERAS, Mistake.BOARD_TURNED, Mistake.CAMERA_KNOCKED}
+
+
+@dataclass(frozen=True)
+class Shooting:
+    """Pictures as they are meant to be taken."""
+
+    takes: tuple[Take, ...]
+    on_stage: bool
+    """Whether the stage says where the target is."""
+    training: frozenset[str]
+    """Views that are trained on."""
+    seed: int
+    """Seed of the run."""
+
+    @property
+    def views(self) -> list[str]:
+        """Names of the views, in order."""
+        return list(dict.fromkeys(take.view for take in self.takes))
+
+    @property
+    def cameras(self) -> list[str]:
+        """Names of the cameras, in order."""
+        return list(dict.fromkeys(take.camera for take in self.takes))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Pictures as they are really taken."""
+
+    takes: tuple[Take, ...]
+    """In the order in which they were meant to be."""
+    wrong: str | None = None
+    """What is not as meant, in words."""
+    wrong_views: tuple[str, ...] = ()
+    """Names of the views in which it is not."""
+
+
+def printed_target(target: DotGrid, mistake: Mistake | None) -> DotGrid:
+    """Return the target as it is printed, which by mistake is another one than everybody believes."""
+    if mistake is not Mistake.WRONG_PITCH:
+        return target
+    return target.model_copy(
+        update={
+            "pitch_x_mm": PITCH_FACTOR * target.pitch_x_mm,
+            "pitch_y_mm": PITCH_FACTOR * target.pitch_y_mm,
+        }
+    )
+
+
+def make_mistake(mistake: Mistake, shooting: Shooting) -> Outcome:
+    """Return the pictures as they are with a mistake made.
+
+    Raises
+    ------
+    InputError
+        The mistake cannot be made here: it takes two cameras, several views, or a stage.
+    """
+    _require_possible(mistake, shooting)
+    return _MADE[mistake](shooting)
+
+
+def _require_possible(mistake: Mistake, shooting: Shooting) -> None:
+    """Raise where the mistake means nothing, or cannot be told from no mistake at all."""
+    if mistake in _OF_A_PAIR and len(shooting.cameras) < 2:  # noqa: PLR2004 -- a pair
+        raise InputError(
+            f"The mistake '{mistake}' takes two cameras, but the scene has one. Add a camera, or choose "
+            "another mistake."
+        )
+    if mistake is Mistake.BOARD_TURNED and not shooting.on_stage:
+        raise InputError(
+            f"The mistake '{mistake}' means nothing for a target in the hand, since nobody says how it is "
+            "held. Take a scene with a stage."
+        )
+    if mistake in _BETWEEN_VIEWS and len(shooting.views) < 2:  # noqa: PLR2004 -- one as meant, one not
+        raise InputError(
+            f"The mistake '{mistake}' happens between views, but there is only one. Take more views."
+        )
+
+
+def _later_views(shooting: Shooting) -> tuple[str, ...]:
+    """Return the views from the middle one on."""
+    views = shooting.views
+    return tuple(views[len(views) // 2 :])
+
+
+def _direction(shooting: Shooting, *names: str) -> np.ndarray:
+    """Draw a unit vector."""
+    drawn = generator(shooting.seed, "mistake", *names).normal(size=3)
+    return np.asarray(drawn / np.linalg.norm(drawn))
+
+
+def _swap_cameras(shooting: Shooting) -> Outcome:
+    """Exchange the first two cameras' pictures, as when their cables are."""
+    first, second, *_ = shooting.cameras
+    other = {first: second, second: first}
+    later = _later_views(shooting)
+    by_name = {(take.view, take.camera): take for take in shooting.takes}
+    sizes = {name: by_name[(later[0], name)].device.size for name in (first, second)}
+    if sizes[first] != sizes[second]:
+        raise InputError(
+            f"The mistake '{Mistake.SWAPPED_CAMERAS}' needs pictures of one size, but those of camera "
+            f"'{first}' have {sizes[first]} and those of '{second}' {sizes[second]} pixels. Make them alike."
+        )
+    takes = tuple(
+        replace(by_name[(take.view, other[take.camera])], camera=take.camera)
+        if take.view in later and take.camera in other
+        else take
+        for take in shooting.takes
+    )
+    return Outcome(takes, f"The pictures of cameras '{first}' and '{second}' are exchanged.", later)
+
+
+def _turn_board(shooting: Shooting) -> Outcome:
+    """Turn the board on the stage in one view, in the middle of training if there are views to compare."""
+    views = shooting.views
+    training = [view for view in views if view in shooting.training]
+    chosen = training[len(training) // 2] if len(training) > 1 else views[-1]
+    takes = tuple(
+        replace(take, track=_half_turned(take.track)) if take.view == chosen else take
+        for take in shooting.takes
+    )
+    return Outcome(takes, "The board lies turned by 180 degrees about its normal.", (chosen,))
+
+
+def _half_turned(track: Track) -> Track:
+    """Return a track with the board turned about its own normal through its middle."""
+    turn = from_rotation_vector(np.pi * track.T_world_target[:3, 2], track.middle)
+    T_world_target: np.ndarray = turn @ pose(np.eye(3), -track.middle) @ track.T_world_target
+    return replace(track, T_world_target=T_world_target)
+
+
+def _print_another_pitch(shooting: Shooting) -> Outcome:
+    """Say what :func:`printed_target` does."""
+    percent = 100.0 * (PITCH_FACTOR - 1.0)
+    return Outcome(
+        shooting.takes,
+        f"The dots are printed {percent:.0f}% further apart than the target says, from dot (0, 0); their "
+        "diameters are right.",
+        tuple(shooting.views),
+    )
+
+
+def _expose_later(shooting: Shooting) -> Outcome:
+    """Let the target drift between the exposures of the first two cameras, in each view another way."""
+    second = shooting.cameras[1]
+    takes = []
+    for take in shooting.takes:
+        if take.camera == second:
+            turn = np.radians(DRIFT_DEG) * _direction(shooting, Mistake.UNSYNCHRONISED, take.view, "turn")
+            move = DRIFT_MM * _direction(shooting, Mistake.UNSYNCHRONISED, take.view, "move")
+            drift = replace(take.track, velocity=move, rotation=turn).at(1.0)
+            track = replace(take.track, T_world_target=drift, middle=take.track.middle + move)
+            takes.append(replace(take, track=track))
+        else:
+            takes.append(take)
+    return Outcome(
+        tuple(takes),
+        f"Camera '{second}' exposes later than the others; the target has drifted by {DRIFT_MM:g} mm and "
+        f"{DRIFT_DEG:g} degrees by then.",
+        tuple(shooting.views),
+    )
+
+
+def _knock_camera(shooting: Shooting) -> Outcome:
+    """Move and turn the second camera about its own centre, for good."""
+    second, later = shooting.cameras[1], _later_views(shooting)
+    turn = np.radians(KNOCK_DEG) * _direction(shooting, Mistake.CAMERA_KNOCKED, "turn")
+    move = KNOCK_MM * _direction(shooting, Mistake.CAMERA_KNOCKED, "move")
+    knock = from_rotation_vector(turn, move)
+    takes = tuple(
+        replace(take, device=replace(take.device, T_cam_world=knock @ take.device.T_cam_world))
+        if take.camera == second and take.view in later
+        else take
+        for take in shooting.takes
+    )
+    return Outcome(
+        takes,
+        f"Camera '{second}' has been knocked: turned by {KNOCK_DEG:g} degrees and moved by {KNOCK_MM:g} mm.",
+        later,
+    )
+
+
+def _lose_focus(shooting: Shooting) -> Outcome:
+    """Blur the pictures of the last of the first two cameras."""
+    blurred = shooting.cameras[:2][-1]
+    takes = tuple(
+        replace(take, defocus_px=DEFOCUS_PX) if take.camera == blurred else take for take in shooting.takes
+    )
+    return Outcome(
+        takes,
+        f"Camera '{blurred}' is out of focus: a blur with a standard deviation of {DEFOCUS_PX:g} px.",
+        tuple(shooting.views),
+    )
+
+
+_MADE = {
+    Mistake.SWAPPED_CAMERAS: _swap_cameras,
+    Mistake.BOARD_TURNED: _turn_board,
+    Mistake.WRONG_PITCH: _print_another_pitch,
+    Mistake.UNSYNCHRONISED: _expose_later,
+    Mistake.CAMERA_KNOCKED: _knock_camera,
+    Mistake.OUT_OF_FOCUS: _lose_focus,
+}

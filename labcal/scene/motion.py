@@ -1,0 +1,94 @@
+"""How the target moves while a picture is taken, and when each row of the picture is exposed."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+from scipy.spatial.transform import Rotation
+
+from labcal.arrays import Points, Pose
+from labcal.geometry.poses import from_rotation_vector, pose, transform
+from labcal.scene.camera import Vector
+
+
+class ShutterKind(StrEnum):
+    """Whether all rows of a picture are exposed at once."""
+
+    GLOBAL = "global"
+    ROLLING = "rolling"
+    """Row after row, from the top."""
+
+
+class Motion(BaseModel):
+    """A steady movement of the target during every exposure; standing still where left out."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    velocity_mm_s: Vector = (0.0, 0.0, 0.0)
+    """Velocity of the board's middle in the world."""
+    rotation_deg_s: Vector = (0.0, 0.0, 0.0)
+    """Turning about the board's middle: the axis in the world, as long as the degrees per second."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the target is over time; at 0 s, the middle of the frame, it is at its view's pose."""
+
+    T_world_target: Pose
+    """Pose at 0 s, mm."""
+    middle: Points
+    """The board's middle at 0 s, world, mm, shape (3,)."""
+    velocity: np.ndarray
+    """mm/s, world, shape (3,)."""
+    rotation: np.ndarray
+    """Axis in the world times rad/s, shape (3,)."""
+
+    @property
+    def stands_still(self) -> bool:
+        """Whether the pose is the same at all times."""
+        return not (self.velocity.any() or self.rotation.any())
+
+    def at(self, seconds: float) -> Pose:
+        """Return ``T_world_target`` (mm) at a time."""
+        turn = from_rotation_vector(seconds * self.rotation, self.middle + seconds * self.velocity)
+        T_world_target: Pose = turn @ pose(np.eye(3), -self.middle) @ self.T_world_target
+        return T_world_target
+
+    def carried(self, p: Points, seconds: np.ndarray) -> Points:
+        """Return where points of the target are in the world, each at a time of its own.
+
+        Parameters
+        ----------
+        p : ndarray, shape (..., 3)
+            Target frame, mm.
+        seconds : ndarray, shape (...)
+        """
+        at_rest = transform(self.T_world_target, p)
+        if self.stands_still:
+            return at_rest
+        arm = at_rest - self.middle
+        turns = Rotation.from_rotvec(seconds.reshape(-1, 1) * self.rotation)
+        moved = turns.apply(arm.reshape(-1, 3)).reshape(p.shape)
+        return np.asarray(moved + self.middle + seconds[..., None] * self.velocity)
+
+
+@dataclass(frozen=True)
+class ShutterTimes:
+    """When the rows of a picture are exposed, in seconds from the middle of the frame."""
+
+    exposure_s: float
+    """How long each row is exposed."""
+    readout_s: float
+    """From the first row's exposure to the last one's; 0 for a global shutter."""
+    rows: int
+
+    @property
+    def span_s(self) -> float:
+        """From the beginning of the first row's exposure to the end of the last one's."""
+        return self.exposure_s + self.readout_s
+
+    def middles(self, rows: np.ndarray) -> np.ndarray:
+        """Return the middle of the exposure of rows, which may lie between pixels or off the picture."""
+        seconds: np.ndarray = self.readout_s * (rows / max(1, self.rows - 1) - 0.5)
+        return seconds

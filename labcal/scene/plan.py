@@ -1,0 +1,68 @@
+"""From a scene to its pictures: which are taken, by which camera, where everything really is meanwhile."""
+
+import numpy as np
+
+from labcal.geometry.poses import transform
+from labcal.scene.mistakes import Outcome, Shooting, make_mistake, printed_target
+from labcal.scene.model import Scene
+from labcal.scene.motion import ShutterTimes, Track
+from labcal.scene.placement import Stage
+from labcal.scene.take import Take
+from labcal.scene.views import PlannedView
+from labcal.shoot.manifest import Role
+
+EXPOSURE_MS = 10.0
+"""How long a row is exposed where the photometry does not say."""
+
+
+def built_scene(scene: Scene) -> Scene:
+    """Return the scene as it really stands, which by mistake may be with another print."""
+    return scene.model_copy(update={"target": printed_target(scene.target, scene.mistake)})
+
+
+def planned_takes(scene: Scene, views: tuple[PlannedView, ...], seed: int) -> Outcome:
+    """Return the pictures of views as they are really taken, view by view, camera by camera.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it is described.
+    views : tuple of PlannedView
+        The views that are taken; a mistake between views is made in the middle of these.
+    seed : int
+        Seed of the run; chance in a mistake is drawn from it.
+
+    Raises
+    ------
+    InputError
+        A camera is impossible, or the scene's mistake cannot be made with these views and cameras.
+    """
+    cameras = scene.true_cameras()
+    takes = tuple(
+        Take(view.name, name, name, camera, _track(scene, view), _shutter(scene, camera.size[1]))
+        for view in views
+        for name, camera in cameras.items()
+    )
+    if scene.mistake is None:
+        return Outcome(takes)
+    training = frozenset(view.name for view in views if view.role is Role.TRAIN)
+    shooting = Shooting(takes, isinstance(scene.placement, Stage), training, seed)
+    return make_mistake(scene.mistake, shooting)
+
+
+def _track(scene: Scene, view: PlannedView) -> Track:
+    """Return how the target moves in a view."""
+    x_min, y_min, x_max, y_max = built_scene(scene).target.extent_mm
+    middle = np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.0])
+    return Track(
+        T_world_target=view.T_world_target,
+        middle=transform(view.T_world_target, middle),
+        velocity=np.array(scene.motion.velocity_mm_s),
+        rotation=np.radians(scene.motion.rotation_deg_s),
+    )
+
+
+def _shutter(scene: Scene, rows: int) -> ShutterTimes:
+    """Return when the rows of a picture are exposed."""
+    exposure_ms: float = getattr(scene.photometry, "exposure_ms", EXPOSURE_MS)
+    return ShutterTimes(1e-3 * exposure_ms, 1e-3 * scene.readout_ms, rows)
