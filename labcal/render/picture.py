@@ -43,7 +43,7 @@ def render_picture(job: Job) -> float:
     scene, case, photometry = job.scene, job.case, job.scene.photometry
     camera = scene.cameras[case.camera].camera()
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
-        light = render_light(Laboratory(mi, scene, camera.size), camera, case)
+        light = render_light(Laboratory(mi, scene, camera.size, case.seed), camera, case)
     share = expose(light, photometry, job.exposure)
     if photometry.format is PictureFormat.EXR:
         _write_exr(job.path, share)

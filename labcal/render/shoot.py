@@ -18,6 +18,7 @@ from labcal.run.progress import Progress
 from labcal.scene.check import check_scene
 from labcal.scene.lighting import brightest_board
 from labcal.scene.model import Scene
+from labcal.scene.print import TruePrint
 from labcal.scene.truth import true_dots
 from labcal.scene.views import PlannedView, planned_views
 from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
@@ -100,7 +101,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
         ]
         seconds = _render(jobs, settings.workers, progress)
         write_manifest(working, _manifest(scene, views))
-        _write_truth(working, scene, views)
+        _write_truth(working, scene, views, settings.seed)
         _write_run(working, seconds, time.time() - began, settings)
     return open_shoot(folder)
 
@@ -155,14 +156,15 @@ def _manifest(scene: Scene, views: tuple[PlannedView, ...]) -> Manifest:
     return Manifest(target=scene.target, cameras=sizes, views=tuple(entries))
 
 
-def _write_truth(working: Path, scene: Scene, views: tuple[PlannedView, ...]) -> None:
+def _write_truth(working: Path, scene: Scene, views: tuple[PlannedView, ...], seed: int) -> None:
     """Write the scene, the cameras and poses, and every dot."""
     cameras = scene.true_cameras()
+    made = TruePrint.of(scene.target, scene.board, seed)
     truth = Truth(
         cameras={name: CameraRecord.of(camera) for name, camera in cameras.items()},
         views={view.name: TrueView(T_world_target=matrix4_record(view.T_world_target)) for view in views},
     )
-    dots = [true_dots(scene.target, view, name, camera) for view in views for name, camera in cameras.items()]
+    dots = [true_dots(scene, made, view, name, camera) for view in views for name, camera in cameras.items()]
     write_truth(working, truth, dots)
     write_file(working / FOLDER / "scene.yaml", scene.to_yaml(), force=True)
 

@@ -5,10 +5,13 @@ import numpy as np
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
+from labcal.scene.clearance import require_room
 from labcal.scene.lighting import brightest_board
 from labcal.scene.model import Scene
+from labcal.scene.print import TruePrint
 from labcal.scene.truth import true_dots
 from labcal.scene.views import PlannedView, planned_views
+from labcal.scene.visibility import what_hides
 
 LARGEST_PICTURE_PX = 400_000_000
 
@@ -20,14 +23,15 @@ def check_scene(scene: Scene, seed: int) -> None:
     ----------
     scene : Scene
     seed : int
-        Seed of the run; poses of a hand-held target are drawn from it.
+        Seed of the run; poses of a hand-held target and misplaced dots are drawn from it.
 
     Raises
     ------
     InputError
-        A picture is larger than 400 megapixels; a lens folds within its picture; a camera is under the
-        floor or behind the wall; in some view the target is behind a camera, turned away from it, or a ring
-        is not wholly in its picture; or no lamp shines on the target.
+        A picture is larger than 400 megapixels; a lens folds within its picture; a print does not fit on its
+        board; a camera, a lamp or the target is under the floor or behind the wall, or a camera or a lamp
+        inside something solid; in some view the target is behind a camera, turned away from it, or a ring is
+        hidden or not wholly in its picture; or no lamp shines on the target.
     """
     for name, description in scene.cameras.items():
         width, height = description.size
@@ -36,37 +40,37 @@ def check_scene(scene: Scene, seed: int) -> None:
                 f"The pictures of camera '{name}' have {width} x {height} pixels; more than "
                 f"{LARGEST_PICTURE_PX // 1_000_000} megapixels are not rendered. Lessen its size."
             )
-        x, y, z = description.eye_mm
-        if z <= scene.room.floor_z_mm or y >= scene.room.wall_y_mm:
-            raise InputError(
-                f"Camera '{name}' at ({x:g}, {y:g}, {z:g}) mm is under the floor or behind the wall. "
-                "Move its eye_mm."
-            )
     cameras = scene.true_cameras()
     for name, camera in cameras.items():
         camera.require_rays_everywhere(name)
+    made = TruePrint.of(scene.target, scene.board, seed)
     views = planned_views(scene, seed)
     for view in views:
+        require_room(scene, view, cameras)
         for name, camera in cameras.items():
-            _check_view(scene, view, name, camera)
+            _check_view(scene, made, view, name, camera)
     if not (brightest_board(scene, views) > 0.0).all():
         raise InputError(f"No lamp of the scene '{scene.name}' shines on the target. Turn one towards it.")
 
 
-def _check_view(scene: Scene, view: PlannedView, name: str, camera: Camera) -> None:
+def _check_view(scene: Scene, made: TruePrint, view: PlannedView, name: str, camera: Camera) -> None:
     """Raise unless the camera sees the front of the target and its three rings."""
     where = f"In view '{view.name}' of the scene '{scene.name}'"
-    points = transform(view.T_world_target, scene.target.points())
+    points = transform(view.T_world_target, made.centres)
     if (transform(camera.T_cam_world, points)[:, 2] <= 0.0).any():
         raise InputError(f"{where} the target is behind camera '{name}', or beside it. Move one of them.")
     if float((camera.centre - points[0]) @ view.T_world_target[:3, 2]) <= 0.0:
         raise InputError(f"{where} camera '{name}' sees the back of the target. Move the camera above it.")
-    dots = true_dots(scene.target, view, name, camera)
+    dots = true_dots(scene, made, view, name, camera)
     for col, row in scene.target.ring_indices:
         number = row * scene.target.cols + col
         if not dots.visible[number]:
+            ring = f"{where} the ring at ({col}, {row})"
+            body = what_hides(scene, made, view.T_world_target, camera.centre, number)
+            if body is not None:
+                raise InputError(f"{ring} is hidden from camera '{name}' by {body}. Move one of them.")
             q = np.round(dots.centre[number], 1)
             raise InputError(
-                f"{where} the ring at ({col}, {row}) is not wholly in the picture of camera '{name}': its "
-                f"centre falls at ({q[0]}, {q[1]}) px. Move the camera back, or shorten its focal_px."
+                f"{ring} is not wholly in the picture of camera '{name}': its centre falls at "
+                f"({q[0]}, {q[1]}) px. Move the camera back, or shorten its focal_px."
             )

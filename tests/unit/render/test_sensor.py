@@ -27,7 +27,7 @@ def test_sensor_rays_are_the_cameras_own(name: str) -> None:
     random = np.random.default_rng(5)
     worst = 0.0
     with renderer(MONO) as mi:
-        laboratory = Laboratory(mi, load_scene("still-plane"), camera.size)
+        laboratory = Laboratory(mi, load_scene("still-plane"), camera.size, 0)
         rows = laboratory.band_rows
         for first_row in np.linspace(0, height - rows, 20).astype(int):  # a band holds positions from 0 to 1
             position = random.uniform(0.0, 1.0, (5_000, 2)).astype(np.float32)
@@ -51,7 +51,7 @@ def test_where_the_lens_has_no_ray_the_picture_is_black() -> None:
     q = np.stack([u.ravel(), v.ravel()], axis=-1).astype(np.float64)
     expected = camera.rays(q).ok
     with renderer(MONO) as mi:
-        laboratory = Laboratory(mi, load_scene("still-plane"), camera.size)
+        laboratory = Laboratory(mi, load_scene("still-plane"), camera.size, 0)
         laboratory.sensor.aim(camera, 0)
         position = (q + 0.5) / np.array([640, laboratory.sensor.film().size()[1]])
         _, weight = laboratory.sensor.sample_ray(

@@ -3,6 +3,7 @@ import pytest
 
 from labcal.errors import InputError
 from labcal.scene.catalogue import load_scene
+from labcal.scene.print import TruePrint
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
 from labcal.shoot.manifest import Role
@@ -43,7 +44,7 @@ def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles() -> Non
         towards = (middle - board) / np.linalg.norm(middle - board)
         tilts.append(np.degrees(np.arccos(towards @ view.T_world_target[:3, 2])))
         for name, camera in cameras.items():
-            dots = true_dots(scene.target, view, name, camera)
+            dots = true_dots(scene, TruePrint.of(scene.target, scene.board, 0), view, name, camera)
             assert dots.visible[rings].all()
             assert dots.visible.mean() >= 0.6
             seen.append(dots.centre[dots.visible] / camera.size)
