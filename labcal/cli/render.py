@@ -25,7 +25,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--spp",
         type=positive_number,
         metavar="N",
-        help="rays a pixel: 1, 2, 4, 8 or a multiple of 16 (the scene's own where not given)",
+        help="rays a pixel (the scene's own where not given)",
     )
     parser.add_argument("--views", type=positive_number, metavar="N", help="only the first N views")
     add_seed(parser)

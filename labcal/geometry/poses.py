@@ -64,6 +64,19 @@ def look_at(eye: np.ndarray, focus: np.ndarray, up: np.ndarray) -> Pose:
     return pose(R_cam_world, -R_cam_world @ eye)
 
 
+def facing(centre: np.ndarray, focus: np.ndarray) -> Pose:
+    """Return ``T_ab`` of a body b at `centre` (in a, mm) whose z axis points at `focus`.
+
+    Raises
+    ------
+    InputError
+        `centre` and `focus` coincide.
+    """
+    along = focus - centre
+    up = np.array([1.0, 0.0, 0.0] if abs(along[0]) < 0.9 * np.linalg.norm(along) else [0.0, 1.0, 0.0])
+    return inverse(look_at(centre, focus, up))
+
+
 def require_rigid(T_ab: Pose, what: str) -> None:
     """Raise unless the matrix is a rotation and a translation.
 

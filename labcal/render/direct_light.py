@@ -22,6 +22,10 @@ class LitScene:
     """Mitsuba's shapes, in the order of the panels."""
     panels: Panels | None
     """All shapes of the scene, where every one is a panel."""
+    ambient: tuple[float, ...]
+    """Radiance that comes from everywhere and that nothing shades, in every channel."""
+    lamps: bool
+    """Whether there are lamps at all."""
 
 
 def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
@@ -40,9 +44,17 @@ def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
         si = scene.ray_intersect(ray, mi.RayFlags.All, True)
     else:
         si = lit.panels.interaction(ray, lit.panels.closest(ray), lit.shapes)
-    lamp, irradiance = scene.sample_emitter_direction(si, samples.square(LAMP), False, si.is_valid())
-    lit_up = si.is_valid() & (dr.max(irradiance) > 0.0)
+    bsdf, hit = si.bsdf(), si.is_valid()
+    found = mi.Spectrum(0.0)
+    if any(value > 0.0 for value in lit.ambient):
+        # Opaque, since the brightness of a scene is no reason for another kernel.
+        ambient = mi.Spectrum(*(dr.opaque(mi.Float, value) for value in lit.ambient))
+        found += dr.select(hit, ambient * bsdf.eval_diffuse_reflectance(si, hit), 0.0)
+    if not lit.lamps:
+        return found
+    lamp, irradiance = scene.sample_emitter_direction(si, samples.square(LAMP), False, hit)
+    lit_up = hit & (dr.max(irradiance) > 0.0)
     way = si.spawn_ray_to(lamp.p)
     lit_up &= ~(scene.ray_test(way, lit_up) if lit.panels is None else lit.panels.blocked(way))
-    reflected = si.bsdf().eval(mi.BSDFContext(), si, si.to_local(lamp.d), lit_up)
-    return dr.select(lit_up, reflected * irradiance, 0.0) + si.emitter(scene).eval(si)
+    reflected = bsdf.eval(mi.BSDFContext(), si, si.to_local(lamp.d), lit_up)
+    return found + dr.select(lit_up, reflected * irradiance, 0.0) + si.emitter(scene).eval(si)

@@ -22,11 +22,13 @@ class Laboratories:
     """Mitsuba with the variant in use; it must be in use whenever a laboratory is."""
     scene: Scene
     """The scene as it really stands."""
+    seed: int
+    """Of the run; the print's own defects are drawn from it."""
 
     def of_size(self, size: tuple[int, int]) -> Laboratory:
         """Return the laboratory whose film has a width and height (px); a height may be of some rows only."""
         # A scene cannot be hashed, its JSON can.
-        return _laboratory(self.mi, self.mi.variant(), self.scene.model_dump_json(), size)
+        return _laboratory(self.mi, self.mi.variant(), self.scene.model_dump_json(), (size, self.seed))
 
 
 @lru_cache(maxsize=KEPT)
@@ -34,7 +36,7 @@ def _laboratory(
     mi: ModuleType,
     variant: str,  # noqa: ARG001 -- tells laboratories apart
     scene: str,
-    size: tuple[int, int],
+    size_and_seed: tuple[tuple[int, int], int],
 ) -> Laboratory:
     """Compile a laboratory."""
-    return Laboratory(mi, Scene.model_validate_json(scene), size)
+    return Laboratory(mi, Scene.model_validate_json(scene), *size_and_seed)

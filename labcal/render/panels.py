@@ -49,6 +49,11 @@ class Panels:
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = mi.Normal3f(normals.T.astype(np.float32))
 
+    def of_shapes(self, shapes: Jit, numbers: list[int]) -> Jit:
+        """Return the shape of every panel, from all shapes and each panel's number among them."""
+        dr, mi = self._dr, self._mi
+        return dr.gather(mi.ShapePtr, shapes, mi.UInt32(numbers))
+
     def closest(self, ray: Jit) -> Hit:
         """Return the first panel that each ray meets."""
         mi, dr = self._mi, self._dr

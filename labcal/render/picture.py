@@ -38,7 +38,7 @@ def render_picture(job: Job) -> float:
     began = time.perf_counter()
     scene, case, photometry = job.scene, job.case, job.case.take.photometry(job.scene.photometry)
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
-        light = render_light(Laboratories(mi, scene), case)
+        light = render_light(Laboratories(mi, scene, case.seed), case)
     shot = Shot(case.seed, case.view, case.camera) if scene.noise else None
     deliver(light, photometry, job.exposure, shot, Destination(job.path, _texts(job)))
     return time.perf_counter() - began

@@ -21,6 +21,7 @@ from labcal.scene.lighting import brightest_board
 from labcal.scene.mistakes import Outcome
 from labcal.scene.model import Scene
 from labcal.scene.plan import built_scene, planned_takes
+from labcal.scene.print import TruePrint
 from labcal.scene.truth import true_dots, true_view
 from labcal.scene.views import PlannedView, planned_views
 from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
@@ -97,7 +98,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
         ]
         seconds = _render(jobs, settings.workers, progress)
         write_manifest(working, _manifest(scene, views))
-        _write_truth(working, scene, outcome)
+        _write_truth(working, scene, outcome, settings.seed)
         _write_run(working, seconds, time.time() - began, settings)
     return open_shoot(folder)
 
@@ -152,7 +153,7 @@ def _manifest(scene: Scene, views: tuple[PlannedView, ...]) -> Manifest:
     return Manifest(target=scene.target, cameras=sizes, views=tuple(entries))
 
 
-def _write_truth(working: Path, scene: Scene, outcome: Outcome) -> None:
+def _write_truth(working: Path, scene: Scene, outcome: Outcome, seed: int) -> None:
     """Write the scene, the cameras and poses, and every dot."""
     cameras = {name: CameraRecord.of(camera) for name, camera in scene.true_cameras().items()}
     truth = Truth(
@@ -165,8 +166,9 @@ def _write_truth(working: Path, scene: Scene, outcome: Outcome) -> None:
         mistake_description=outcome.wrong,
         mistake_views=outcome.wrong_views,
     )
-    target = built_scene(scene).target
-    write_truth(working, truth, [true_dots(target, take) for take in outcome.takes])
+    built = built_scene(scene)
+    made = TruePrint.of(built.target, built.board, seed)
+    write_truth(working, truth, [true_dots(built, made, take) for take in outcome.takes])
     write_file(working / FOLDER / "scene.yaml", scene.to_yaml(), force=True)
 
 

@@ -4,14 +4,17 @@ import numpy as np
 
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
+from labcal.scene.clearance import require_room
 from labcal.scene.lighting import brightest_board
 from labcal.scene.model import Scene
 from labcal.scene.placement import Handheld
 from labcal.scene.plan import built_scene, planned_takes
+from labcal.scene.print import TruePrint
 from labcal.scene.subframes import subframes
 from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
+from labcal.scene.visibility import what_hides
 
 LARGEST_PICTURE_PX = 400_000_000
 
@@ -23,17 +26,18 @@ def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
     ----------
     scene : Scene
     seed : int
-        Seed of the run; poses of a hand-held target are drawn from it.
+        Seed of the run; poses of a hand-held target and misplaced dots are drawn from it.
     count : int, optional
         Only the first so many views are taken, and so a mistake is made among these; all where left out.
 
     Raises
     ------
     InputError
-        A picture is larger than 400 megapixels; a lens folds within its picture; a camera is under the
-        floor or behind the wall; in some view the target is behind a camera, turned away from it, or a ring
-        is not wholly in its picture; no lamp shines on the target; the scene's mistake cannot be made; or
-        the target moves too fast.
+        A picture is larger than 400 megapixels; a lens folds within its picture; a print does not fit on its
+        board; a camera, a lamp or the target is under the floor or behind the wall, or a camera or a lamp
+        inside something solid; in some view the target is behind a camera, turned away from it, or a ring is
+        hidden or not wholly in its picture; no lamp shines on the target; the scene's mistake cannot be made;
+        or the target moves too fast.
     """
     for name, description in scene.cameras.items():
         width, height = description.size
@@ -42,22 +46,21 @@ def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
                 f"The pictures of camera '{name}' have {width} x {height} pixels; more than "
                 f"{LARGEST_PICTURE_PX // 1_000_000} megapixels are not rendered. Lessen its size."
             )
-        x, y, z = description.eye_mm
-        if z <= scene.room.floor_z_mm or y >= scene.room.wall_y_mm:
-            raise InputError(
-                f"Camera '{name}' at ({x:g}, {y:g}, {z:g}) mm is under the floor or behind the wall. "
-                "Move its eye_mm."
-            )
-    for name, camera in scene.true_cameras().items():
+    cameras = scene.true_cameras()
+    for name, camera in cameras.items():
         camera.require_rays_everywhere(name)
+    made = TruePrint.of(scene.target, scene.board, seed)
     views = planned_views(scene, seed)
     as_meant = scene.model_copy(update={"mistake": None})
+    for view in views:
+        require_room(scene, view, cameras)
     for take in planned_takes(as_meant, views, seed).takes:
         _check_place(as_meant, take)
-        _check_rings(as_meant, take)
+        _check_rings(as_meant, made, take)
     if not (brightest_board(scene, views) > 0.0).all():
         raise InputError(f"No lamp of the scene '{scene.name}' shines on the target. Turn one towards it.")
     built = built_scene(scene)
+    TruePrint.of(built.target, built.board, seed)
     for take in planned_takes(scene, views[:count], seed).takes:
         _check_place(built, take)  # a mistake may hide a ring, but not the target
         subframes(take, built.target)
@@ -74,17 +77,21 @@ def _check_place(scene: Scene, take: Take) -> None:
         raise InputError(f"{where} camera '{name}' sees the back of the target. Move the camera above it.")
 
 
-def _check_rings(scene: Scene, take: Take) -> None:
+def _check_rings(scene: Scene, made: TruePrint, take: Take) -> None:
     """Raise unless the camera sees the three rings, if it needs to."""
     if isinstance(scene.placement, Handheld) and not scene.placement.all_rings:
         return
-    dots = true_dots(scene.target, take)
+    dots = true_dots(scene, made, take)
     for col, row in scene.target.ring_indices:
         number = row * scene.target.cols + col
         if not dots.visible[number]:
+            ring = f"In view '{take.view}' of the scene '{scene.name}' the ring at ({col}, {row})"
+            name, eye = take.taken_by, take.device.centre
+            body = what_hides(scene, made, take.track.T_world_target, eye, number)
+            if body is not None:
+                raise InputError(f"{ring} is hidden from camera '{name}' by {body}. Move one of them.")
             q = np.round(dots.centre[number], 1)
             raise InputError(
-                f"In view '{take.view}' of the scene '{scene.name}' the ring at ({col}, {row}) is not wholly "
-                f"in the picture of camera '{take.taken_by}': its centre falls at ({q[0]}, {q[1]}) px. Move "
-                "the camera back, or shorten its focal_px."
+                f"{ring} is not wholly in the picture of camera '{name}': its centre falls at "
+                f"({q[0]}, {q[1]}) px. Move the camera back, or shorten its focal_px."
             )

@@ -1,14 +1,15 @@
-"""The solid things around the target in a view: the table, the target's plate, and what holds it up."""
-
-from dataclasses import dataclass
+"""The solid things around the target in a view: table, plate, what holds it up, and what is in the way."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import facing, pose
 from labcal.scene.model import Scene
+from labcal.scene.occluders import Box, Frame, Occluder
 from labcal.scene.placement import Stage
-from labcal.scene.room import Colour
+from labcal.scene.solids import Block, Cylinder, Solid
+from labcal.scene.surface import Surface
 
 TABLE_THICKNESS_MM = 40.0
 COLUMN_MM = 220.0
@@ -19,18 +20,10 @@ GAP_MM = 0.05
 """The print lies this far above its plate, so that no ray confuses the two."""
 
 
-@dataclass(frozen=True)
-class Block:
-    """A box of one reflectance."""
-
-    T_world_block: Pose
-    """Pose of its middle, mm."""
-    size_mm: tuple[float, float, float]
-    reflectance: Colour
-
-
 def blocks(scene: Scene, T_world_target: Pose) -> tuple[Block, Block, Block]:
     """Return table, plate and support with the target at a pose; none of them hides the print.
+
+    The plate is flat, and so behind the lowest part of a bent print.
 
     Parameters
     ----------
@@ -40,11 +33,11 @@ def blocks(scene: Scene, T_world_target: Pose) -> tuple[Block, Block, Block]:
     """
     room = scene.room
     table = pose(np.eye(3), np.array([*room.table_centre_mm, room.table_z_mm - 0.5 * TABLE_THICKNESS_MM]))
-    x_min, y_min, x_max, y_max = scene.target.extent_mm
-    middle = np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.0])
+    surface = Surface.of(scene.target, scene.board.bend)
     thickness = scene.board.thickness_mm
-    plate = T_world_target @ pose(np.eye(3), middle - [0.0, 0.0, 0.5 * thickness + GAP_MM])
-    underside = T_world_target @ pose(np.eye(3), middle - [0.0, 0.0, thickness + GAP_MM])
+    top = np.array([*surface.middle, surface.lowest_mm() - GAP_MM])
+    plate = T_world_target @ pose(np.eye(3), top - [0.0, 0.0, 0.5 * thickness])
+    underside = T_world_target @ pose(np.eye(3), top - [0.0, 0.0, thickness])
     if isinstance(scene.placement, Stage):
         height = max(float(underside[2, 3]) - room.table_z_mm, 1.0)
         support = pose(np.eye(3), underside[:3, 3] - [0.0, 0.0, 0.5 * height])
@@ -52,8 +45,30 @@ def blocks(scene: Scene, T_world_target: Pose) -> tuple[Block, Block, Block]:
     else:
         support = underside @ pose(np.eye(3), np.array([0.0, 0.0, -0.5 * ARM_MM[2]]))
         support_size = ARM_MM
+    width, height = 2.0 * surface.half
     return (
-        Block(table, (*room.table_size_mm, TABLE_THICKNESS_MM), room.table),
-        Block(plate, (x_max - x_min, y_max - y_min, thickness), scene.board.plate),
-        Block(support, support_size, room.support),
+        Block("the table", table, (*room.table_size_mm, TABLE_THICKNESS_MM), room.table),
+        Block("the target's plate", plate, (width, height, thickness), scene.board.plate),
+        Block("the target's support", support, support_size, room.support),
     )
+
+
+def obstacles(scene: Scene, T_world_target: Pose) -> tuple[Solid, ...]:
+    """Return the scene's occluders, in their order, with the target at a pose."""
+    return tuple(
+        _solid(f"occluders.{number}", occluder, T_world_target)
+        for number, occluder in enumerate(scene.occluders)
+    )
+
+
+def _solid(name: str, occluder: Occluder, T_world_target: Pose) -> Solid:
+    """Return an occluder at its place."""
+    T_world_frame = T_world_target if occluder.frame is Frame.TARGET else np.eye(4)
+    if isinstance(occluder, Box):
+        turn = Rotation.from_euler("xyz", occluder.turn_deg, degrees=True).as_matrix()
+        T_world_block = T_world_frame @ pose(turn, np.array(occluder.centre_mm))
+        return Block(name, T_world_block, occluder.size_mm, occluder.reflectance)
+    start, end = np.array(occluder.from_mm), np.array(occluder.to_mm)
+    middle, length = 0.5 * (start + end), float(np.linalg.norm(end - start))
+    T_world_cylinder = T_world_frame @ facing(middle, end)
+    return Cylinder(name, T_world_cylinder, length, occluder.diameter_mm, occluder.reflectance)

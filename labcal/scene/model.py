@@ -7,12 +7,15 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 
 from labcal.cameras.camera import Camera
 from labcal.run.names import Name
+from labcal.scene.board import Board
 from labcal.scene.camera import CameraDescription
+from labcal.scene.lamps import Lamp
 from labcal.scene.mistakes import Mistake
 from labcal.scene.motion import Motion, ShutterKind
+from labcal.scene.occluders import Occluder
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
-from labcal.scene.room import Board, Lamp, Room
+from labcal.scene.room import Room
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 
@@ -31,6 +34,8 @@ class Scene(BaseModel):
     lamps: Annotated[tuple[Lamp, ...], Field(min_length=1)]
     room: Room = Room()
     board: Board = Board()
+    occluders: tuple[Occluder, ...] = ()
+    """Solid things in the way, or just there to be seen."""
     photometry: Photometry = Photometry()
     """The sensors; in a file the name of a preset, a preset with changes, or the whole description."""
     motion: Motion = Motion()

@@ -1,41 +1,9 @@
-"""The room around the target: what reflects light, and the lamps that give it."""
+"""The room around the target: what is there and how it reflects light."""
 
-from typing import Annotated
+from pydantic import BaseModel, ConfigDict
 
-from pydantic import BaseModel, ConfigDict, Field
-
-from labcal.scene.camera import Coordinate, Vector
-
-Share = Annotated[float, Field(ge=0, le=1)]
-Colour = tuple[Share, Share, Share]
-Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-
-
-class Lamp(BaseModel):
-    """A flat panel that shines to one side, evenly in all directions (a Lambertian emitter)."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    centre_mm: Vector
-    look_at_mm: Vector
-    size_mm: tuple[Length, Length]
-    radiance: Positive
-    """Brightness of the panel, in a unit that the exposure takes out again."""
-    colour: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
-    """Factors of red, green and blue."""
-
-
-class Board(BaseModel):
-    """How the target is made: a print with diffuse reflectances, on a plate."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    dark: Colour = (0.04, 0.04, 0.04)
-    light: Colour = (0.85, 0.85, 0.85)
-    plate: Colour = (0.35, 0.36, 0.37)
-    """Edges and back of the plate."""
-    thickness_mm: Length = 8.0
+from labcal.scene.camera import Coordinate
+from labcal.scene.quantities import Colour, Length
 
 
 class Room(BaseModel):

@@ -2,41 +2,43 @@
 
 import numpy as np
 
-from labcal.cameras.dot_image import flat_outlines, outlined_images
+from labcal.cameras.dot_image import outlined_images
 from labcal.cameras.record import CameraRecord, matrix4_record
+from labcal.scene.model import Scene
+from labcal.scene.print import TruePrint
 from labcal.scene.take import Take
+from labcal.scene.visibility import unseen, viewpoints
 from labcal.shoot.truth import TrueDots, TruePicture, TrueView
-from labcal.targets.grid import DotGrid
 
 
-def true_dots(target: DotGrid, take: Take) -> TrueDots:
+def true_dots(scene: Scene, made: TruePrint, take: Take) -> TrueDots:
     """Return every dot of the target as it is in one picture, in the middle of its own row's exposure.
 
     Parameters
     ----------
-    target : DotGrid
-        The target as it is printed.
+    scene : Scene
+        As it really stands.
+    made : TruePrint
+        The print of the run: ``TruePrint.of(scene.target, scene.board, seed)``.
     take : Take
 
     Returns
     -------
     TrueDots
-        By the name under which the picture is delivered; `visible` where the whole outline is in the frame
-        and the board is seen from its front. A dot that no row sees is where it is in the middle of the
-        frame.
+        By the name under which the picture is delivered; `visible` where the whole outline is in the frame,
+        the board is seen from its front, and nothing solid is in the way of any part of the dot (in the
+        middle of the frame). A dot that no row sees is where it is in the middle of the frame.
     """
-    centres = target.points()
-    images = outlined_images(take.image, centres, flat_outlines(centres, 0.5 * target.outer_diameters_mm()))
-    T_world_target = take.track.T_world_target
-    front = float((take.device.centre - T_world_target[:3, 3]) @ T_world_target[:3, 2]) > 0.0
+    images = outlined_images(take.image, made.centres, made.outlines)
+    hidden = unseen(scene, made, take.track.T_world_target, viewpoints(take.device, images))
     return TrueDots(
         view=take.view,
         camera=take.camera,
-        index=target.indices(),
-        point=take.track.carried(centres, np.nan_to_num(take.instants(centres))),
+        index=scene.target.indices(),
+        point=take.track.carried(made.centres, np.nan_to_num(take.instants(made.centres))),
         centre=images.centre,
         centroid=images.centroid,
-        visible=images.ok & take.device.in_picture(images.outline).all(axis=-1) & front,
+        visible=images.ok & take.device.in_picture(images.outline).all(axis=-1) & ~hidden,
     )
 
 

@@ -19,6 +19,29 @@ from labcal.scene.check import check_scene
         (("lamps.0.centre_mm=[0, 0, -600]", "lamps.1.centre_mm=[0, 0, -600]"), "No lamp"),
         (("lamps.0.centre_mm=[1000, 1000, 200]",), "away from itself"),
         (("cameras.left.look_at_mm=[720, 640, 1850]",), "away from itself"),
+        (
+            ("lamps.1.centre_mm=[0, 2100, 900]",),
+            r"lamps.1 at \(0, 2100, 900\) mm is under the floor or behind",
+        ),
+        (("lamps.1.centre_mm=[1000, 1000, -80]",), "lamps.1 at .* is inside the table"),
+        (("lamps.1.centre_mm=[1000, 1000, 100]",), "lamps.1 at .* is inside the target's support"),
+        (("cameras.left.eye_mm=[1600, 1400, -80]",), "Camera 'left' at .* is inside the table"),
+        (("placement.views.1.origin_mm=[650, 1400, 200]",), "corner of the target in view 'test-shifted'"),
+        (("room.floor_z_mm=250",), "corner of the target in view 'train'"),
+        (("occluders=[{kind: box, centre_mm: [720, 640, 1850], size_mm: [9, 9, 9]}]",), "inside occluders.0"),
+        (
+            ("occluders=[{kind: rod, from_mm: [720, 640, 1800], to_mm: [720, 640, 1900], diameter_mm: 9}]",),
+            "inside occluders.0",
+        ),
+        (
+            (
+                "occluders=[{kind: box, frame: target, centre_mm: [350, 350, 20], size_mm: [700, 700, 10]}]",
+                "board.misplacement_mm=0.1",
+            ),
+            r"the ring at \(2, 2\) is hidden from camera 'left' by occluders.0",
+        ),
+        (("board.misplacement_mm=20",), "half a pitch off"),
+        (("board.print_scale=[1.2, 1]",), "does not fit on its board"),
     ],
 )
 def test_what_cannot_be_rendered_is_named(overrides: tuple[str, ...], what: str) -> None:

@@ -8,6 +8,7 @@ from labcal.scene.catalogue import load_scene
 from labcal.scene.check import check_scene
 from labcal.scene.handheld import _candidates, _most_covering, handheld_poses
 from labcal.scene.plan import planned_takes
+from labcal.scene.print import TruePrint
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
 
@@ -73,7 +74,7 @@ def test_partial_views_show_as_much_as_is_asked_for() -> None:
     rings = [row * scene.target.cols + col for col, row in scene.target.ring_indices]
     shares, lost_rings = [], 0
     for take in planned_takes(scene, planned_views(scene, 0), 0).takes:
-        visible = true_dots(scene.target, take).visible
+        visible = true_dots(scene, TruePrint.of(scene.target, scene.board, 0), take).visible
         shares.append(visible.mean())
         lost_rings += not visible[rings].all()
     assert min(shares) >= 0.3 - 1e-9

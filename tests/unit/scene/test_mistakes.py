@@ -9,11 +9,17 @@ from labcal.scene.check import check_scene
 from labcal.scene.mistakes import Mistake, Outcome
 from labcal.scene.model import Scene
 from labcal.scene.plan import built_scene, planned_takes
+from labcal.scene.print import TruePrint
 from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
+from labcal.shoot.truth import TrueDots
 
 SEEDS = (0, 1, 2)
+
+
+def seen(scene: Scene, take: Take) -> TrueDots:
+    return true_dots(scene, TruePrint.of(scene.target, scene.board, 0), take)
 
 
 def scene_with(name: str, mistake: str) -> Scene:
@@ -30,7 +36,7 @@ def pairs(takes: tuple[Take, ...]) -> list[tuple[Take, Take]]:
 
 def epipolar_rms(scene: Scene, pair: tuple[Take, Take]) -> float:
     """Return the RMS distance of the delivered dots from the epipolar curves of the cameras as planned."""
-    left, right = (true_dots(built_scene(scene).target, take) for take in pair)
+    left, right = (seen(built_scene(scene), take) for take in pair)
     both = left.visible & right.visible
     cameras = scene.true_cameras()
     distances = epipolar_distances(
@@ -70,9 +76,7 @@ def test_swapped_cameras_exchange_pictures_from_the_middle_view_on(seed: int) ->
         assert (left.taken_by, right.taken_by) == (("left", "right") if number < 10 else ("right", "left"))
         source = as_meant if number < 10 else as_meant[::-1]
         for take, other in zip(pair, source, strict=True):
-            np.testing.assert_array_equal(
-                true_dots(scene.target, take).centroid, true_dots(scene.target, other).centroid
-            )
+            np.testing.assert_array_equal(seen(scene, take).centroid, seen(scene, other).centroid)
         assert (epipolar_rms(scene, pair) > 5.0) == (number >= 10)
 
 
@@ -137,7 +141,7 @@ def test_a_turned_board_lies_in_its_place_the_wrong_way_round(
     for take in done.takes:
         nominal = views[take.view].T_world_target_nominal
         assert nominal is not None
-        true, meant = true_dots(scene.target, take), nominal[:3, 3] + scene.target.points()
+        true, meant = seen(scene, take), nominal[:3, 3] + scene.target.points()
         if take.view == chosen:
             # Of 13 x 10 dots that lie on each other when turned, (col, row) goes to (12 - col, 9 - row).
             np.testing.assert_allclose(true.point[::-1], meant, atol=1e-9)
@@ -153,9 +157,9 @@ def test_a_wrong_pitch_moves_the_dots_and_not_their_size() -> None:
     assert built.target.pitch_y_mm == pytest.approx(1.03 * scene.target.pitch_y_mm)
     assert built.target.dot_diameter_mm == scene.target.dot_diameter_mm
     take = outcome(scene, 0).takes[0]
-    true = true_dots(built.target, take)
+    true = seen(built, take)
     np.testing.assert_allclose(true.point[-1], [650.0 + 1.03 * 700.0, 650.0 + 1.03 * 700.0, 200.0])
-    meant = true_dots(scene.target, outcome(load_scene("webcam-plane"), 0).takes[0])
+    meant = seen(scene, outcome(load_scene("webcam-plane"), 0).takes[0])
     moved = np.linalg.norm(true.centre - meant.centre, axis=1)
     assert moved[0] == 0.0
     assert moved[-1] > 5.0

@@ -7,10 +7,12 @@ from labcal.errors import InputError
 from labcal.scene.catalogue import load_scene
 from labcal.scene.motion import ShutterTimes, Track
 from labcal.scene.plan import planned_takes
+from labcal.scene.print import TruePrint
 from labcal.scene.subframes import LARGEST_STEP_PX, subframes
 from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
+from labcal.shoot.truth import TrueDots
 from labcal.targets.grid import DotGrid
 
 STILL = np.zeros(3)
@@ -22,6 +24,12 @@ def facing_pose() -> np.ndarray:
     T_world_target = np.diag([1.0, -1.0, -1.0, 1.0])
     T_world_target[:3, 3] = [-40.0, 20.0, AWAY]
     return T_world_target
+
+
+def seen(target: DotGrid, take: Take) -> TrueDots:
+    """Return the dots of a flat, exact print."""
+    scene = load_scene("webcam-plane").model_copy(update={"target": target})
+    return true_dots(scene, TruePrint.of(target, scene.board, 0), take)
 
 
 def taken(
@@ -70,8 +78,8 @@ def test_with_a_rolling_shutter_a_square_moved_picture_is_sheared_as_worked_out_
     # Square to the camera, the image of a point runs at (a, b) px/s. Row v is read at R (v / (H - 1) - 1/2),
     # so that v = v0 + b t(v) gives v = (v0 - b R / 2) / (1 - b R / (H - 1)): an affine map of the picture.
     velocity, readout = np.array([900.0, 500.0, 0.0]), 0.04
-    dots = true_dots(grid, taken(velocity, STILL, 0.005, readout))
-    at_rest = true_dots(grid, taken(STILL, STILL, 0.005, readout))
+    dots = seen(grid, taken(velocity, STILL, 0.005, readout))
+    at_rest = seen(grid, taken(STILL, STILL, 0.005, readout))
     a, b = velocity[:2] * FOCAL / AWAY
     v = (at_rest.centre[:, 1] - 0.5 * b * readout) / (1.0 - b * readout / (HEIGHT - 1))
     t = readout * (v / (HEIGHT - 1) - 0.5)
@@ -87,7 +95,7 @@ def test_with_a_global_shutter_the_truth_is_that_of_the_middle_of_the_frame(grid
     at_rest = taken(STILL, STILL, 0.02, 0.0)
     for name in ("point", "centre", "centroid"):
         np.testing.assert_allclose(
-            getattr(true_dots(grid, moving), name), getattr(true_dots(grid, at_rest), name), atol=1e-9
+            getattr(seen(grid, moving), name), getattr(seen(grid, at_rest), name), atol=1e-9
         )
 
 

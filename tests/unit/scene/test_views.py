@@ -4,6 +4,7 @@ import pytest
 from labcal.errors import InputError
 from labcal.scene.catalogue import load_scene
 from labcal.scene.plan import planned_takes
+from labcal.scene.print import TruePrint
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
 from labcal.shoot.manifest import Role
@@ -45,7 +46,7 @@ def test_poses_in_the_hand_show_the_rings_and_cover_pictures_and_angles() -> Non
         towards = (middle - board) / np.linalg.norm(middle - board)
         tilts.append(np.degrees(np.arccos(towards @ view.T_world_target[:3, 2])))
     for take in takes:
-        dots = true_dots(scene.target, take)
+        dots = true_dots(scene, TruePrint.of(scene.target, scene.board, 0), take)
         assert dots.visible[rings].all()
         assert dots.visible.mean() >= 0.6
         seen.append(dots.centre[dots.visible] / take.device.size)

@@ -1,0 +1,58 @@
+"""Where a print is inked, on Dr.Jit's float32 arrays: from the distance to the nearest dot's centre."""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import numpy as np
+
+from labcal.render.variant import Jit
+from labcal.scene.print import TruePrint
+from labcal.targets.grid import Polarity
+
+
+@dataclass(frozen=True)
+class Ink:
+    """A print whose places are told by uv, from 0 to 1 along the board's edges."""
+
+    made: TruePrint
+    offset_x: Jit
+    """How far each dot is off along x, as the design sees it, mm; one float an entry."""
+    offset_y: Jit
+
+    def designed(self, uv: Jit) -> tuple[Jit, Jit]:
+        """Return what place of the design, in mm, is printed at a place on the board."""
+        surface = self.made.surface
+        (x_middle, y_middle), (width, height) = surface.middle.tolist(), (2.0 * surface.half).tolist()
+        x, y = (uv.x - 0.5) * width, (uv.y - 0.5) * height
+        if not np.array_equal(self.made.A, np.eye(2)):
+            (a, b), (c, d) = np.linalg.inv(self.made.A).tolist()
+            x, y = a * x + b * y, c * x + d * y
+        return x + x_middle, y + y_middle
+
+    def is_dark(self, uv: Jit) -> Jit:
+        """Return where the print is the darker of its two colours."""
+        target = self.made.target
+        x, y = self.designed(uv)
+        col = dr.clip(dr.round(x / target.pitch_x_mm), 0, target.cols - 1)
+        row = dr.clip(dr.round(y / target.pitch_y_mm), 0, target.rows - 1)
+        dx, dy = x - col * target.pitch_x_mm, y - row * target.pitch_y_mm
+        if self.made.is_displaced:
+            number = dr.uint32_array_t(x)(row * target.cols + col)
+            dx -= dr.gather(type(x), self.offset_x, number)
+            dy -= dr.gather(type(x), self.offset_y, number)
+        r2 = dx * dx + dy * dy
+        ring = dr.mask_t(x)(False)
+        for ring_col, ring_row in target.ring_indices:
+            ring |= (col == ring_col) & (row == ring_row)
+        outer = dr.select(ring, target.ring_outer_diameter_mm, target.dot_diameter_mm)
+        inner = dr.select(ring, target.ring_inner_diameter_mm, 0.0)
+        inked = (4.0 * r2 <= outer * outer) & (4.0 * r2 >= inner * inner)
+        return inked if target.polarity is Polarity.BLACK_ON_WHITE else ~inked
+
+    def evenness(self, uv: Jit) -> Jit:
+        """Return the factor by which the paper is darker or lighter in places, or 1 for even paper."""
+        width, height = (2.0 * self.made.surface.half).tolist()
+        factor: Jit = 1.0
+        for along_x, along_y, phase in self.made.waves.tolist():
+            factor += self.made.amplitude * dr.cos(along_x * width * uv.x + along_y * height * uv.y + phase)
+        return factor

@@ -1,0 +1,56 @@
+"""How a target is made, and what may be wrong with it; every defect is off unless asked for."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from labcal.scene.quantities import Colour, Deviation, Length
+
+Factor = Annotated[float, Field(ge=0.5, le=2)]
+Rise = Annotated[float, Field(ge=-500, le=500)]
+
+
+class Bend(BaseModel):
+    """How far a board is from flat: a paraboloid and a twist that touch the nominal plane in its middle.
+
+    With a and b the place on the board over its half width and half height, from -1 to 1, the height is
+    ``along_x_mm a^2 + along_y_mm b^2 + twist_mm a b``, towards the viewer. The bend lifts every point of the
+    print straight up: x and y stay as they are, so the paper is stretched a little.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    along_x_mm: Rise = 0.0
+    """Height of the middles of the left and right edges."""
+    along_y_mm: Rise = 0.0
+    """Height of the middles of the lower and upper edges."""
+    twist_mm: Rise = 0.0
+    """Height that the twist gives to the lower left and upper right corners; it takes it from the others."""
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether there is no bend at all."""
+        return self.along_x_mm == 0.0 and self.along_y_mm == 0.0 and self.twist_mm == 0.0
+
+
+class Board(BaseModel):
+    """How the target is made: a print with diffuse reflectances, on a plate."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    dark: Colour = (0.04, 0.04, 0.04)
+    light: Colour = (0.85, 0.85, 0.85)
+    plate: Colour = (0.35, 0.36, 0.37)
+    """Edges and back of the plate."""
+    thickness_mm: Length = 8.0
+    gloss_roughness: Annotated[float, Field(ge=0.02, le=1)] | None = None
+    """Roughness (alpha of the GGX distribution) of a clear coat of index 1.5; none: matt paper."""
+    unevenness: Annotated[float, Field(ge=0, le=0.1)] = 0.0
+    """Standard deviation of the paper's reflectance from place to place, as a share of it."""
+    bend: Bend = Bend()
+    print_scale: tuple[Factor, Factor] = (1.0, 1.0)
+    """What the printer made of a millimetre along x and y, about the board's middle; dots grow with it."""
+    print_shear: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
+    """How far the print moves along x for each millimetre along y, about the board's middle."""
+    misplacement_mm: Deviation = 0.0
+    """Standard deviation of each dot's place along x and along y; the same print in all views of a run."""

@@ -1,0 +1,133 @@
+"""Where the print of a target really is: one formula for the truth and for the picture."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Points
+from labcal.cameras.dot_image import flat_outlines
+from labcal.errors import InputError
+from labcal.rng import generator
+from labcal.scene.board import Board
+from labcal.scene.surface import Surface
+from labcal.targets.grid import DotGrid
+
+WAVES = 8
+"""Plane waves that make up the unevenness of the paper."""
+WAVELENGTHS = (0.08, 0.6)
+"""Shortest and longest of them, as shares of the board's width."""
+
+
+@dataclass(frozen=True)
+class TruePrint:
+    """A target as it was made.
+
+    What is printed at (x, y) by design, from the board's middle, comes to lie at ``A (x, y)``; each dot is
+    then off by its own displacement; and the paper is bent as a whole.
+    """
+
+    target: DotGrid
+    surface: Surface
+    A: np.ndarray
+    """(2, 2), what the printer makes of lengths."""
+    displacement: np.ndarray
+    """(dots, 2), how far each dot is off its place on the paper, mm."""
+    waves: np.ndarray
+    """(WAVES, 3), wave numbers along x and y (rad/mm) and phase of the paper's unevenness; empty for none."""
+    amplitude: float
+    """Of each wave, as a share of the reflectance."""
+
+    @classmethod
+    def of(cls, target: DotGrid, board: Board, seed: int) -> "TruePrint":
+        """Return the print that a run with this seed has, the same in all of its views.
+
+        Raises
+        ------
+        InputError
+            A dot would touch its neighbour's place or leave the board.
+        """
+        draws = generator(seed, "misplaced dots").standard_normal((target.count, 2))
+        made = cls(
+            target=target,
+            surface=Surface.of(target, board.bend),
+            A=np.array([[board.print_scale[0], board.print_shear], [0.0, board.print_scale[1]]]),
+            displacement=board.misplacement_mm * draws,
+            waves=_waves(target, board, seed),
+            amplitude=board.unevenness * float(np.sqrt(2.0 / WAVES)),
+        )
+        made._require_room()
+        return made
+
+    @property
+    def is_displaced(self) -> bool:
+        """Whether any dot is off its place."""
+        return bool((self.displacement != 0.0).any())
+
+    @cached_property
+    def centres(self) -> Points:
+        """The dots' centres in the target's frame, mm, shape (dots, 3)."""
+        return self.surface.points(self._on_paper(self.target.points())[:, 0])
+
+    @cached_property
+    def outlines(self) -> Float64[np.ndarray, "dots samples 3"]:
+        """The dots' outer outlines in the target's frame, mm, from +x towards +y."""
+        return self.surface.points(self.flat_outlines(1.0))
+
+    @cached_property
+    def reach_mm(self) -> float:
+        """A distance from its centre that no point of a dot exceeds."""
+        return 1.01 * float(np.linalg.norm(self.outlines - self.centres[:, None, :], axis=-1).max())
+
+    def flat_outlines(self, share: float) -> Float64[np.ndarray, "dots samples 2"]:
+        """Return curves within the dots on the flat paper, mm; at a share of 1 their outer outlines."""
+        radii = 0.5 * share * self.target.outer_diameters_mm()
+        return self._on_paper(flat_outlines(self.target.points(), radii))
+
+    def dot_offsets(self) -> Float64[np.ndarray, "dots 2"]:
+        """Return the displacements as the design sees them: before the printer's scale and shear."""
+        return np.asarray(self.displacement @ np.linalg.inv(self.A).T)
+
+    def _on_paper(self, p: Points) -> np.ndarray:
+        """Return where the paper has what the design has at p, one row of points a dot, (dots, n, 2)."""
+        by_dot = p.reshape(self.target.count, -1, 3)[..., :2]
+        middle = self.surface.middle
+        return np.asarray((by_dot - middle) @ self.A.T + middle + self.displacement[:, None, :])
+
+    def _require_room(self) -> None:
+        """Raise unless every dot stays within its cell of the grid and on the board."""
+        target = self.target
+        room = 0.5 * np.array([target.pitch_x_mm, target.pitch_y_mm])
+        reach = np.abs(self.dot_offsets()) + 0.5 * target.outer_diameters_mm()[:, None]
+        if (reach >= room).any():
+            dot = target.indices()[np.argmax((reach / room).max(axis=1))]
+            raise InputError(
+                f"With a misplacement of this size the dot ({dot[0]}, {dot[1]}) of the target "
+                f"'{target.name}' comes to lie half a pitch off, and dots may touch. Lessen "
+                "board.misplacement_mm."
+            )
+        off = np.abs(self.flat_outlines(1.0) - self.surface.middle) - self.surface.half
+        allowed = np.maximum(0.0, np.abs(self._nominal_outlines() - self.surface.middle) - self.surface.half)
+        if (off > allowed.max(axis=(0, 1)) + 1e-9).any():
+            raise InputError(
+                f"The print of the target '{target.name}' does not fit on its board any more. Lessen "
+                "board.print_scale, print_shear or misplacement_mm, or widen the target's margin_mm."
+            )
+
+    def _nominal_outlines(self) -> np.ndarray:
+        """Return the outlines by design; a target without margin has dots that its edge cuts."""
+        return flat_outlines(self.target.points(), 0.5 * self.target.outer_diameters_mm())[..., :2]
+
+
+def _waves(target: DotGrid, board: Board, seed: int) -> np.ndarray:
+    """Draw the waves of the paper's unevenness."""
+    if board.unevenness == 0.0:
+        return np.zeros((0, 3))
+    random = generator(seed, "uneven paper")
+    x_min, _, x_max, _ = target.extent_mm
+    shortest, longest = (share * (x_max - x_min) for share in WAVELENGTHS)
+    length = shortest * (longest / shortest) ** random.uniform(size=WAVES)
+    angle, phase = random.uniform(0.0, 2.0 * np.pi, (2, WAVES))
+    number = 2.0 * np.pi / length
+    return np.stack([number * np.cos(angle), number * np.sin(angle), phase], axis=-1)
