@@ -1,0 +1,176 @@
+"""Grey centroids of rendered dots against the true ones, under light that adds no noise."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from labcal.arrays import Pose
+from labcal.experiments.bench_render.optics import OPTICS, description
+from labcal.geometry.poses import pose
+from labcal.render.irradiance import Case, render_light
+from labcal.render.laboratories import Laboratories
+from labcal.render.variant import MONO, renderer
+from labcal.report.bench import Check, at_most
+from labcal.rng import generator
+from labcal.run.progress import Progress
+from labcal.scene.lamps import Ambient
+from labcal.scene.model import Scene
+from labcal.scene.plan import planned_takes
+from labcal.scene.placement import ListedPlaces, StageView
+from labcal.scene.print import TruePrint
+from labcal.scene.room import Room
+from labcal.scene.take import Take
+from labcal.scene.truth import true_dots
+from labcal.scene.views import planned_views
+from labcal.shoot.manifest import Role
+from labcal.shoot.truth import TrueDots
+from labcal.targets.grid import DotGrid, Rings
+
+SPP = 256
+SIZE = (640, 480)
+RADII_PX = (5.0, 7.0, 10.0, 20.0, 40.0)
+LIMITS_PX = {5.0: 0.008, 7.0: 0.008}
+"""From a radius of 10 px on it is 0.004 px."""
+LIMIT_PX = 0.004
+SIGMAS = 3.0
+TILTS_DEG = (0.0, 25.0, 45.0, 60.0)
+AWAY_MM = 700.0
+PITCH_OVER_RADIUS = 3.6
+GAP_PX = 2
+"""Pixels around a dot's outline that its centroid takes in."""
+
+
+def dot_checks(seed: int, tilts: tuple[float, ...], progress: Progress) -> list[Check]:
+    """Return RMS and mean of grey centroid minus true centroid, by lens and radius.
+
+    Parameters
+    ----------
+    seed : int
+    tilts : tuple of float
+        Angles between the board's normal and the camera's axis, degrees.
+    progress : Progress
+        Told of every picture.
+    """
+    progress.start("dots", len(OPTICS) * len(RADII_PX) * len(tilts))
+    checks = []
+    for name in OPTICS:
+        all_errors = []
+        for radius in RADII_PX:
+            errors = np.concatenate(list(_errors(name, radius, tilts, seed, progress)))
+            all_errors.append(errors)
+            rms = float(np.sqrt((errors**2).sum(axis=1).mean()))
+            limit = LIMITS_PX.get(radius, LIMIT_PX)
+            checks.append(at_most(f"dots of {radius:g} px through {name}, RMS error, px", rms, limit))
+        every = np.concatenate(all_errors)
+        z = np.abs(every.mean(axis=0)) / (every.std(axis=0) / np.sqrt(len(every)))
+        checks.append(at_most(f"dots through {name}, mean error, standard errors", float(z.max()), SIGMAS))
+    return checks
+
+
+def _errors(
+    name: str, radius: float, tilts: tuple[float, ...], seed: int, progress: Progress
+) -> Iterator[np.ndarray]:
+    """Yield the errors (n, 2) of every picture of one lens and radius."""
+    scene = _scene(name, radius)
+    made = TruePrint.of(scene.target, scene.board, seed)
+    with renderer(MONO) as mi:
+        laboratories = Laboratories(mi, scene, seed)
+        (at_rest,) = planned_takes(scene, planned_views(scene, seed), seed).takes
+        for tilt in tilts:
+            random = generator(seed, "bench dots", name, f"{radius:g} px", f"{tilt:g} degrees")
+            T_world_target = _turned(scene.target, tilt, random)
+            take = replace(at_rest, track=replace(at_rest.track, T_world_target=T_world_target))
+            seen = true_dots(scene, made, take)
+            light = render_light(laboratories, Case(take, seed))
+            yield grey_errors(light / np.float32(scene.board.light[0]), _whole(scene, take, seen))
+            progress.advance()
+
+
+def _scene(name: str, radius_px: float) -> Scene:
+    """Return a board square to a camera, with dots of a radius in the middle of the picture, evenly lit."""
+    camera = description(name, SIZE, {"eye_mm": (0.0, 0.0, AWAY_MM), "look_at_mm": (0.0, 0.0, 0.0)})
+    px_per_mm = camera.focal_px / AWAY_MM
+    radius = radius_px / px_per_mm
+    pitch = PITCH_OVER_RADIUS * radius
+    half_width = 1.6 * 0.5 * SIZE[0] / px_per_mm
+    cols, rows = max(6, int(2 * half_width / pitch)), max(6, int(1.8 * half_width / pitch))
+    target = DotGrid(
+        name="bench",
+        cols=cols,
+        rows=rows,
+        pitch_x_mm=pitch,
+        pitch_y_mm=pitch,
+        dot_diameter_mm=2.0 * radius,
+        ring_outer_diameter_mm=2.0 * radius,
+        ring_inner_diameter_mm=0.5 * radius,
+        rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
+        margin_mm=0.5 * pitch,
+    )
+    return Scene(
+        name="bench",
+        target=target,
+        cameras={"only": camera},
+        placement=ListedPlaces(kind="stage", views=(StageView(name="one", role=Role.TRAIN, origin_mm=(0, 0, 0)),)),
+        lamps=(Ambient(kind="ambient", radiance=1.0),),
+        room=Room(floor_z_mm=-9000.0, wall_y_mm=9000.0, table_z_mm=-8000.0),
+        spp=SPP,
+    )
+
+
+def _turned(target: DotGrid, tilt_deg: float, random: np.random.Generator) -> Pose:
+    """Return a pose with the board's middle before the camera, tilted and turned at random, off the grid."""
+    azimuth, roll = random.uniform(-np.pi, np.pi, 2)
+    axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    tilted = Rotation.from_rotvec(np.radians(tilt_deg) * axis)
+    R_world_target = (tilted * Rotation.from_rotvec([0.0, 0.0, roll])).as_matrix()
+    aside = np.array([*(0.5 * target.pitch_x_mm * random.uniform(-1.0, 1.0, 2)), 0.0])
+    return pose(R_world_target, aside - R_world_target @ target.points().mean(axis=0))
+
+
+@dataclass(frozen=True)
+class _Whole:
+    """Dots that are measured: their true centroids and the windows that hold them."""
+
+    centroid: np.ndarray
+    """(n, 2), px."""
+    half: np.ndarray
+    """(n, 2), integer half sides of windows, px."""
+
+
+def _whole(scene: Scene, take: Take, seen: TrueDots) -> _Whole:
+    """Return the dots that are whole in the picture with room around them; no rings."""
+    made = TruePrint.of(scene.target, scene.board, 0)
+    outline = take.image(made.outlines).q
+    half = np.ceil(np.abs(outline - seen.centroid[:, None]).max(axis=1)) + GAP_PX
+    low, high = seen.centroid - half, seen.centroid + half
+    room = (low >= 0).all(axis=1) & (high <= np.array(take.device.size) - 1).all(axis=1)
+    ring = np.zeros(scene.target.count, dtype=bool)
+    for col, row in scene.target.ring_indices:
+        ring[row * scene.target.cols + col] = True
+    edge = (seen.index == 0).any(axis=1) | (seen.index == [scene.target.cols - 1, scene.target.rows - 1]).any(
+        axis=1
+    )
+    keep = seen.visible & room & ~ring & ~edge
+    return _Whole(seen.centroid[keep], half[keep].astype(int))
+
+
+def grey_errors(light: np.ndarray, dots: _Whole) -> np.ndarray:
+    """Return grey centroids minus true ones, px, shape (n, 2).
+
+    Parameters
+    ----------
+    light : ndarray, shape (height, width)
+        1 where there is bare board.
+    dots : _Whole
+    """
+    errors = np.empty_like(dots.centroid)
+    for number, (centroid, half) in enumerate(zip(dots.centroid, dots.half, strict=True)):
+        x, y = np.rint(centroid).astype(int)
+        weight = 1.0 - light[y - half[1] : y + half[1] + 1, x - half[0] : x + half[0] + 1].astype(np.float64)
+        u, v = np.arange(-half[0], half[0] + 1), np.arange(-half[1], half[1] + 1)
+        total = weight.sum()
+        middle = np.array([weight.sum(axis=0) @ u, weight.sum(axis=1) @ v]) / total
+        errors[number] = [x, y] + middle - centroid
+    return errors
