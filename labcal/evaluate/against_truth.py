@@ -8,7 +8,7 @@ import numpy as np
 from labcal.arrays import Mask, Points
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
-from labcal.correspond.matching import Matches, match, stage_points
+from labcal.correspond.matching import Matches, match
 from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
@@ -17,7 +17,7 @@ from labcal.geometry.hull import inside_hull
 from labcal.geometry.poses import rigid_alignment, transform
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
-from labcal.shoot.truth import Truth, read_truth
+from labcal.shoot.truth import Truth, read_true_dots, read_truth
 
 _HULL_TOLERANCE_MM = 1e-3
 
@@ -75,9 +75,10 @@ def errors_against_truth(
         raise InputError(
             f"The points hold view '{unknown[0]}', which the shoot {shoot.folder} does not have."
         )
-    true = _true_points(points.view, points.index, shoot, truth)
+    places = _true_places(shoot)
+    true = _true_points(points.view, points.index, places)
     counts, scored = _scored(points, true, shoot)
-    counts &= np.isfinite(points.point).all(axis=1)
+    counts &= np.isfinite(points.point).all(axis=1) & np.isfinite(true).all(axis=1)
     if not counts.any():
         raise InputError(f"None of the {len(points)} points can be scored; {scored} would be.")
     kept, true = points.where(counts), true[counts]
@@ -95,7 +96,7 @@ def errors_against_truth(
         rmse_mm=figures.rmse_mm,
         p95_mm=figures.p95_mm,
         max_mm=figures.max_mm,
-        limit_mm=float("nan") if detections is None else _limit(kept, shoot, truth, detections),
+        limit_mm=float("nan") if detections is None else _limit(kept, shoot, truth, places, detections),
         coverage95=coverage(predicted - true, covariance),
         alignment=alignment,
         scored=scored,
@@ -103,13 +104,24 @@ def errors_against_truth(
     )
 
 
-def _true_points(view: np.ndarray, index: np.ndarray, shoot: Shoot, truth: Truth) -> Points:
-    """Return where dots truly were, by view."""
-    p_target = shoot.target.points(index)
-    p = np.full(p_target.shape, np.nan)
-    for name, true_view in truth.views.items():
-        p[view == name] = transform(np.array(true_view.T_world_target), p_target[view == name])
-    return p
+Places = dict[tuple[str, int, int], list[float]]
+"""Where dots truly were, mm, by view, col and row."""
+
+
+def _true_places(shoot: Shoot) -> Places:
+    """Return where every dot was when the first camera saw it, which is not always as printed by design."""
+    places: Places = {}
+    for picture in read_true_dots(shoot.folder):
+        for (col, row), point in zip(picture.index.tolist(), picture.point.tolist(), strict=True):
+            places.setdefault((picture.view, col, row), point)
+    return places
+
+
+def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Points:
+    """Return where dots truly were; NaN for those that the truth does not know."""
+    unknown = [np.nan] * 3
+    keys = zip(view.tolist(), *index.T.tolist(), strict=True)
+    return np.array([places.get(key, unknown) for key in keys], dtype=np.float64).reshape(-1, 3)
 
 
 def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot) -> tuple[Mask, str]:
@@ -127,7 +139,9 @@ def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot) -> tuple[Ma
     ), "points of test views within the trained hull"
 
 
-def _limit(kept: ReconstructedPoints, shoot: Shoot, truth: Truth, detections: Detections) -> float:
+def _limit(
+    kept: ReconstructedPoints, shoot: Shoot, truth: Truth, places: Places, detections: Detections
+) -> float:
     """Return the RMS error that exactly known cameras would leave, from the detections' covariances."""
     matches = match(detections, shoot.cameras)
     wanted = {
@@ -138,8 +152,7 @@ def _limit(kept: ReconstructedPoints, shoot: Shoot, truth: Truth, detections: De
     chosen = chosen.where(np.asarray(positive_definite(chosen.covariance).all(axis=1)))
     if len(chosen) == 0:
         return float("nan")
-    poses = {name: np.array(view.T_world_target) for name, view in truth.views.items()}
-    true = stage_points(chosen, shoot.target, poses)
+    true = _true_points(chosen.view, chosen.index, places)
     cameras = [truth.cameras[name].camera() for name in shoot.cameras]
     bound = triangulation_limit(cameras, true, chosen.covariance)
     return float(np.sqrt(np.trace(bound, axis1=1, axis2=2).mean()))

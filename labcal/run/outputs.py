@@ -145,7 +145,9 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
                 _discard_unfinished(working, force=force)
         working.mkdir(parents=True, exist_ok=True)
         if _command_in(working) is None:
-            write_file(working / MARK, command, force=False)
+            scrap = working / f"{MARK}.part"
+            scrap.write_text(command, encoding="utf-8")
+            scrap.replace(working / MARK)  # the mark is there whole or not at all
         yield working
         if path.exists():
             shutil.rmtree(path) if path.is_dir() else path.unlink()

@@ -17,7 +17,8 @@ DRIFT_MM = 4.0
 DRIFT_DEG = 0.4
 KNOCK_MM = 3.0
 KNOCK_DEG = 0.5
-DEFOCUS_PX = 3.0
+DEFOCUS = 0.002
+"""Standard deviation of the blur, as a share of the picture's width; most rings stay rings."""
 
 
 class Mistake(StrEnum):
@@ -216,14 +217,16 @@ def _knock_camera(shooting: Shooting) -> Outcome:
 
 
 def _lose_focus(shooting: Shooting) -> Outcome:
-    """Blur the pictures of the last of the first two cameras."""
+    """Blur the pictures of the second camera, or of the only one."""
     blurred = shooting.cameras[:2][-1]
     takes = tuple(
-        replace(take, defocus_px=DEFOCUS_PX) if take.camera == blurred else take for take in shooting.takes
+        replace(take, defocus_px=DEFOCUS * take.device.size[0]) if take.camera == blurred else take
+        for take in shooting.takes
     )
     return Outcome(
         takes,
-        f"Camera '{blurred}' is out of focus: a blur with a standard deviation of {DEFOCUS_PX:g} px.",
+        f"Camera '{blurred}' is out of focus: a blur with a standard deviation of {100.0 * DEFOCUS:g}% of "
+        "the picture's width on top of the lens's own.",
         tuple(shooting.views),
     )
 

@@ -17,7 +17,7 @@ from labcal.errors import InputError
 from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
-from labcal.shoot.truth import TrueView, Truth, write_truth
+from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
 from labcal.solve.reconstruction import reconstruct_points
 from labcal.targets.grid import DotGrid
 from labcal.workflow import epipolar_rms, evaluate
@@ -27,8 +27,18 @@ Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
 
 
-def a_shoot(folder: Path, pair: Cameras, grid: DotGrid, poses: Poses, roles: dict[str, Role] | None) -> Shoot:
-    """Write the truth; with roles the target was on a stage, without in the hand."""
+def a_shoot(
+    folder: Path,
+    pair: Cameras,
+    grid: DotGrid,
+    poses: Poses,
+    roles: dict[str, Role] | None,
+    misprint: np.ndarray | float = 0.0,
+) -> Shoot:
+    """Write the truth; with roles the target was on a stage, without in the hand.
+
+    When the second camera looks, every dot is elsewhere, which must play no part.
+    """
     views = tuple(
         ViewEntry(
             name=name,
@@ -40,7 +50,21 @@ def a_shoot(folder: Path, pair: Cameras, grid: DotGrid, poses: Poses, roles: dic
     )
     cameras = {name: CameraRecord.of(camera) for name, camera in pair.items()}
     true_views = {name: TrueView(T_world_target=matrix4_record(T)) for name, T in poses.items()}
-    write_truth(folder, Truth(cameras=cameras, views=true_views), [])
+    nowhere = np.full((grid.count, 2), np.nan)
+    dots = [
+        TrueDots(
+            view=name,
+            camera=camera,
+            index=grid.indices(),
+            point=grid.points() @ T[:3, :3].T + T[:3, 3] + off,
+            centre=nowhere,
+            centroid=nowhere,
+            visible=np.zeros(grid.count, dtype=bool),
+        )
+        for name, T in poses.items()
+        for camera, off in (("left", misprint), ("right", 7.0))
+    ]
+    write_truth(folder, Truth(cameras=cameras, views=true_views), dots)
     size = CameraEntry(size=(640, 480))
     return Shoot(folder, Manifest(target=grid, cameras=dict.fromkeys(pair, size), views=views))
 
@@ -83,6 +107,18 @@ def test_on_a_stage_only_test_dots_within_the_trained_hull_count(
     assert found.rmse_mm == pytest.approx(3)
     assert np.isnan(found.limit_mm)
     assert np.isnan(found.coverage95)
+
+
+def test_dots_count_where_they_truly_were(tmp_path: Path, pair: Cameras, grid: DotGrid) -> None:
+    poses, roles = staged()
+    misprint = np.random.default_rng(1).normal(size=(grid.count, 3))
+    misprint[:, 2] = 0.0  # in the plane, so that the tested dots stay within the trained hull's heights
+    shoot = a_shoot(tmp_path, pair, grid, poses, roles, misprint)
+    points = true_points(grid, poses)
+    points.point[:] += np.tile(misprint, (len(poses), 1))
+    assert errors_against_truth(points, shoot, None).max_mm < 1e-9
+    as_designed = errors_against_truth(true_points(grid, poses), shoot, None)
+    assert as_designed.rmse_mm == pytest.approx(np.sqrt(2), rel=0.3)
 
 
 def test_a_hand_held_target_is_aligned_first(

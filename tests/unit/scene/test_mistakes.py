@@ -173,7 +173,7 @@ def test_out_of_focus_blurs_one_camera(only: str | None) -> None:
         scene = scene.model_copy(update={"cameras": {only: scene.cameras[only]}})
     blurred = only or "right"
     for take in outcome(scene, 0).takes:
-        expected = np.hypot(0.8, 3.0) if take.camera == blurred else 0.8
+        expected = np.hypot(0.8, 1.28) if take.camera == blurred else 0.8
         assert take.photometry(scene.photometry).blur_px == pytest.approx(expected)
 
 
