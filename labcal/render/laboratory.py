@@ -6,10 +6,10 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
-from labcal.render.contents import bodies, contents, print_pose
+from labcal.render.contents import contents
 from labcal.render.direct import direct_plugin
 from labcal.render.dots import dots_plugin
-from labcal.render.facets import Facets, sheet_facets
+from labcal.render.forms import Flat, forms
 from labcal.render.paint import Paint
 from labcal.render.sensor import sensor_plugin
 from labcal.scene.lamps import Ambient
@@ -66,7 +66,6 @@ class Laboratory:
         # Optimised, a scene has its lamps in another order, and so another noise, at every run.
         self.scene = mi.load_dict(contents(mi, scene, paint, self.dots), parallel=False, optimize=False)
         self.parameters = mi.traverse(self.scene)
-        self.sheet = None if scene.board.bend.is_flat else sheet_facets(made.surface)
 
     @property
     def uniform(self) -> bool:
@@ -80,19 +79,13 @@ class Laboratory:
 
     def place(self, T_world_target: Pose) -> None:
         """Move the target, and what carries it, to a pose (mm)."""
-        mi, scene = self.mi, self.description
-        if self.sheet is None:
-            self.parameters["print.to_world"] = mi.Transform4f(print_pose(scene, T_world_target))
-        else:
-            self._move("print", self.sheet, T_world_target)
-        for name, body in bodies(scene, T_world_target).items():
-            self._move(name, body.facets, body.T_world_body)
+        for name, form in forms(self.description, T_world_target).items():
+            if isinstance(form, Flat):
+                self.parameters[f"{name}.to_world"] = self.mi.Transform4f(form.T_world_panel)
+            else:
+                for key, values in form.facets.at(form.T_world_body).items():
+                    self.parameters[f"{name}.{key}"] = self.mi.Float(values)
         self.parameters.update()
-
-    def _move(self, name: str, facets: Facets, T_world_body: Pose) -> None:
-        """Move a mesh to a pose (mm), and give it the size that it has there."""
-        for key, values in facets.at(T_world_body).items():
-            self.parameters[f"{name}.{key}"] = self.mi.Float(values)
 
     def trace(self, camera: Camera, first_row: int, samples: int, seed: int) -> np.ndarray:
         """Return the radiance in a band of rows, one pass.

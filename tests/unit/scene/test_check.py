@@ -19,7 +19,10 @@ from labcal.scene.check import check_scene
         (("lamps.0.centre_mm=[0, 0, -600]", "lamps.1.centre_mm=[0, 0, -600]"), "No lamp"),
         (("lamps.0.centre_mm=[1000, 1000, 200]",), "away from itself"),
         (("cameras.left.look_at_mm=[720, 640, 1850]",), "away from itself"),
-        (("lamps.1.centre_mm=[0, 2100, 900]",), r"lamps.1 at \(0, 2100, 900\) mm is under the floor or behind"),
+        (
+            ("lamps.1.centre_mm=[0, 2100, 900]",),
+            r"lamps.1 at \(0, 2100, 900\) mm is under the floor or behind",
+        ),
         (("lamps.1.centre_mm=[1000, 1000, -80]",), "lamps.1 at .* is inside the table"),
         (("lamps.1.centre_mm=[1000, 1000, 100]",), "lamps.1 at .* is inside the target's support"),
         (("cameras.left.eye_mm=[1600, 1400, -80]",), "Camera 'left' at .* is inside the table"),

@@ -40,9 +40,9 @@ def test_a_bend_lifts_the_print_and_leaves_x_and_y(grid: DotGrid) -> None:
 def test_displacements_have_their_deviation_and_belong_to_the_seed() -> None:
     target = DotGrid.model_validate(
         {
-            "name": "many", "cols": 60, "rows": 50, "pitch_x_mm": 20.0, "pitch_y_mm": 20.0, "dot_diameter_mm": 6.0,
-            "ring_outer_diameter_mm": 6.0, "ring_inner_diameter_mm": 3.0, "margin_mm": 10.0,
-            "rings": {"origin": (2, 2), "x": (7, 2), "y": (2, 5)},
+            "name": "many", "cols": 60, "rows": 50, "pitch_x_mm": 20.0, "pitch_y_mm": 20.0,
+            "dot_diameter_mm": 6.0, "ring_outer_diameter_mm": 6.0, "ring_inner_diameter_mm": 3.0,
+            "rings": {"origin": (2, 2), "x": (7, 2), "y": (2, 5)}, "margin_mm": 10.0,
         }
     )  # fmt: skip
     board = Board(misplacement_mm=0.3)
@@ -57,7 +57,9 @@ def test_displacements_have_their_deviation_and_belong_to_the_seed() -> None:
     assert not np.array_equal(made.centres, other.centres)
     # A dot moves as a whole.
     moved = made.outlines - flat_outlines(target.points(), 0.5 * target.outer_diameters_mm())
-    np.testing.assert_allclose(moved[..., :2], np.broadcast_to(off[:, None], (*moved.shape[:2], 2)), atol=1e-9)
+    np.testing.assert_allclose(
+        moved[..., :2], np.broadcast_to(off[:, None], (*moved.shape[:2], 2)), atol=1e-9
+    )
 
 
 def test_half_the_displacement_is_the_same_print_less_wrong(grid: DotGrid) -> None:
