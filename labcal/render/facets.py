@@ -1,4 +1,4 @@
-"""Bodies as triangles, with what a picture cannot show left out."""
+"""Round and bent bodies as triangles."""
 
 from dataclasses import dataclass
 from types import ModuleType
@@ -13,7 +13,6 @@ from labcal.scene.surface import Surface
 
 SIDES = 96
 """Flat sides of a round body; at a radius of 10 mm they are within 0.003 mm of it."""
-QUAD = np.array([[0, 1, 2], [0, 2, 3]])
 
 
 @dataclass(frozen=True)
@@ -56,41 +55,6 @@ class Facets:
         if self.normals is not None:
             placed["vertex_normals"] = self.normals @ T_world_body[:3, :3].T
         return {key: values.ravel().astype(np.float32) for key, values in placed.items()}
-
-    def rectangles(self, T_world_body: Pose) -> list[np.ndarray]:
-        """Return the maps of the square from -1 to 1 to each face of a body that is made of rectangles."""
-        corners = transform(T_world_body, self.vertices).reshape(-1, 4, 3)
-        maps = []
-        for low, right, opposite, left in corners:
-            place = np.eye(4)
-            place[:3, 0], place[:3, 1] = 0.5 * (right - low), 0.5 * (left - low)
-            normal = np.cross(place[:3, 0], place[:3, 1])
-            place[:3, 2], place[:3, 3] = normal / np.linalg.norm(normal), 0.5 * (low + opposite)
-            maps.append(place)
-        return maps
-
-
-def box_facets(size_mm: tuple[float, float, float], left_out: frozenset[str]) -> Facets:
-    """Return a box about the origin; faces may be left out by name, ``+z`` for the upper one.
-
-    Its texture coordinates are millimetres on each face.
-    """
-    half = 0.5 * np.array(size_mm)
-    vertices: list[np.ndarray] = []
-    faces, uv = [], []
-    for axis, letter in enumerate("xyz"):
-        for sign, name in ((-1.0, f"-{letter}"), (1.0, f"+{letter}")):
-            if name in left_out:
-                continue
-            across, up = (axis + 1) % 3, (axis + 2) % 3
-            corner = np.zeros((4, 3))
-            corner[:, axis] = sign * half[axis]
-            corner[:, across] = half[across] * np.array([-1.0, 1.0, 1.0, -1.0]) * sign
-            corner[:, up] = half[up] * np.array([-1.0, -1.0, 1.0, 1.0])
-            faces.append(QUAD + 4 * len(vertices))
-            vertices.append(corner)
-            uv.append(corner[:, [across, up]])
-    return Facets(np.concatenate(vertices), np.concatenate(faces), np.concatenate(uv))
 
 
 def cylinder_facets(length_mm: float, diameter_mm: float) -> Facets:

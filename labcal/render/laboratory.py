@@ -8,10 +8,10 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
-from labcal.render.contents import bodies, contents, flat_places, print_pose
+from labcal.render.contents import contents
 from labcal.render.direct_light import LitScene, radiance
 from labcal.render.dots import dots_plugin
-from labcal.render.facets import Facets, sheet_facets
+from labcal.render.forms import Flat, Form, forms
 from labcal.render.paint import Paint
 from labcal.render.panels import Panels
 from labcal.render.samples import Samples
@@ -77,38 +77,32 @@ class Laboratory:
         # Optimised, a scene has its lamps in another order, and so another noise, at every run.
         self.scene = mi.load_dict(contents(mi, scene, paint, self.dots), parallel=False, optimize=False)
         self.parameters = mi.traverse(self.scene)
-        self.sheet = None if scene.board.bend.is_flat else sheet_facets(made.surface)
+        self.numbers = {shape.id(): i for i, shape in enumerate(self.scene.shapes())}
         self.lit: LitScene | None = None
 
     def place(self, T_world_target: Pose) -> None:
         """Move the target, and what carries it, to a pose (mm)."""
-        flat = flat_places(self.description, T_world_target)
-        if flat is None:
-            self._move_all(T_world_target)
-            panels, shapes = None, self.scene.shapes_dr()
-        else:
+        found = forms(self.description, T_world_target)
+        places = [form.T_world_panel for form in found.values() if isinstance(form, Flat)]
+        shapes, panels = self.scene.shapes_dr(), None
+        if len(places) == len(found):
             # Mitsuba's own shapes stay where they are: it is asked for materials and lamps only.
-            number = {shape.id(): i for i, shape in enumerate(self.scene.shapes())}
-            panels = Panels(self.mi, list(flat.places))
-            shapes = panels.of_shapes(self.scene.shapes_dr(), [number[name] for name in flat.names])
+            panels = Panels(self.mi, places)
+            shapes = panels.of_shapes(shapes, [self.numbers[name] for name in found])
+        else:
+            self._move(found)
         lamps = any(not isinstance(lamp, Ambient) for lamp in self.description.lamps)
         self.lit = LitScene(self.mi, self.scene, shapes, panels, self.ambient, lamps)
 
-    def _move_all(self, T_world_target: Pose) -> None:
+    def _move(self, found: dict[str, Form]) -> None:
         """Move Mitsuba's shapes."""
-        if self.sheet is None:
-            place = print_pose(self.description, T_world_target)
-            self.parameters["print.to_world"] = self.mi.Transform4f(place)
-        else:
-            self._move("print", self.sheet, T_world_target)
-        for name, body in bodies(self.description, T_world_target).items():
-            self._move(name, body.facets, body.T_world_body)
+        for name, form in found.items():
+            if isinstance(form, Flat):
+                self.parameters[f"{name}.to_world"] = self.mi.Transform4f(form.T_world_panel)
+            else:
+                for key, values in form.facets.at(form.T_world_body).items():
+                    self.parameters[f"{name}.{key}"] = self.mi.Float(values)
         self.parameters.update()
-
-    def _move(self, name: str, facets: Facets, T_world_body: Pose) -> None:
-        """Move a mesh to a pose (mm), and give it the size that it has there."""
-        for key, values in facets.at(T_world_body).items():
-            self.parameters[f"{name}.{key}"] = self.mi.Float(values)
 
     def sensor(self, camera: Camera, aperture: Aperture | None = None) -> Sensor:
         """Return a camera's rays, with the fall-off of light that the scene's photometry asks for."""

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -17,8 +18,8 @@ from labcal.rng import generator
 from labcal.run.progress import Progress
 from labcal.scene.lamps import Ambient
 from labcal.scene.model import Scene
-from labcal.scene.plan import planned_takes
 from labcal.scene.placement import ListedPlaces, StageView
+from labcal.scene.plan import planned_takes
 from labcal.scene.print import TruePrint
 from labcal.scene.room import Room
 from labcal.scene.take import Take
@@ -37,8 +38,8 @@ LIMIT_PX = 0.004
 SIGMAS = 3.0
 TILTS_DEG = (0.0, 25.0, 45.0, 60.0)
 AWAY_MM = 700.0
-PITCH_OVER_RADIUS = 3.6
-GAP_PX = 2
+PITCH_OVER_RADIUS = 5.0
+GAP_PX = 3.0
 """Pixels around a dot's outline that its centroid takes in."""
 
 
@@ -108,11 +109,14 @@ def _scene(name: str, radius_px: float) -> Scene:
         rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
         margin_mm=0.5 * pitch,
     )
+    place = StageView(name="one", role=Role.TRAIN, origin_mm=(0.0, 0.0, 0.0))
     return Scene(
         name="bench",
         target=target,
         cameras={"only": camera},
-        placement=ListedPlaces(kind="stage", views=(StageView(name="one", role=Role.TRAIN, origin_mm=(0, 0, 0)),)),
+        placement=ListedPlaces(
+            kind="stage", views=(StageView(name="one", role=Role.TRAIN, origin_mm=(0, 0, 0)),)
+        ),
         lamps=(Ambient(kind="ambient", radiance=1.0),),
         room=Room(floor_z_mm=-9000.0, wall_y_mm=9000.0, table_z_mm=-8000.0),
         spp=SPP,
@@ -135,17 +139,16 @@ class _Whole:
 
     centroid: np.ndarray
     """(n, 2), px."""
-    half: np.ndarray
-    """(n, 2), integer half sides of windows, px."""
+    outline: np.ndarray
+    """(n, samples, 2), px."""
 
 
 def _whole(scene: Scene, take: Take, seen: TrueDots) -> _Whole:
     """Return the dots that are whole in the picture with room around them; no rings."""
     made = TruePrint.of(scene.target, scene.board, 0)
     outline = take.image(made.outlines).q
-    half = np.ceil(np.abs(outline - seen.centroid[:, None]).max(axis=1)) + GAP_PX
-    low, high = seen.centroid - half, seen.centroid + half
-    room = (low >= 0).all(axis=1) & (high <= np.array(take.device.size) - 1).all(axis=1)
+    room = (outline >= GAP_PX).all(axis=(1, 2))
+    room &= (outline <= np.array(take.device.size) - 1 - GAP_PX).all(axis=(1, 2))
     ring = np.zeros(scene.target.count, dtype=bool)
     for col, row in scene.target.ring_indices:
         ring[row * scene.target.cols + col] = True
@@ -153,7 +156,7 @@ def _whole(scene: Scene, take: Take, seen: TrueDots) -> _Whole:
         axis=1
     )
     keep = seen.visible & room & ~ring & ~edge
-    return _Whole(seen.centroid[keep], half[keep].astype(int))
+    return _Whole(seen.centroid[keep], outline[keep])
 
 
 def grey_errors(light: np.ndarray, dots: _Whole) -> np.ndarray:
@@ -166,11 +169,14 @@ def grey_errors(light: np.ndarray, dots: _Whole) -> np.ndarray:
     dots : _Whole
     """
     errors = np.empty_like(dots.centroid)
-    for number, (centroid, half) in enumerate(zip(dots.centroid, dots.half, strict=True)):
-        x, y = np.rint(centroid).astype(int)
-        weight = 1.0 - light[y - half[1] : y + half[1] + 1, x - half[0] : x + half[0] + 1].astype(np.float64)
-        u, v = np.arange(-half[0], half[0] + 1), np.arange(-half[1], half[1] + 1)
-        total = weight.sum()
-        middle = np.array([weight.sum(axis=0) @ u, weight.sum(axis=1) @ v]) / total
-        errors[number] = [x, y] + middle - centroid
+    for number, (centroid, outline) in enumerate(zip(dots.centroid, dots.outline, strict=True)):
+        away = outline - centroid
+        # Beyond the outline by the gap, and not a window, which would hold parts of tilted neighbours.
+        wider = centroid + away * (1.0 + GAP_PX / np.linalg.norm(away, axis=1, keepdims=True))
+        low, high = np.floor(wider.min(axis=0)).astype(int), np.ceil(wider.max(axis=0)).astype(int) + 1
+        here = np.zeros((high - low)[::-1], dtype=np.uint8)
+        cv2.fillPoly(here, [np.rint(wider - low).astype(np.int32)], 1)
+        weight = here * (1.0 - light[low[1] : high[1], low[0] : high[0]].astype(np.float64))
+        u, v = np.arange(low[0], high[0]), np.arange(low[1], high[1])
+        errors[number] = np.array([weight.sum(axis=0) @ u, weight.sum(axis=1) @ v]) / weight.sum() - centroid
     return errors

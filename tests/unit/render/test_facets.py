@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-from labcal.render.facets import Facets, box_facets, cylinder_facets, ring_facets, sheet_facets
+from labcal.render.facets import Facets, cylinder_facets, ring_facets, sheet_facets
 from labcal.scene.board import Bend
 from labcal.scene.surface import Surface
 from labcal.targets.grid import DotGrid
-
-WHOLE: frozenset[str] = frozenset()
 
 
 def corners(facets: Facets) -> np.ndarray:
@@ -25,30 +23,6 @@ def normals(facets: Facets) -> np.ndarray:
 def volume(facets: Facets) -> float:
     """Return the enclosed volume, by the divergence theorem; negative where the triangles face inwards."""
     return float((normals(facets) * corners(facets)[:, 0]).sum() / 6.0)
-
-
-def test_a_box_encloses_its_volume() -> None:
-    box = box_facets((20.0, 30.0, 7.0), WHOLE)
-    assert volume(box) == pytest.approx(20.0 * 30.0 * 7.0)
-    assert len(box.faces) == 12
-    np.testing.assert_allclose(normals(box).sum(axis=0), 0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize(("left_out", "axis", "sign"), [("-z", 2, -1.0), ("+z", 2, 1.0), ("+x", 0, 1.0)])
-def test_a_face_is_left_out_by_name(left_out: str, axis: int, sign: float) -> None:
-    size = np.array([20.0, 30.0, 7.0])
-    open_box = box_facets((20.0, 30.0, 7.0), frozenset([left_out]))
-    missing = np.zeros(3)
-    missing[axis] = -sign * 2.0 * size.prod() / size[axis]
-    assert len(open_box.faces) == 10
-    np.testing.assert_allclose(normals(open_box).sum(axis=0), missing, atol=1e-9)
-
-
-def test_texture_coordinates_of_a_box_are_millimetres() -> None:
-    box = box_facets((20.0, 30.0, 7.0), WHOLE)
-    uv = box.uv[box.faces]
-    across = np.linalg.det(np.stack([uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]], axis=1))
-    np.testing.assert_allclose(np.abs(across), np.linalg.norm(normals(box), axis=1))
 
 
 def test_a_cylinder_has_the_volume_and_nearly_the_shape_of_the_round_one() -> None:
