@@ -50,6 +50,7 @@ VERBS = {
     "reconstruct": "points in space from dots",
     "evaluate": "errors of points in millimetres",
     "reproduce": "the paper: every row",
+    "bench": "how good it is, every figure against its limit",
     "report": "one page of a folder of results",
 }
 """Every verb with its line in ``labcal --help``; the module of a verb has its name."""

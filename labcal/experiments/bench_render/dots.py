@@ -1,7 +1,7 @@
 """Grey centroids of rendered dots against the true ones, under light that adds no noise."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -18,14 +18,12 @@ from labcal.rng import generator
 from labcal.run.progress import Progress
 from labcal.scene.lamps import Ambient
 from labcal.scene.model import Scene
-from labcal.scene.placement import ListedPlaces, StageView
-from labcal.scene.plan import planned_takes
+from labcal.scene.motion import ShutterTimes, Track
+from labcal.scene.placement import Handheld
 from labcal.scene.print import TruePrint
 from labcal.scene.room import Room
 from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
-from labcal.scene.views import planned_views
-from labcal.shoot.manifest import Role
 from labcal.shoot.truth import TrueDots
 from labcal.targets.grid import DotGrid, Rings
 
@@ -39,8 +37,10 @@ SIGMAS = 3.0
 TILTS_DEG = (0.0, 25.0, 45.0, 60.0)
 AWAY_MM = 700.0
 PITCH_OVER_RADIUS = 5.0
-GAP_PX = 3.0
+GAP_PX = 2.0
 """Pixels around a dot's outline that its centroid takes in."""
+LEAST_SHARE = 0.6
+"""A tilted board reaches far back; dots whose mean radius there is below this share are another size."""
 
 
 def dot_checks(seed: int, tilts: tuple[float, ...], progress: Progress) -> list[Check]:
@@ -78,14 +78,15 @@ def _errors(
     made = TruePrint.of(scene.target, scene.board, seed)
     with renderer(MONO) as mi:
         laboratories = Laboratories(mi, scene, seed)
-        (at_rest,) = planned_takes(scene, planned_views(scene, seed), seed).takes
+        camera = scene.cameras["only"].camera()
         for tilt in tilts:
             random = generator(seed, "bench dots", name, f"{radius:g} px", f"{tilt:g} degrees")
             T_world_target = _turned(scene.target, tilt, random)
-            take = replace(at_rest, track=replace(at_rest.track, T_world_target=T_world_target))
+            track = Track(T_world_target, np.zeros(3), np.zeros(3), np.zeros(3))
+            take = Take("one", "only", "only", camera, track, ShutterTimes(0.0, 0.0, SIZE[1]))
             seen = true_dots(scene, made, take)
             light = render_light(laboratories, Case(take, seed))
-            yield grey_errors(light / np.float32(scene.board.light[0]), _whole(scene, take, seen))
+            yield grey_errors(light / np.float32(scene.board.light[0]), _whole(scene, take, seen, radius))
             progress.advance()
 
 
@@ -109,13 +110,12 @@ def _scene(name: str, radius_px: float) -> Scene:
         rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
         margin_mm=0.5 * pitch,
     )
-    place = StageView(name="one", role=Role.TRAIN, origin_mm=(0.0, 0.0, 0.0))
     return Scene(
         name="bench",
         target=target,
         cameras={"only": camera},
-        placement=ListedPlaces(
-            kind="stage", views=(StageView(name="one", role=Role.TRAIN, origin_mm=(0, 0, 0)),)
+        placement=Handheld(
+            kind="handheld", train=1, test=0, centre_mm=(0.0, 0.0, 0.0), spread_mm=(0.0, 0.0, 0.0)
         ),
         lamps=(Ambient(kind="ambient", radiance=1.0),),
         room=Room(floor_z_mm=-9000.0, wall_y_mm=9000.0, table_z_mm=-8000.0),
@@ -143,7 +143,7 @@ class _Whole:
     """(n, samples, 2), px."""
 
 
-def _whole(scene: Scene, take: Take, seen: TrueDots) -> _Whole:
+def _whole(scene: Scene, take: Take, seen: TrueDots, radius_px: float) -> _Whole:
     """Return the dots that are whole in the picture with room around them; no rings."""
     made = TruePrint.of(scene.target, scene.board, 0)
     outline = take.image(made.outlines).q
@@ -155,7 +155,8 @@ def _whole(scene: Scene, take: Take, seen: TrueDots) -> _Whole:
     edge = (seen.index == 0).any(axis=1) | (seen.index == [scene.target.cols - 1, scene.target.rows - 1]).any(
         axis=1
     )
-    keep = seen.visible & room & ~ring & ~edge
+    mean_radius = np.linalg.norm(outline - seen.centroid[:, None], axis=-1).mean(axis=1)
+    keep = seen.visible & room & ~ring & ~edge & (mean_radius >= LEAST_SHARE * radius_px)
     return _Whole(seen.centroid[keep], outline[keep])
 
 
