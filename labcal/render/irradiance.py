@@ -1,5 +1,6 @@
 """One picture's light, linear and free of sensor noise: passes, bands and sub-frames put together."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,7 +80,5 @@ def _film_rows(frames: Subframes, height: int) -> int:
     """Return a height of film that holds what any sub-frame shows, of a few that all pictures share."""
     ranges = [frames.rows(number) for number in range(len(frames.seconds))]
     needed = max(end - first for first, end in ranges)
-    rows = height
-    while (rows + 1) // 2 >= needed and rows > 1:
-        rows = (rows + 1) // 2
-    return rows
+    step = 1 << max(0, needed.bit_length() - 3)  # four heights an octave
+    return min(height, step * math.ceil(needed / step))
