@@ -14,9 +14,11 @@ LARGEST_STEP_PX = 0.1
 """No part of a dot's outline moves by more from one sub-frame to the next."""
 MOST = 1000
 INSTANTS = 9
-"""Times within the exposure at which the speed in the picture is looked at."""
+"""Times within the exposure at which the speed in the picture is looked at; the middle is one of them."""
 SMALL_TURN = 1e-3
 """The speed is taken over a turn of no more radians, since a chord is shorter than its arc."""
+SMALL_MOVE_MM = 0.1
+"""And over a way that is no longer, since what is fast soon leaves the picture."""
 EVERY = 8
 """Of the points of an outline, one in so many is looked at."""
 NEGLIGIBLE = 1e-9
@@ -82,8 +84,8 @@ def _speed(take: Take, target: DotGrid) -> float:
     """Return the highest speed of a point of a dot's outline in the picture, px/s; 0 if it shows none."""
     outlines = flat_outlines(target.points(), 0.5 * target.outer_diameters_mm())[:, ::EVERY].reshape(-1, 3)
     span = take.shutter.span_s
-    turning = float(np.linalg.norm(take.track.rotation))
-    short = min(span / INSTANTS, SMALL_TURN / turning if turning > 0.0 else np.inf)
+    turning, moving = (float(np.linalg.norm(v)) for v in (take.track.rotation, take.track.velocity))
+    short = 1.0 / max(INSTANTS / span, turning / SMALL_TURN, moving / SMALL_MOVE_MM)
     fastest = 0.0
     for instant in np.linspace(-0.5 * span, 0.5 * span, INSTANTS):
         before, after = (
