@@ -11,9 +11,6 @@ from labcal.scene.take import Take
 from labcal.scene.views import PlannedView
 from labcal.shoot.manifest import Role
 
-EXPOSURE_MS = 10.0
-"""How long a row is exposed where the photometry does not say."""
-
 
 def built_scene(scene: Scene) -> Scene:
     """Return the scene as it really stands, which by mistake may be with another print."""
@@ -64,5 +61,4 @@ def _track(scene: Scene, view: PlannedView) -> Track:
 
 def _shutter(scene: Scene, rows: int) -> ShutterTimes:
     """Return when the rows of a picture are exposed."""
-    exposure_ms: float = getattr(scene.photometry, "exposure_ms", EXPOSURE_MS)
-    return ShutterTimes(1e-3 * exposure_ms, 1e-3 * scene.readout_ms, rows)
+    return ShutterTimes(1e-3 * scene.photometry.exposure_ms, 1e-3 * scene.readout_ms, rows)

@@ -17,6 +17,7 @@ PLAIN = (
     "cameras.left.size=[320, 240]", "cameras.left.focal_px=350", "cameras.left.principal_px=[160, 119]",
     "cameras.right.size=[320, 240]", "cameras.right.focal_px=352", "cameras.right.principal_px=[159, 120]",
     "noise=off", "photometry.bayer=off", "photometry.format=exr", "photometry.blur_px=0", "spp=64",
+    "photometry.fall_off=off",
     "lamps=[{kind: ambient, radiance: 1}]",
 )  # fmt: skip
 DEFECTS = {
