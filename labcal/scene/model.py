@@ -6,6 +6,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from labcal.cameras.camera import Camera
+from labcal.errors import InputError
 from labcal.run.names import Name
 from labcal.scene.board import Board
 from labcal.scene.camera import CameraDescription
@@ -18,6 +19,8 @@ from labcal.scene.placement import Placement
 from labcal.scene.room import Room
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
+
+MOST_SAMPLES = 65536
 
 
 class Scene(BaseModel):
@@ -46,7 +49,7 @@ class Scene(BaseModel):
     """Something that goes wrong on purpose; `none` is nothing."""
     noise: bool = True
     """Whatever is random in the sensors: photon and read noise, fixed patterns; off to test the geometry."""
-    spp: Annotated[int, Field(ge=1, le=65536)] = 64
+    spp: Annotated[int, Field(ge=1, le=MOST_SAMPLES)] = 64
     """Rays a pixel."""
 
     @field_validator("target", mode="before")
@@ -79,7 +82,15 @@ class Scene(BaseModel):
         return {name: description.camera() for name, description in self.cameras.items()}
 
     def with_spp(self, spp: int) -> "Scene":
-        """Return the scene with other samples a pixel."""
+        """Return the scene with other samples a pixel.
+
+        Raises
+        ------
+        InputError
+            There are too few or too many.
+        """
+        if not 1 <= spp <= MOST_SAMPLES:
+            raise InputError(f"The rays a pixel (spp) should be 1 to {MOST_SAMPLES}, but are {spp}.")
         return self.model_copy(update={"spp": spp})
 
     def to_yaml(self) -> str:

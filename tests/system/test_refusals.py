@@ -54,7 +54,7 @@ def copy(stage: Path, tmp_path: Path) -> Path:
         (["render", "webcam-plain", "-o", "x"], "Did you mean 'webcam-plane'?"),
         (["render", "webcam-plane", "-o", "x", "--veiws", "3"], "'--views'"),
         (["render", "webcam-plane", "-o", "x", "--views", "0"], "at least 1"),
-        (["render", "webcam-plane", "-o", "x", "--spp", "37"], "a multiple of 16"),
+        (["render", "webcam-plane", "-o", "x", "--spp", "70000"], "spp"),
         (["render", "webcam-plane", "-o", "x", "--set", "photometry.blur_pix=1"], "'photometry.blur_px'?"),
         (["render", "webcam-plane", "-o", "x", "--set", "nose=off"], "Did you mean 'noise'?"),
         (["render", "webcam-plane", "-o", "x", "--set", "noise"], "key=value"),

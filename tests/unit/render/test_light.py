@@ -17,7 +17,8 @@ from labcal.scene.views import planned_views
 
 SMALL = (
     "cameras.left.size=[40, 30]", "cameras.left.focal_px=44", "cameras.left.principal_px=null",
-    "photometry.bayer=off", "board.dark=[0.8, 0.8, 0.8]", "board.light=[0.8, 0.8, 0.8]",
+    "photometry.bayer=off", "photometry.fall_off=off",
+    "board.dark=[0.8, 0.8, 0.8]", "board.light=[0.8, 0.8, 0.8]",
 )  # fmt: skip
 AIM = "look_at_mm: [1000, 1000, 200]"
 PANEL = f"{{centre_mm: [200, 400, 1900], {AIM}, size_mm: [300, 200], radiance: 9}}"
