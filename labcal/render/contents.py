@@ -5,16 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from labcal.render.forms import Flat, floor_size_mm, forms
+from labcal.render.forms import Flat, floor_size_mm, forms, wall_size_mm
 from labcal.render.paint import Paint
+from labcal.render.surfaces import surface_plugin
 from labcal.render.variant import Jit
 from labcal.scene.board import Board
 from labcal.scene.lamps import Panel, Ring, Spot
 from labcal.scene.lighting import BLACK, lamp_pose
 from labcal.scene.model import Scene
 
-DARKER = 0.8
-"""Reflectance of every other tile of the floor."""
 COAT_INDEX = 1.5
 """Refractive index of a glossy board's clear coat."""
 
@@ -33,10 +32,11 @@ def contents(mi: ModuleType, scene: Scene, paint: Paint, dots: Jit) -> dict[str,
         The print.
     """
     shapes = forms(scene, np.eye(4))
-    made_of = _room(mi, scene, paint) | _lamps(scene, paint) | {"print": {"bsdf": _paper(scene.board, dots)}}
-    made_of |= {
-        name: {"bsdf": paint.matt(form.colour)} for name, form in shapes.items() if form.colour is not None
-    }
+    made_of: dict[str, dict[str, Any]] = {"print": {"bsdf": _paper(scene.board, dots)}}
+    for name, form in shapes.items():
+        if form.colour is not None:
+            made_of[name] = {"bsdf": paint.matt(form.colour)}
+    made_of |= _room(mi, scene, paint) | _lamps(scene, paint)
     found: dict[str, Any] = {"type": "scene"}
     for name, form in shapes.items():
         if isinstance(form, Flat):
@@ -70,19 +70,20 @@ def _paper(board: Board, dots: Jit) -> dict[str, Any]:
 
 
 def _room(mi: ModuleType, scene: Scene, paint: Paint) -> dict[str, dict[str, Any]]:
-    """Return what floor and wall are made of."""
+    """Return what floor, wall and the table's top are made of."""
+    from labcal.render.patterns import planks, plaster, tiles  # noqa: PLC0415 -- imports Dr.Jit
+
     room = scene.room
-    width, depth = floor_size_mm(scene)
-    tiles = {
-        "type": "checkerboard",  # a period is two tiles
-        "color0": paint.spectrum(room.floor),
-        "color1": paint.spectrum(room.floor, DARKER),
-        "to_uv": mi.ScalarTransform4f().scale([0.5 * width / room.tile_mm, 0.5 * depth / room.tile_mm, 1.0]),
-    }
-    return {
-        "floor": {"bsdf": {"type": "diffuse", "reflectance": tiles}},
-        "wall": {"bsdf": paint.matt(room.wall)},
-    }
+    found = {}
+    for name, colour, size_mm, pattern in (
+        ("floor", room.floor, floor_size_mm(scene), tiles(room.tile_mm)),
+        ("wall", room.wall, wall_size_mm(scene), plaster),
+        ("table-top", room.table, room.table_size_mm, planks),
+    ):
+        texture = mi.load_dict({"type": surface_plugin(mi.variant())})
+        texture.show(paint.channels(colour), size_mm, pattern)
+        found[name] = {"bsdf": {"type": "diffuse", "reflectance": texture}}
+    return found
 
 
 def _lamps(scene: Scene, paint: Paint) -> dict[str, dict[str, Any]]:

@@ -76,6 +76,7 @@ def what_hides(scene: Scene, made: TruePrint, T_world_target: Pose, eye: Points,
 
 def viewpoints(camera: Camera, images: DotImages) -> Points:
     """Return where the straight path to each dot begins: its ray's own origin, or the camera's centre."""
-    with np.errstate(invalid="ignore"):
-        origin = camera.rays(images.centroid).origin
-    return np.where(np.isfinite(origin), origin, camera.centre)
+    eyes = np.tile(camera.centre, (len(images.centre), 1))
+    rays = camera.rays(images.centroid[images.ok])
+    eyes[images.ok] = np.where(rays.ok[:, None], rays.origin, camera.centre)
+    return eyes

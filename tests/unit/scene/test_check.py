@@ -16,7 +16,10 @@ from labcal.scene.check import check_scene
         (("cameras.right.eye_mm=[1285, 9999, 1800]",), "behind the wall"),
         (("cameras.left.focal_px=2500",), r"the ring at \(2, 2\)"),
         (("placement.views.1.origin_mm=[1650, 650, 200]",), "In view 'test-shifted'"),
-        (("lamps.0.centre_mm=[0, 0, -600]", "lamps.1.centre_mm=[0, 0, -600]"), "No lamp"),
+        (
+            ("lamps=[{centre_mm: [0, 0, -600], look_at_mm: [0, 0, 0], size_mm: [9, 9], radiance: 9}]",),
+            "No lamp",
+        ),
         (("lamps.0.centre_mm=[1000, 1000, 200]",), "away from itself"),
         (("cameras.left.look_at_mm=[720, 640, 1850]",), "away from itself"),
         (

@@ -9,8 +9,9 @@ AIMED = "centre_mm: [0, 0, 2000], look_at_mm: [1000, 1000, 200]"
 
 def test_a_lamp_without_a_kind_is_a_panel() -> None:
     scene = load_scene("webcam-plane")
-    assert all(isinstance(lamp, Panel) for lamp in scene.lamps)
-    assert all(lamp["kind"] == "panel" for lamp in scene.model_dump(mode="json")["lamps"])
+    assert [type(lamp) for lamp in scene.lamps] == [Panel, Panel, Ambient]
+    kinds = [lamp["kind"] for lamp in scene.model_dump(mode="json")["lamps"]]
+    assert kinds == ["panel", "panel", "ambient"]
 
 
 @pytest.mark.parametrize(
