@@ -3,7 +3,7 @@
 from argparse import Namespace
 from dataclasses import dataclass
 
-from labcal.cli.options import add_seed
+from labcal.cli.options import add_output, add_seed
 from labcal.cli.parser import CommandGroup, Parser
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -25,9 +25,17 @@ def add_parser(commands: CommandGroup) -> None:
         "Say what is wrong with a scene without rendering it.",
         example="labcal scene check lab.yaml",
     )
+    gallery = scene.add(
+        "gallery",
+        run_gallery,
+        "Render a picture of every scene that labcal ships, and a page of them.",
+        example="labcal scene gallery -o docs/gallery --force",
+    )
     for parser in (show, check):
         add_scene(parser)
-    add_seed(check)
+    add_output(gallery, "DIR", "folder to appear")
+    for parser in (check, gallery):
+        add_seed(parser)
 
 
 def add_scene(parser: Parser) -> None:
@@ -68,6 +76,14 @@ class SceneCheck:
     scene: str
     ok: bool
     views: list[str]
+
+
+@dataclass(frozen=True)
+class SceneGallery:
+    """The JSON document of ``labcal scene gallery``."""
+
+    page: str
+    scenes: list[str]
 
 
 def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
@@ -113,4 +129,15 @@ def run_check(arguments: Namespace, session: Session) -> ExitStatus:
     session.emit(
         SceneCheck(scene.name, ok=True, views=views), f"{scene.name}: {len(views)} views, nothing wrong."
     )
+    return ExitStatus.DONE
+
+
+def run_gallery(arguments: Namespace, session: Session) -> ExitStatus:
+    """Render the gallery."""
+    from labcal.experiments.gallery import make_gallery
+
+    with session.progress() as progress:
+        scenes = make_gallery(arguments.output, arguments.seed, progress, force=arguments.force)
+    page = str(arguments.output / "README.md")
+    session.emit(SceneGallery(page, scenes), f"{page}: {len(scenes)} scenes.")
     return ExitStatus.DONE
