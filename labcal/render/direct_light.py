@@ -11,6 +11,18 @@ LAMP = 1
 
 
 @dataclass(frozen=True)
+class Light:
+    """What light a scene has, and what it falls on."""
+
+    ambient: tuple[float, ...]
+    """Radiance that comes from everywhere and that nothing shades, in every channel."""
+    lamps: bool
+    """Whether there are lamps at all."""
+    matt: bool
+    """Whether every surface is diffuse, so that one reflectance says all about it."""
+
+
+@dataclass(frozen=True)
 class LitScene:
     """A scene as rays meet it."""
 
@@ -22,10 +34,7 @@ class LitScene:
     """Mitsuba's shapes, in the order of the panels."""
     panels: Panels | None
     """All shapes of the scene, where every one is a panel."""
-    ambient: tuple[float, ...]
-    """Radiance that comes from everywhere and that nothing shades, in every channel."""
-    lamps: bool
-    """Whether there are lamps at all."""
+    light: Light
 
 
 def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
@@ -39,22 +48,25 @@ def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
     """
     import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
 
-    mi, scene = lit.mi, lit.scene
+    mi, scene, light = lit.mi, lit.scene, lit.light
     if lit.panels is None:
         si = scene.ray_intersect(ray, mi.RayFlags.All, True)
     else:
         si = lit.panels.interaction(ray, lit.panels.closest(ray), lit.shapes)
     bsdf, hit = si.bsdf(), si.is_valid()
-    found = mi.Spectrum(0.0)
-    if any(value > 0.0 for value in lit.ambient):
-        # Opaque, since the brightness of a scene is no reason for another kernel.
-        ambient = mi.Spectrum(*(dr.opaque(mi.Float, value) for value in lit.ambient))
-        found += dr.select(hit, ambient * bsdf.eval_diffuse_reflectance(si, hit), 0.0)
-    if not lit.lamps:
-        return found
+    reflectance = bsdf.eval_diffuse_reflectance(si, hit)
+    # Opaque, since the brightness of a scene is no reason for another kernel.
+    from_everywhere = mi.Spectrum(*(dr.opaque(mi.Float, value) for value in light.ambient))
+    if not light.lamps:
+        return dr.select(hit, reflectance * from_everywhere, 0.0)
     lamp, irradiance = scene.sample_emitter_direction(si, samples.square(LAMP), False, hit)
     lit_up = hit & (dr.max(irradiance) > 0.0)
     way = si.spawn_ray_to(lamp.p)
     lit_up &= ~(scene.ray_test(way, lit_up) if lit.panels is None else lit.panels.blocked(way))
-    reflected = bsdf.eval(mi.BSDFContext(), si, si.to_local(lamp.d), lit_up)
-    return found + dr.select(lit_up, reflected * irradiance, 0.0) + si.emitter(scene).eval(si)
+    if light.matt:  # spares a second call of every material
+        cosine = dr.select(si.wi.z > 0.0, dr.maximum(dr.dot(si.sh_frame.n, lamp.d), 0.0), 0.0)
+        reflected = reflectance * (cosine * dr.inv_pi)
+    else:
+        reflected = bsdf.eval(mi.BSDFContext(), si, si.to_local(lamp.d), lit_up)
+    direct = dr.select(lit_up, reflected * irradiance, 0.0)
+    return dr.select(hit, reflectance * from_everywhere, 0.0) + direct + si.emitter(scene).eval(si)

@@ -47,6 +47,8 @@ class Flat:
     """(4, 4), affine: takes the square from -1 to 1 into the world, mm; it faces +z."""
     colour: Colour | None = None
     """Its reflectance, where it has but one."""
+    in_the_way: bool = True
+    """Whether it can come between a surface and a lamp; the bounds of the room never do."""
 
 
 @dataclass(frozen=True)
@@ -118,8 +120,8 @@ def _room(scene: Scene) -> dict[str, Form]:
     on_floor = pose(np.eye(3), np.array([0.0, wall_y - 0.5 * depth, floor_z]))
     on_wall = pose(upright, np.array([0.0, wall_y, floor_z + 0.5 * height]))
     return {
-        "floor": Flat(on_floor @ np.diag([FAR_MM, 0.5 * depth, 1.0, 1.0])),
-        "wall": Flat(on_wall @ np.diag([FAR_MM, 0.5 * height, 1.0, 1.0])),
+        "floor": Flat(on_floor @ np.diag([FAR_MM, 0.5 * depth, 1.0, 1.0]), in_the_way=False),
+        "wall": Flat(on_wall @ np.diag([FAR_MM, 0.5 * height, 1.0, 1.0]), in_the_way=False),
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.render.contents import contents
-from labcal.render.direct_light import LitScene, radiance
+from labcal.render.direct_light import Light, LitScene, radiance
 from labcal.render.dots import dots_plugin
 from labcal.render.forms import Flat, Form, forms
 from labcal.render.paint import Paint
@@ -83,16 +83,18 @@ class Laboratory:
     def place(self, T_world_target: Pose) -> None:
         """Move the target, and what carries it, to a pose (mm)."""
         found = forms(self.description, T_world_target)
-        places = [form.T_world_panel for form in found.values() if isinstance(form, Flat)]
+        flats = [form for form in found.values() if isinstance(form, Flat)]
         shapes, panels = self.scene.shapes_dr(), None
-        if len(places) == len(found):
+        if len(flats) == len(found):
             # Mitsuba's own shapes stay where they are: it is asked for materials and lamps only.
-            panels = Panels(self.mi, places)
+            places, in_the_way = [form.T_world_panel for form in flats], [form.in_the_way for form in flats]
+            panels = Panels(self.mi, places, in_the_way)
             shapes = panels.of_shapes(shapes, [self.numbers[name] for name in found])
         else:
             self._move(found)
         lamps = any(not isinstance(lamp, Ambient) for lamp in self.description.lamps)
-        self.lit = LitScene(self.mi, self.scene, shapes, panels, self.ambient, lamps)
+        matt = self.description.board.gloss_roughness is None
+        self.lit = LitScene(self.mi, self.scene, shapes, panels, Light(self.ambient, lamps=lamps, matt=matt))
 
     def _move(self, found: dict[str, Form]) -> None:
         """Move Mitsuba's shapes."""
@@ -151,6 +153,7 @@ class Laboratory:
         v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
         ray, weight = sensor.rays(Pixels(u, v, samples))
         light = radiance(self._placed(), ray, samples) * weight
+        dr.eval(light)  # once for all channels: else each of them would trace its own rays
         channels = [np.array(dr.block_sum(channel, count)) for channel in light]
         band = np.stack(channels, axis=-1).reshape(-1, width, len(channels)) / np.float32(count)
         return band if self.colour else band[..., 0]

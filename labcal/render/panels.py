@@ -34,9 +34,11 @@ class Panels:
         Mitsuba with the variant in use.
     T_world_panel : list of ndarray, shape (4, 4)
         Affine: the columns are half the edges, the normal, and the middle, mm.
+    in_the_way : list of bool
+        For each panel whether it can come between a surface and a lamp.
     """
 
-    def __init__(self, mi: Jit, T_world_panel: list[Pose]) -> None:
+    def __init__(self, mi: Jit, T_world_panel: list[Pose], in_the_way: list[bool]) -> None:
         import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
 
         self._mi, self._dr = mi, dr
@@ -45,6 +47,7 @@ class Panels:
             [[dr.opaque(mi.Float, float(n)) for n in row] for row in np.linalg.inv(T)[:3]]
             for T in T_world_panel
         ]
+        self._rows_in_the_way = [rows for rows, here in zip(self._rows, in_the_way, strict=True) if here]
         normals = np.array([np.cross(T[:3, 0], T[:3, 1]) for T in T_world_panel])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = mi.Normal3f(normals.T.astype(np.float32))
@@ -67,9 +70,9 @@ class Panels:
         return Hit(t, number, u, v)
 
     def blocked(self, ray: Jit) -> Jit:
-        """Return whether anything is met before the end of each ray."""
+        """Return whether anything that can be in the way is met before the end of each ray."""
         blocked = self._mi.Bool(False)
-        for rows in self._rows:
+        for rows in self._rows_in_the_way:
             t, _, _, meets = self._meet(rows, ray)
             blocked |= meets & (t < ray.maxt)
         return blocked

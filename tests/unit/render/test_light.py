@@ -79,8 +79,6 @@ def test_light_from_everywhere_is_reflectance_times_radiance_without_noise() -> 
     np.testing.assert_allclose(light[on_board], 2.0 * 0.8, rtol=1e-6)
     with renderer(MONO) as mi:
         laboratory = Laboratory(mi, scene, (40, 30), 0)
-        assert laboratory.uniform
-        assert laboratory.matt
         assert laboratory.ambient == pytest.approx((2.0,))
 
 
