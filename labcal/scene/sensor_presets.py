@@ -7,7 +7,7 @@ from labcal.errors import UnknownNameError
 # A preset is a device at its lowest gain and at room temperature. Every one has a black level some ten times
 # its read noise, as real converters have, so that the noise of the dark is not cut off at code 0.
 PRESETS: Mapping[str, Mapping[str, object]] = {
-    # A webcam of the year 2000: VGA, Bayer mosaic, 10 bits, a plastic lens that blurs, strong JPEG. No data
+    # A webcam of the year 2000: VGA, Bayer mosaic, 10 bits, a plastic lens that blurs, JPEG. No data
     # sheet states it in these terms; reasoned: a small CMOS pixel with half its area for light holds some
     # thousand electrons (6000 give 38 dB signal to noise at most), reads with about 8 e-, and patterns were
     # its weak side: 1% of the signal, and offsets near the read noise. Indoors it exposes for 1/30 s.
@@ -23,7 +23,7 @@ PRESETS: Mapping[str, Mapping[str, object]] = {
         "adc_bits": 10,
         "black_level_dn": 16.0,
         "fall_off": True,
-        "jpeg_quality": 92,
+        "jpeg_quality": 95,
     },
     # A digital still camera of that time, in grey, with 12 bits. Reasoned: a CCD holds about 2 ke- a um2, so
     # 30 ke- are pixels of 4 um; all of them are read by one amplifier (6 e-), so patterns are weak. A zoom

@@ -182,7 +182,7 @@ def test_the_manifest_tells_nothing_of_the_truth(tmp_path: Path) -> None:
     ("overrides", "settings"),
     [
         (("cameras.left.dist=[-0.9, 0, 0, 0, 0]",), RenderSettings()),
-        ((), RenderSettings(spp=37)),
+        ((), RenderSettings(spp=0)),
         ((), RenderSettings(views=0)),
         ((), RenderSettings(workers=0)),
     ],
