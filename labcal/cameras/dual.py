@@ -44,11 +44,12 @@ class Dual:
     def __init__(self, value: Number, slopes: Slopes) -> None:
         self.value, self.slopes = value, slopes
 
-    def _mapped(self, value: Number, change: Callable[[Number], Number]) -> "Dual":
+    def mapped(self, value: Number, change: Callable[[Number], Number]) -> "Dual":
+        """Return another value whose slopes are these after a change."""
         return Dual(value, tuple(change(slope) for slope in self.slopes))
 
     def __neg__(self) -> "Dual":
-        return self._mapped(-self.value, lambda slope: _scaled(slope, -1.0))
+        return self.mapped(-self.value, lambda slope: _scaled(slope, -1.0))
 
     def _plus(self, other: Number) -> "Dual":
         if not isinstance(other, Dual):
@@ -66,7 +67,7 @@ class Dual:
 
     def _times(self, other: Number) -> "Dual":
         if not isinstance(other, Dual):
-            return self._mapped(self.value * other, lambda slope: _scaled(slope, other))
+            return self.mapped(self.value * other, lambda slope: _scaled(slope, other))
         slopes = tuple(
             _sum(_scaled(a, other.value), _scaled(b, self.value))
             for a, b in zip(self.slopes, other.slopes, strict=True)
@@ -89,7 +90,7 @@ class Dual:
 
     def __rtruediv__(self, other: Number) -> "Dual":
         quotient = other / self.value
-        return self._mapped(quotient, lambda slope: _scaled(slope, -quotient / self.value))
+        return self.mapped(quotient, lambda slope: _scaled(slope, -quotient / self.value))
 
     def __lt__(self, other: Number) -> Number:
         return self.value < value_of(other)
@@ -146,17 +147,17 @@ class DualMathematics:
     def sqrt(self, a: Dual) -> Dual:
         """Return the square root."""
         root = self.m.sqrt(a.value)
-        return a._mapped(root, lambda slope: _scaled(slope, 0.5 / root))  # noqa: SLF001 -- same module
+        return a.mapped(root, lambda slope: _scaled(slope, 0.5 / root))
 
     def sin(self, a: Dual) -> Dual:
         """Return the sine of an angle in radians."""
         slope_here = self.m.cos(a.value)
-        return a._mapped(self.m.sin(a.value), lambda slope: _scaled(slope, slope_here))  # noqa: SLF001
+        return a.mapped(self.m.sin(a.value), lambda slope: _scaled(slope, slope_here))
 
     def cos(self, a: Dual) -> Dual:
         """Return the cosine of an angle in radians."""
         slope_here = -self.m.sin(a.value)
-        return a._mapped(self.m.cos(a.value), lambda slope: _scaled(slope, slope_here))  # noqa: SLF001
+        return a.mapped(self.m.cos(a.value), lambda slope: _scaled(slope, slope_here))
 
     def atan2(self, y: Dual, x: Dual) -> Dual:
         """Return the angle of (x, y), radians."""

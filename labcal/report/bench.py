@@ -1,14 +1,9 @@
 """The document of ``labcal bench``: figures against their limits."""
 
-from typing import Annotated
-
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, ConfigDict
 from rich.table import Table
 
-
-def _nan_for_null(value: object) -> object:
-    """Return NaN for what :func:`labcal.run.json_text.to_json` writes as null."""
-    return float("nan") if value is None else value
+from labcal.report.reproduction import Measured
 
 
 class Check(BaseModel):
@@ -17,7 +12,7 @@ class Check(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: str
-    value: Annotated[float, BeforeValidator(_nan_for_null)]
+    value: Measured
     limit: float
     """Largest value that is good."""
     ok: bool
