@@ -79,18 +79,21 @@ class Dual:
     def __truediv__(self, other: Number) -> "Dual":
         if not isinstance(other, Dual):
             return self._times(1.0 / other)
-        quotient = self.value / other.value
+        share = 1.0 / other.value  # once: a division costs as much as ten products
+        quotient = self.value * share
+        along = -quotient * share
         return Dual(
             quotient,
             tuple(
-                _sum(_scaled(a, 1.0 / other.value), _scaled(b, -quotient / other.value))
+                _sum(_scaled(a, share), _scaled(b, along))
                 for a, b in zip(self.slopes, other.slopes, strict=True)
             ),
         )
 
     def __rtruediv__(self, other: Number) -> "Dual":
-        quotient = other / self.value
-        return self.mapped(quotient, lambda slope: _scaled(slope, -quotient / self.value))
+        share = 1.0 / self.value
+        along = -other * share * share
+        return self.mapped(other * share, lambda slope: _scaled(slope, along))
 
     def __lt__(self, other: Number) -> Number:
         return self.value < value_of(other)
@@ -147,7 +150,8 @@ class DualMathematics:
     def sqrt(self, a: Dual) -> Dual:
         """Return the square root."""
         root = self.m.sqrt(a.value)
-        return a.mapped(root, lambda slope: _scaled(slope, 0.5 / root))
+        along = 0.5 / root
+        return a.mapped(root, lambda slope: _scaled(slope, along))
 
     def sin(self, a: Dual) -> Dual:
         """Return the sine of an angle in radians."""
@@ -161,9 +165,10 @@ class DualMathematics:
 
     def atan2(self, y: Dual, x: Dual) -> Dual:
         """Return the angle of (x, y), radians."""
-        squared = x.value * x.value + y.value * y.value
+        share = 1.0 / (x.value * x.value + y.value * y.value)
+        along_y, along_x = x.value * share, -y.value * share
         slopes = tuple(
-            _sum(_scaled(dy, x.value / squared), _scaled(dx, -y.value / squared))
+            _sum(_scaled(dy, along_y), _scaled(dx, along_x))
             for dy, dx in zip(y.slopes, x.slopes, strict=True)
         )
         return Dual(self.m.atan2(y.value, x.value), slopes)
@@ -180,6 +185,26 @@ class DualMathematics:
             for da, db in zip(a.slopes, b.slopes, strict=True)
         )
         return Dual(self.m.where(condition, a.value, b.value), slopes)
+
+    def fma(self, a: Number, b: Number, c: Number) -> Number:
+        """Return a b + c."""
+        return a * b + c
+
+    def polynomial(self, x: Dual, coefficients: tuple[Number, ...]) -> Dual:
+        """Return c0 + c1 x + c2 x^2 + ..."""
+        values = tuple(value_of(coefficient) for coefficient in coefficients)
+        value = self.m.polynomial(x.value, values)
+        steep = tuple(float(power) * c for power, c in enumerate(values[1:], start=1))
+        along = self.m.polynomial(x.value, steep)
+        slopes = tuple(_scaled(slope, along) for slope in x.slopes)
+        power: Number = 1.0
+        for coefficient in coefficients:
+            if isinstance(coefficient, Dual):
+                here = power
+                own = tuple(_scaled(slope, here) for slope in coefficient.slopes)
+                slopes = tuple(_sum(a, b) for a, b in zip(slopes, own, strict=True))
+            power = power * x.value
+        return Dual(value, slopes)
 
     def all_below(self, a: Number, limit: float) -> bool:
         """Return whether it is known that no element exceeds the limit."""

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labcal.cameras.dual import constants
 from labcal.cameras.field import Direction, FieldPoint, SceneRay
-from labcal.cameras.mathematics import Mathematics, Number
-from labcal.cameras.radial import guess, inverse_guess, positive_roots
+from labcal.cameras.mathematics import Mathematics, Number, cosine_and_sinc
+from labcal.cameras.radial import field_over_image, inverse_guess, positive_roots
 
 _POWERS = 4
 _FOLD = _POWERS
@@ -19,16 +20,9 @@ _ON_AXIS = 1e-16
 """Squared radius below which a direction counts as the axis itself."""
 
 
-def _stretch(numbers: tuple[Number, ...], theta2: Number) -> Number:
+def _stretch(m: Mathematics, numbers: tuple[Number, ...], theta2: Number) -> Number:
     """Return theta_d / theta."""
-    k1, k2, k3, k4 = numbers[:_POWERS]
-    return 1.0 + theta2 * (k1 + theta2 * (k2 + theta2 * (k3 + theta2 * k4)))
-
-
-def _slope(numbers: tuple[Number, ...], theta2: Number) -> Number:
-    """Return d theta_d / d theta."""
-    k1, k2, k3, k4 = numbers[:_POWERS]
-    return 1.0 + theta2 * (3.0 * k1 + theta2 * (5.0 * k2 + theta2 * (7.0 * k3 + theta2 * (9.0 * k4))))
+    return m.polynomial(theta2, (1.0, *numbers[:_POWERS]))
 
 
 def fold_angle(dist: tuple[float, ...]) -> float:
@@ -50,17 +44,17 @@ class KannalaBrandt:
         """Return what :meth:`image` takes: k1 to k4."""
         return dist[:_POWERS]
 
-    def numbers(self, _m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
         """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
         fold = fold_angle(dist)
-        start = inverse_guess(lambda t: np.asarray(t * _stretch(dist, t * t)), fold, reach)
+        start = inverse_guess(lambda t: np.asarray(t * _stretch(m, dist, t * t)), fold, reach)
         return (*dist[:_POWERS], fold, *start)
 
     def image(
-        self, _m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
         """Return where a field point is imaged, at unit focal length."""
-        stretch = _stretch(numbers, a * a + b * b)
+        stretch = _stretch(m, numbers, a * a + b * b)
         return a * stretch, b * stretch
 
     def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
@@ -76,23 +70,12 @@ class KannalaBrandt:
         return FieldPoint(X * ratio, Y * ratio, ok)
 
     def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by Newton's method on the angle."""
+        """Return the field point that is imaged at (x, y), by Newton's method."""
         r2 = x * x + y * y
-        on_axis = r2 < _ON_AXIS
-        radius = m.sqrt(m.where(on_axis, 1.0, r2))
-        theta = radius * guess(m, numbers[_GUESS], r2)
-        step = 0.0 * theta + 1.0
-        for _ in range(m.newton_steps):
-            theta2 = theta * theta
-            slope = _slope(numbers, theta2)
-            step = (theta * _stretch(numbers, theta2) - radius) / m.where(slope > 0.0, slope, 1.0)
-            theta = theta - step
-            if m.all_below(step * step, 1e-30):
-                break
-        ratio = m.where(on_axis, 1.0, theta / radius)
-        found = (step * step < m.settled * m.settled) & (theta < numbers[_FOLD]) & (theta > 0.0)
-        # At the fold the slope vanishes; a step there is short for no good reason.
-        return FieldPoint(x * ratio, y * ratio, (on_axis | found) & (_slope(numbers, theta * theta) > 0.0))
+        lifted = constants(numbers[:_POWERS], 1)
+        found = field_over_image(m, lambda d, theta2: _stretch(d, lifted, theta2), numbers[_GUESS], r2)
+        a, b = x * found.t, y * found.t
+        return FieldPoint(a, b, found.ok & (found.t > 0.0) & self.in_field(numbers, a, b))
 
     def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether a field point lies short of the fold."""
@@ -101,9 +84,6 @@ class KannalaBrandt:
     def ray(self, m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the lens out into the scene."""
         theta2 = a * a + b * b
-        on_axis = theta2 < _ON_AXIS
-        theta = m.sqrt(m.where(on_axis, 1.0 + 0.0 * theta2, theta2))
-        ratio = m.where(on_axis, 1.0, m.sin(theta) / theta)
-        Z = m.where(on_axis, 1.0, m.cos(theta))
+        cosine, sinc = cosine_and_sinc(m, theta2)
         zero = 0.0 * theta2
-        return SceneRay((zero, zero, zero), (a * ratio, b * ratio, Z), theta2 >= 0.0)
+        return SceneRay((zero, zero, zero), (a * sinc, b * sinc, cosine), theta2 >= 0.0)

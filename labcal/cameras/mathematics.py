@@ -1,6 +1,7 @@
 """The mathematics a lens formula may use, so that NumPy and Dr.Jit run the same lines."""
 
 from dataclasses import dataclass
+from math import factorial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -39,6 +40,12 @@ class Mathematics(Protocol):
     def where(self, condition: Number, a: Number, b: Number) -> Number:
         """Return `a` where the condition holds, else `b`."""
 
+    def fma(self, a: Number, b: Number, c: Number) -> Number:
+        """Return a b + c, rounded once where the processor can."""
+
+    def polynomial(self, x: Number, coefficients: tuple[Number, ...]) -> Number:
+        """Return c0 + c1 x + c2 x^2 + ..., at least two coefficients."""
+
     def all_below(self, a: Number, limit: float) -> bool:
         """Return whether it is known that no element exceeds the limit; never, where that would cost."""
 
@@ -70,9 +77,33 @@ class NumpyMathematics:
         """Return `a` where the condition holds, else `b`."""
         return np.where(condition, a, b)
 
+    def fma(self, a: Number, b: Number, c: Number) -> Number:
+        """Return a b + c."""
+        return a * b + c
+
+    def polynomial(self, x: Number, coefficients: tuple[Number, ...]) -> Number:
+        """Return c0 + c1 x + c2 x^2 + ..., by Horner's rule."""
+        value = coefficients[-1]
+        for coefficient in coefficients[-2::-1]:
+            value = value * x + coefficient
+        return value
+
     def all_below(self, a: Number, limit: float) -> bool:
         """Return whether no element exceeds the limit; NaN does not."""
         return not bool(np.any(a > limit))
 
 
 NUMPY = NumpyMathematics()
+
+_ENTIRE = 16
+"""Terms that give cosine and sine over angle to the last digit up to an angle of pi."""
+_COSINE = tuple((-1.0) ** n / factorial(2 * n) for n in range(_ENTIRE))
+_SINC = tuple((-1.0) ** n / factorial(2 * n + 1) for n in range(_ENTIRE))
+
+
+def cosine_and_sinc(m: Mathematics, angle2: Number) -> tuple[Number, Number]:
+    """Return the cosine of an angle up to pi, and its sine over it, from the angle squared.
+
+    Both are smooth in the square, so that nothing happens on the axis, where the angle is 0.
+    """
+    return m.polynomial(angle2, _COSINE), m.polynomial(angle2, _SINC)

@@ -48,15 +48,54 @@ def solve_two(m: Mathematics, residuals: Residuals, a: Number, b: Number) -> Sol
         f, g = residuals(*variables(a, b))
         (fa, fb), (ga, gb) = f.slopes, g.slopes
         determinant = fa * gb - fb * ga
-        safe = m.where(determinant * determinant > _FLAT * _FLAT, determinant, 1.0)
-        step_a = (gb * f.value - fb * g.value) / safe
-        step_b = (fa * g.value - ga * f.value) / safe
+        share = 1.0 / m.where(determinant * determinant > _FLAT * _FLAT, determinant, 1.0)
+        step_a = (gb * f.value - fb * g.value) * share
+        step_b = (fa * g.value - ga * f.value) * share
         a, b = a - step_a, b - step_b
         length2 = step_a * step_a + step_b * step_b
         if m.all_below(length2, _EXACT):
             break
     scale2 = 1.0 + a * a + b * b
     return Solution(a, b, length2 < m.settled * m.settled * scale2, determinant)
+
+
+@dataclass(frozen=True)
+class Root:
+    """One unknown, and what is known of it."""
+
+    t: Number
+    ok: Number
+    """Whether Newton's last step was short enough, which means that the solution is found."""
+    slope: Number
+    """Of the residual, before the last step."""
+
+
+def solve_one(m: Mathematics, residual: Callable[[Dual], Dual], t: Number) -> Root:
+    """Find where a growing residual vanishes, starting at t.
+
+    Parameters
+    ----------
+    m : Mathematics
+        Gives the number of steps; NumPy stops early once every element is exact.
+    residual : callable
+        Takes the unknown as a dual number with one direction.
+    t : number
+        Start.
+
+    Returns
+    -------
+    Root
+        Not ok where Newton did not converge, where the residual does not grow, and for NaN.
+    """
+    step = slope = 0.0 * t + 1.0
+    for _ in range(m.newton_steps):
+        f = residual(*variables(t))
+        (slope,) = f.slopes
+        step = f.value / m.where(slope > _FLAT, slope, 1.0)
+        t = t - step
+        if m.all_below(step * step, _EXACT):
+            break
+    return Root(t, (step * step < m.settled * m.settled * (1.0 + t * t)) & (slope > _FLAT), slope)
 
 
 ParametricResiduals = Callable[[DualMathematics, Dual, Dual, tuple[Dual, ...]], tuple[Dual, Dual]]

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.cameras.dual import constants
+from labcal.cameras.dual import DualMathematics, constants
 from labcal.cameras.field import Direction, FieldPoint, SceneRay
 from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.newton import solve_two
 from labcal.cameras.radial import LENGTH as GUESS_LENGTH
-from labcal.cameras.radial import guess, inverse_guess, positive_roots
+from labcal.cameras.radial import field_over_image, guess, inverse_guess, positive_roots
 
 DISTORTION = 12
 """k1 to s4; behind them stand the tilt's matrix, its inverse, the fold and the guess of the inverse."""
@@ -41,10 +41,10 @@ def tilt_matrix(m: Mathematics, tau_x: Number, tau_y: Number) -> tuple[Number, .
 
 
 def _moved(matrix: tuple[Number, ...], x: Number, y: Number) -> tuple[Number, Number]:
-    """Return a position after a homography."""
-    a, b, c, d, e, f, g, h, i = matrix
+    """Return a position after the homography of a tilt."""
+    a, b, _, d, e, _, g, h, i = matrix  # a tilt leaves the picture's middle where it is
     w = 1.0 / (g * x + h * y + i)
-    return (a * x + b * y + c) * w, (d * x + e * y + f) * w
+    return (a * x + b * y) * w, (d * x + e * y) * w
 
 
 @dataclass(frozen=True)
@@ -68,17 +68,17 @@ class Perspective:
         # The tilt, and what is not radial, reach a little farther.
         flat_reach = 1.03 * reach * (1.0 + 2.0 * float(np.abs(untilt[2, :2]).sum()) * reach)
         start = inverse_guess(
-            lambda r: np.asarray(r * self._radial(dist, r * r)),
+            lambda r: np.asarray(r * self._radial(m, dist, r * r)),
             float(np.sqrt(fold2)),
             flat_reach,
         )
         return (*dist[:DISTORTION], *tilt, *untilt.ravel().tolist(), fold2, *start)
 
     def image(
-        self, _m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
         """Return where a field point is imaged, at unit focal length."""
-        x, y = self._distort(numbers, a, b)
+        x, y = self._distort(m, numbers, a, b)
         return (x, y) if self.coefficients < _TILTED else _moved(numbers[_TILT], x, y)
 
     def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
@@ -95,23 +95,31 @@ class Perspective:
             return FieldPoint(x, y, x - x == 0.0)  # false for NaN and infinity, in any number
         if self.coefficients >= _TILTED:
             x, y = _moved(numbers[_UNTILT], x, y)
-        lifted = constants(numbers[:DISTORTION], 2)
+        if self.coefficients < _TANGENTIAL:
+            return self._radial_field_at(m, numbers, x, y)
+        # What is not radial is small, and nearly the same where the guess without it lies.
         ratio = guess(m, numbers[_GUESS], x * x + y * y)
-        a, b = ratio * x, ratio * y
-        if self.coefficients >= _TANGENTIAL:
-            # What is not radial is small, and nearly the same where the guess without it lies.
-            aside_x, aside_y = self._decentre(numbers, a, b)
-            a, b = x - aside_x, y - aside_y
-            ratio = guess(m, numbers[_GUESS], a * a + b * b)
-            a, b = ratio * a, ratio * b
+        aside_x, aside_y = self._decentre(numbers, ratio * x, ratio * y)
+        a, b = x - aside_x, y - aside_y
+        ratio = guess(m, numbers[_GUESS], a * a + b * b)
+        d, lifted = DualMathematics(m), constants(numbers[:DISTORTION], 2)
 
         def miss(a: Number, b: Number) -> tuple[Number, Number]:
-            at_x, at_y = self._distort(lifted, a, b)
+            at_x, at_y = self._distort(d, lifted, a, b)
             return at_x - x, at_y - y
 
-        found = solve_two(m, miss, a, b)
+        found = solve_two(m, miss, ratio * a, ratio * b)
         a, b = found.a, found.b
         return FieldPoint(a, b, found.ok & self.in_field(numbers, a, b) & (found.determinant > 0.0))
+
+    def _radial_field_at(
+        self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number
+    ) -> FieldPoint:
+        """Return the field point that is imaged at (x, y) by a lens that is the same all around."""
+        lifted = constants(numbers[:DISTORTION], 1)
+        found = field_over_image(m, lambda d, r2: self._radial(d, lifted, r2), numbers[_GUESS], x * x + y * y)
+        a, b = found.t * x, found.t * y
+        return FieldPoint(a, b, found.ok & (found.t > 0.0) & self.in_field(numbers, a, b))
 
     def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether a field point lies short of the fold."""
@@ -123,35 +131,35 @@ class Perspective:
         zero = 0.0 * Z
         return SceneRay((zero, zero, zero), (a * Z, b * Z, Z), Z > 0.0)
 
-    def _distort(self, numbers: tuple[Number, ...], a: Number, b: Number) -> tuple[Number, Number]:
+    def _distort(
+        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    ) -> tuple[Number, Number]:
         """Return a field point after distortion, before the tilt."""
         if self.coefficients == 0:
             return a, b
-        radial = self._radial(numbers, a * a + b * b)
+        radial = self._radial(m, numbers, a * a + b * b)
         if self.coefficients < _TANGENTIAL:
             return a * radial, b * radial
         aside_x, aside_y = self._decentre(numbers, a, b)
         return a * radial + aside_x, b * radial + aside_y
 
-    def _radial(self, numbers: tuple[Number, ...], r2: Number) -> Number:
+    def _radial(self, m: Mathematics, numbers: tuple[Number, ...], r2: Number) -> Number:
         """Return the factor along the radius."""
         k1, k2, _, _, k3, k4, k5, k6 = numbers[:_RATIONAL]
         if self.coefficients < _TANGENTIAL:
-            return 1.0 + r2 * (k1 + r2 * k2)
-        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+            return m.polynomial(r2, (1.0, k1, k2))
+        radial = m.polynomial(r2, (1.0, k1, k2, k3))
         if self.coefficients < _RATIONAL:
             return radial
-        return radial / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+        return radial / m.polynomial(r2, (1.0, k4, k5, k6))
 
     def _decentre(self, numbers: tuple[Number, ...], a: Number, b: Number) -> tuple[Number, Number]:
-        """Return the displacement that is not radial."""
+        """Return the displacement that is not radial: OpenCV's, with its terms gathered."""
         p1, p2, s1, s2, s3, s4 = (*numbers[2:4], *numbers[8:DISTORTION])
-        r2, ab2 = a * a + b * b, 2.0 * (a * b)
-        x = p1 * ab2 + p2 * (r2 + 2.0 * (a * a))
-        y = p1 * (r2 + 2.0 * (b * b)) + p2 * ab2
+        r2, lean = a * a + b * b, 2.0 * (p1 * b + p2 * a)
         if self.coefficients < _PRISM:
-            return x, y
-        return x + r2 * (s1 + r2 * s2), y + r2 * (s3 + r2 * s4)
+            return a * lean + r2 * p2, b * lean + r2 * p1
+        return a * lean + r2 * (p2 + s1 + r2 * s2), b * lean + r2 * (p1 + s3 + r2 * s4)
 
 
 def fold_radius_squared(dist: tuple[float, ...]) -> float:

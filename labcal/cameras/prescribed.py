@@ -1,8 +1,9 @@
 """The lens model of a prescription: every ray is traced surface by surface, and none through one point.
 
-The chief ray of a pixel passes the middle of the stop; field coordinates are its slopes there. From the stop
-both ways are closed formulas: forwards through the front group into the scene, backwards through the rear
-group to the film. The origin of the camera's frame is the paraxial entrance pupil.
+The chief ray of a pixel passes the middle of the stop; field coordinates are its slopes there. It stays in a
+plane with the axis, so that one coordinate across the axis is enough. From the stop both ways are closed
+formulas: forwards through the front group into the scene, backwards through the rear group to the film. The
+origin of the camera's frame is the paraxial entrance pupil.
 """
 
 from dataclasses import dataclass
@@ -10,18 +11,20 @@ from functools import cached_property
 
 import numpy as np
 
-from labcal.cameras.dual import DualMathematics, constants
+from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.field import Direction, FieldPoint, SceneRay
 from labcal.cameras.mathematics import NUMPY, Mathematics, Number
-from labcal.cameras.newton import solve_two
+from labcal.cameras.newton import solve_one
 from labcal.cameras.prescription import Paraxial, Prescription, paraxial, paraxial_ray
 from labcal.cameras.radial import LENGTH as GUESS_LENGTH
 from labcal.cameras.radial import guess, inverse_guess
-from labcal.cameras.spherical import SURFACE, SkewRay, through
+from labcal.cameras.spherical import SURFACE, AxialRay, through
 
 _STEEPEST = 4.0
 """Slope at the stop up to which the field is searched for its end."""
 _SCAN = 4001
+_ON_AXIS = 1e-30
+"""Squared distance from the axis below which a point lies on it."""
 _FRONT_MM, _FILM_MM, _SCALE, _PUPIL, _FOLD = range(5)
 _GUESS = slice(5, 5 + GUESS_LENGTH)
 _SURFACES = 5 + GUESS_LENGTH
@@ -60,7 +63,7 @@ class PrescribedLens:
         numbers = list(self.formula(m, dist))
         numbers[_FOLD] = self._field_end(tuple(numbers))
         numbers[_GUESS] = inverse_guess(
-            lambda t: np.asarray(self.image(NUMPY, tuple(numbers), t, 0.0 * t)[0]), numbers[_FOLD], reach
+            lambda t: np.asarray(self._image_radius(NUMPY, tuple(numbers), t)), numbers[_FOLD], reach
         )
         return tuple(numbers)
 
@@ -68,10 +71,9 @@ class PrescribedLens:
         self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
         """Return where a field point is imaged: the place on the film over the focal length."""
-        rear = numbers[_SURFACES : _SURFACES + SURFACE * self._behind]
-        ray = through(m, rear, _from_stop(m, -a, -b)).ray
-        along = (numbers[_FILM_MM] - ray.s) / ray.ds
-        return -(ray.x + along * ray.dx) * numbers[_SCALE], -(ray.y + along * ray.dy) * numbers[_SCALE]
+        slope = _radius(m, a, b)
+        stretch = self._image_radius(m, numbers, slope) / slope
+        return a * stretch, b * stretch
 
     def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
         """Return roughly the field point of a point far away in a direction; not ok behind the camera."""
@@ -81,16 +83,22 @@ class PrescribedLens:
         return FieldPoint(X / depth, Y / depth, front)
 
     def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by Newton's method."""
-        d, lifted = DualMathematics(m), constants(numbers, 2)
-        ratio = guess(m, numbers[_GUESS], x * x + y * y)
+        """Return the field point that is imaged at (x, y), by Newton's method on its distance.
 
-        def miss(a: Number, b: Number) -> tuple[Number, Number]:
-            at_x, at_y = self.image(d, lifted, a, b)
-            return at_x - x, at_y - y
+        The guess is so close that its own slope does for every step, and no slope is traced.
+        """
+        radius = _radius(m, x, y)
+        (outwards,) = variables(radius)
+        start = outwards * guess(DualMathematics(m), constants(numbers[_GUESS], 1), outwards * outwards)
+        steep = 1.0 / start.slopes[0]
 
-        found = solve_two(m, miss, ratio * x, ratio * y)
-        return FieldPoint(found.a, found.b, found.ok & self.in_field(numbers, found.a, found.b))
+        def miss(slope: Dual) -> Dual:
+            return Dual(self._image_radius(m, numbers, slope.value) - radius, (steep,))
+
+        found = solve_one(m, miss, start.value)
+        ratio = found.t / radius
+        a, b = x * ratio, y * ratio
+        return FieldPoint(a, b, found.ok & self.in_field(numbers, a, b))
 
     def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether the chief ray of a field point passes every surface."""
@@ -98,9 +106,11 @@ class PrescribedLens:
 
     def ray(self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the front surface out into the scene."""
-        ray = through(m, numbers[_SURFACES + SURFACE * self._behind :], _from_stop(m, a, b)).ray
-        origin = (ray.x, ray.y, numbers[_FRONT_MM] + ray.s)
-        return SceneRay(origin, (ray.dx, ray.dy, ray.ds), ray.ds > 0.0)
+        slope = _radius(m, a, b)
+        ray = through(m, numbers[_SURFACES + SURFACE * self._behind :], _from_stop(m, slope)).ray
+        share = 1.0 / slope
+        x, dx = ray.across[0] * share, ray.slant[0] * share
+        return SceneRay((a * x, b * x, numbers[_FRONT_MM] + ray.s), (a * dx, b * dx, ray.ds), ray.ds > 0.0)
 
     @cached_property
     def exit_pupil(self) -> tuple[float, float]:
@@ -114,24 +124,35 @@ class PrescribedLens:
         """How many surfaces stand behind the stop."""
         return len(self.prescription.surfaces) - 1 - self.prescription.stop
 
+    def _image_radius(self, m: Mathematics, numbers: tuple[Number, ...], slope: Number) -> Number:
+        """Return how far from the axis the chief ray of a slope at the stop meets the film (unit focal)."""
+        rear = numbers[_SURFACES : _SURFACES + SURFACE * self._behind]
+        ray = through(m, rear, _from_stop(m, slope)).ray
+        along = (numbers[_FILM_MM] - ray.s) / ray.ds
+        return m.fma(along, ray.slant[0], ray.across[0]) * numbers[_SCALE]
+
     def _field_end(self, numbers: tuple[float, ...]) -> float:
         """Return the slope at the stop from which on the chief ray is blocked or turns back."""
         slope = np.linspace(0.0, _STEEPEST, _SCAN)
-        zero = 0.0 * slope
         split = _SURFACES + SURFACE * self._behind
         with np.errstate(invalid="ignore"):
-            rear = through(NUMPY, numbers[_SURFACES:split], _from_stop(NUMPY, -slope, zero))
-            front = through(NUMPY, numbers[split:], _from_stop(NUMPY, slope, zero))
-            radius = self.image(NUMPY, numbers, slope, zero)[0]
+            rear = through(NUMPY, numbers[_SURFACES:split], _from_stop(NUMPY, slope))
+            front = through(NUMPY, numbers[split:], _from_stop(NUMPY, slope))
+            radius = self._image_radius(NUMPY, numbers, slope)
             passes = np.all([spare >= 0.0 for spare in (*rear.spare, *front.spare)], axis=0)
-            outwards = front.ray.dx / front.ray.ds
+            outwards = front.ray.slant[0] / front.ray.ds
             grows = np.append(True, (np.diff(radius) > 0.0) & (np.diff(outwards) > 0.0))
         blocked = np.flatnonzero(~(passes & grows & (front.ray.ds > 0.0)))
         return float(slope[blocked[0] - 1]) if len(blocked) else _STEEPEST
 
 
-def _from_stop(m: Mathematics, a: Number, b: Number) -> SkewRay:
-    """Return the ray that leaves the middle of the stop with slopes a and b."""
-    ds = 1.0 / m.sqrt(a * a + b * b + 1.0)
+def _radius(m: Mathematics, x: Number, y: Number) -> Number:
+    """Return the distance from the axis, on it a very small one by which may be divided."""
+    return m.sqrt(m.fma(x, x, m.fma(y, y, _ON_AXIS)))
+
+
+def _from_stop(m: Mathematics, slope: Number) -> AxialRay:
+    """Return the ray that leaves the middle of the stop with a slope."""
+    ds = 1.0 / m.sqrt(m.fma(slope, slope, 1.0))
     zero = 0.0 * ds
-    return SkewRay(zero, zero, zero, a * ds, b * ds, ds)
+    return AxialRay((zero,), zero, (slope * ds,), ds)

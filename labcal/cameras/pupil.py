@@ -8,7 +8,7 @@ import numpy as np
 from labcal.cameras.field import SceneRay
 from labcal.cameras.mathematics import NUMPY, Mathematics, Number
 from labcal.cameras.prescribed import PrescribedLens
-from labcal.cameras.spherical import SURFACE, SkewRay, through
+from labcal.cameras.spherical import SURFACE, AxialRay, through
 from labcal.errors import InputError
 
 _RADII = 9
@@ -118,14 +118,14 @@ class TracedPupil:
         dx, dy = disc * at[2] - x, disc * at[3] - y
         ds = 1.0 / m.sqrt(dx * dx + dy * dy + to_pupil * to_pupil)
         zero = 0.0 * ds
-        start = SkewRay(x, y, zero, dx * ds, dy * ds, to_pupil * ds)
+        start = AxialRay((x, y), zero, (dx * ds, dy * ds), to_pupil * ds)
         passage = through(m, numbers[5:], start)
         passes = passage.ray.ds > 0.0
         for spare in passage.spare:
             passes = passes & (spare >= 0.0)
         cosine2 = start.ds * start.ds
         ray = passage.ray
-        scene = SceneRay((ray.x, ray.y, front + ray.s), (ray.dx, ray.dy, ray.ds), passes)
+        scene = SceneRay((*ray.across, front + ray.s), (*ray.slant, ray.ds), passes)
         return PupilRay(scene, m.where(passes, weight * cosine2 * cosine2, 0.0))
 
     def relative_light(self, radius: np.ndarray) -> np.ndarray:

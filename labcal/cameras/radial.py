@@ -4,7 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from labcal.cameras.dual import Dual, DualMathematics
 from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.newton import Root, solve_one
 
 DEGREE = 8
 LENGTH = DEGREE + 2
@@ -46,11 +48,29 @@ def inverse_guess(
 def guess(m: Mathematics, numbers: tuple[Number, ...], r2: Number) -> Number:
     """Return field radius over image radius, from the squared image radius; constant beyond the fit."""
     s = r2 * numbers[0]
-    s = m.where(s < 1.0, s, 1.0)
-    ratio = numbers[LENGTH - 1]
-    for coefficient in numbers[LENGTH - 2 : 0 : -1]:
-        ratio = ratio * s + coefficient
-    return ratio
+    return m.polynomial(m.where(s < 1.0, s, 1.0), numbers[1:LENGTH])
+
+
+def field_over_image(
+    m: Mathematics,
+    stretch: Callable[[DualMathematics, Dual], Dual],
+    guessed: tuple[Number, ...],
+    r2: Number,
+) -> Root:
+    """Return field radius over image radius of a mapping that is the same all around, by Newton's method.
+
+    Parameters
+    ----------
+    m : Mathematics
+    stretch : callable
+        Takes mathematics and the squared field radius, both dual; returns image radius over field radius.
+    guessed : tuple of number
+        Of :func:`inverse_guess`.
+    r2 : number
+        Squared image radius.
+    """
+    d = DualMathematics(m)
+    return solve_one(m, lambda ratio: ratio * stretch(d, ratio * ratio * r2) - 1.0, guess(m, guessed, r2))
 
 
 def _field_radius(forward: Callable[[np.ndarray], np.ndarray], fold: float, reach: float) -> float:

@@ -14,14 +14,16 @@ SURFACE = 4
 
 
 @dataclass(frozen=True)
-class SkewRay:
-    """A point, with s counted from the vertex of the surface passed last, and a unit direction."""
+class AxialRay:
+    """A point, with s counted from the vertex of the surface passed last, and a unit direction.
 
-    x: Number
-    y: Number
+    Across the axis it has the two coordinates x and y, or one: a ray in a plane with the axis stays there.
+    """
+
+    across: tuple[Number, ...]
     s: Number
-    dx: Number
-    dy: Number
+    slant: tuple[Number, ...]
+    """The direction's parts across the axis."""
     ds: Number
 
 
@@ -29,11 +31,11 @@ class SkewRay:
 class Passage:
     """A ray behind surfaces, and by how much it stayed within the clear radius of each, in mm^2."""
 
-    ray: SkewRay
+    ray: AxialRay
     spare: tuple[Number, ...]
 
 
-def through(m: Mathematics, surfaces: tuple[Number, ...], ray: SkewRay) -> Passage:
+def through(m: Mathematics, surfaces: tuple[Number, ...], ray: AxialRay) -> Passage:
     """Follow a ray through surfaces.
 
     Parameters
@@ -41,7 +43,7 @@ def through(m: Mathematics, surfaces: tuple[Number, ...], ray: SkewRay) -> Passa
     m : Mathematics
     surfaces : tuple of number
         :data:`SURFACE` numbers each, in the order of travel.
-    ray : SkewRay
+    ray : AxialRay
         With s counted from the point from which the first gap counts.
 
     Returns
@@ -49,18 +51,27 @@ def through(m: Mathematics, surfaces: tuple[Number, ...], ray: SkewRay) -> Passa
     Passage
         NaN where a surface is missed or light is totally reflected.
     """
-    x, y, s, dx, dy, ds = ray.x, ray.y, ray.s, ray.dx, ray.dy, ray.ds
+    across, s, slant, ds = ray.across, ray.s, ray.slant, ray.ds
     spare = []
     for first in range(0, len(surfaces), SURFACE):
         gap, curvature, ratio, clear2 = surfaces[first : first + SURFACE]
         s = s - gap
-        e = curvature * (x * x + y * y + s * s) - 2.0 * s
-        f = ds - curvature * (x * dx + y * dy + s * ds)
-        cosine = m.sqrt(f * f - curvature * e)  # of the angle of incidence
+        e = curvature * _dot(m, across, across, s * s) - 2.0 * s
+        f = ds - curvature * _dot(m, across, slant, s * ds)
+        cosine = m.sqrt(m.fma(f, f, -curvature * e))  # of the angle of incidence
         along = e / (f + cosine)
-        x, y, s = x + along * dx, y + along * dy, s + along * ds
-        spare.append(clear2 - (x * x + y * y))
+        across = tuple(m.fma(along, dx, x) for x, dx in zip(across, slant, strict=True))
+        s = m.fma(along, ds, s)
+        spare.append(clear2 - _dot(m, across, across, 0.0))
         bend = m.sqrt(1.0 - ratio * ratio * (1.0 - cosine * cosine)) - ratio * cosine
-        lean = bend * curvature
-        dx, dy, ds = ratio * dx - lean * x, ratio * dy - lean * y, ratio * ds + bend - lean * s
-    return Passage(SkewRay(x, y, s, dx, dy, ds), tuple(spare))
+        lean = -bend * curvature
+        slant = tuple(m.fma(lean, x, ratio * dx) for x, dx in zip(across, slant, strict=True))
+        ds = m.fma(lean, s, m.fma(ratio, ds, bend))
+    return Passage(AxialRay(across, s, slant, ds), tuple(spare))
+
+
+def _dot(m: Mathematics, a: tuple[Number, ...], b: tuple[Number, ...], more: Number) -> Number:
+    """Return the scalar product of two tuples, and what is added to it."""
+    for x, y in zip(a, b, strict=True):
+        more = m.fma(x, y, more)
+    return more

@@ -34,6 +34,19 @@ class DrjitMathematics:
         """Return `a` where the condition holds, else `b`."""
         return dr.select(condition, a, b)
 
+    def fma(self, a: Number, b: Number, c: Number) -> Number:
+        """Return a b + c, rounded once."""
+        return dr.fma(a, b, c)
+
+    def polynomial(self, x: Number, coefficients: tuple[Number, ...]) -> Number:
+        """Return c0 + c1 x + c2 x^2 + ..., in pairs (Estrin's rule): Horner's waits for every product."""
+        terms = list(coefficients)
+        while len(terms) > 1:
+            pairs = [dr.fma(b, x, a) for a, b in zip(terms[::2], terms[1::2], strict=False)]
+            terms = pairs + terms[len(pairs) * 2 :]
+            x = x * x
+        return terms[0]
+
     def all_below(self, _a: Number, _limit: float) -> bool:
         """Return False: to know it would end the kernel here."""
         return False

@@ -75,7 +75,10 @@ class Sensor:
         self._vignetting = opaque(middle) if shading.vignetting > 0.0 else ()
 
     def rays(self, pixels: Pixels) -> tuple[Jit, Jit]:
-        """Return rays in the world and their weights; where the lens has no ray the weight is 0."""
+        """Return rays in the world and their weights; where the lens has no ray the weight is 0.
+
+        The rays of a central camera share one origin, of width 1.
+        """
         mi, m, optics, numbers = self._mi, self._m, self._camera.optics, self._numbers
         x, y = optics.ideal(m, numbers, pixels.u, pixels.v)
         ray = optics.before_window(m, numbers, x, y)
@@ -88,12 +91,19 @@ class Sensor:
             ray, weight = through.ray, weight * through.weight
         ray = optics.behind_window(m, numbers, ray)
         # Where there is no ray NaN would go through the whole of the scene.
-        origin = [m.where(ray.ok, part, 0.0) for part in ray.origin]
         ahead = (0.0, 0.0, 1.0)
         direction = [m.where(ray.ok, part, other) for part, other in zip(ray.direction, ahead, strict=True)]
-        o = [mi.Float(_dot(row, origin) + row[3]) for row in self._T_world_cam]
-        d = [mi.Float(_dot(row, direction)) for row in self._T_world_cam]
+        d = [mi.Float(self._turned(row, direction)) for row in self._T_world_cam]
+        o = [mi.Float(row[3]) for row in self._T_world_cam]
+        if not (optics.central and self._pupil is None):
+            origin = [m.where(ray.ok, part, 0.0) for part in ray.origin]
+            o = [mi.Float(self._turned(row, origin) + row[3]) for row in self._T_world_cam]
         return mi.Ray3f(mi.Point3f(*o), mi.Vector3f(*d)), mi.Float(m.where(ray.ok, weight, 0.0))
+
+    def _turned(self, row: tuple[Jit, ...], vector: list[Jit]) -> Jit:
+        """Return the product of a matrix row's first three entries and a vector."""
+        m = self._m
+        return m.fma(row[0], vector[0], m.fma(row[1], vector[1], row[2] * vector[2]))
 
     def _light(self, r2: Jit, cosine: Jit, pixels: Pixels) -> Jit:
         """Return the share of light that a pixel gets, from its ideal radius squared and its angle."""
@@ -113,11 +123,6 @@ class Sensor:
             du, dv = pixels.u - cu, pixels.v - cv
             weight = weight * (1.0 - loss * (du * du + dv * dv))
         return weight
-
-
-def _dot(row: tuple[Jit, ...], vector: list[Jit]) -> Jit:
-    """Return the product of a matrix row's first three entries and a vector."""
-    return row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2]
 
 
 def _pupil(camera: Camera, aperture: Aperture) -> Pupil:

@@ -50,7 +50,9 @@ def pixels(mi: Jit, q: np.ndarray) -> Pixels:
 def traced(mi: Jit, sensor: Sensor, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return origins, directions and weights of the rays of pixels."""
     ray, weight = sensor.rays(pixels(mi, q))
-    return np.array(ray.o, np.float64).T, np.array(ray.d, np.float64).T, np.array(weight)
+    direction = np.array(ray.d, np.float64).T
+    # The rays of a central camera share one origin.
+    return np.broadcast_to(np.array(ray.o, np.float64).T, direction.shape), direction, np.array(weight)
 
 
 def spread(camera: Camera, count: int = 100_000) -> np.ndarray:
