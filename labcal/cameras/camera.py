@@ -78,8 +78,8 @@ class Camera:
     def __post_init__(self) -> None:
         if (self.lens == PRESCRIPTION) != (self.prescription is not None):
             raise InputError(
-                f"A camera with the lens '{PRESCRIPTION}' needs a prescription, and no other has one; "
-                f"the lens is '{self.lens}'."
+                f"A camera has a prescription if its lens is '{PRESCRIPTION}', and only then; here the lens "
+                f"is '{self.lens}'. Set lens to '{PRESCRIPTION}', or leave out the prescription."
             )
         model = self.model
         fx, fy, cx, cy = self.intrinsics
@@ -92,7 +92,8 @@ class Camera:
             raise InputError(f"dist must hold at least {LENGTH} finite coefficients; pad it with zeros.")
         if np.any(self.dist[model.coefficients :] != 0.0):
             raise InputError(
-                f"The lens model '{self.lens}' has {model.coefficients} coefficients; the rest must be 0."
+                f"The lens model '{self.lens}' has {model.coefficients} coefficients; the rest of dist must "
+                "be 0. Shorten dist, or choose another lens."
             )
         if self.prescription is not None and fx != fy:
             raise InputError("A lens prescription images round things round: fx and fy must be equal.")
@@ -236,7 +237,7 @@ class Camera:
             q = q[lost][0]
             raise InputError(
                 f"The lens of camera '{name}' ({self.lens}) folds within its picture: pixel "
-                f"({q[0]:.0f}, {q[1]:.0f}) sees no direction. {self._mend}"
+                f"({q[0]:.1f}, {q[1]:.1f}) sees no direction. {self._mend}"
             )
 
     @property
