@@ -40,7 +40,7 @@ def test_a_file_of_ones_own_is_read_by_its_path(tmp_path: Path) -> None:
         ("cols: 10", "cols: many", "cols: Input should be a valid integer"),
         ("pitch_x_mm: 3.5", "pitch_x_mm: .nan", "pitch_x_mm"),
         ("pitch_x_mm: 3.5", "pitch_x_mm: -1", "pitch_x_mm: -1 should be more than 0"),
-        ("cols: 10", "cols: 10\npolarity: black-on-whit", "(did you mean 'black-on-white'?)"),
+        ("polarity: black-on-white", "polarity: black-on-whit", "(did you mean 'black-on-white'?)"),
         ("origin: [2, 2]", "origin: [2, 3]", "x ring must lie in the row"),
     ],
 )
