@@ -7,9 +7,9 @@ import numpy as np
 
 from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
 from labcal.detect.dots import PictureDots
-from labcal.detect.edge_fit import EdgeFits, fit_edges
+from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
-from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
+from labcal.detect.grey import AnyPicture, GreyPicture, clipping, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
@@ -25,6 +25,9 @@ _DEPARTURE = (2.5, 0.012)
 _COARSE = 700  # px: the longer side of the level where the search begins
 _RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes are all larger
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
+_BLURRED = 0.6  # of the minor axis
+_CLIPPED = 0.1
+_CLIPPED_PICTURE = 0.5
 _ALIKE = 0.5  # in the logarithm of the radius
 
 
@@ -79,13 +82,16 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
         grey = grey.max() - grey
     seen = _search(grey, target)
     if isinstance(seen.grid, Refusal):
-        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, seen.grid)
+        refusal = _cause(seen.grid, grey, seen.whole)
+        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, refusal)
     lattice, numbering = seen.grid
     lattice, outlines = with_missed(grey, lattice, numbering, seen.whole, target)
     dots = _measured(grey, lattice, numbering, outlines, target)
     dots += [
         _Dot(numbering.index(lost.node), lost.flag, lost.seen_at, lost.outline)
-        for lost in lost_dots(lattice, outlines, seen.blobs, size)
+        for lost in lost_dots(
+            lattice, outlines, seen.blobs, size, lambda node: target.holds(*numbering.index(node))
+        )
     ]
     named = set(lattice.spots.values())
     typical = float(np.median(outlines.radius[sorted(named)]))
@@ -128,6 +134,19 @@ def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
         found.insert(0, blobs_of(levels[finest]))
 
 
+def _cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines) -> Refusal:
+    """Return what is behind there being no dots or no grid, where the picture tells."""
+    if refusal not in (Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_GRID):
+        return refusal
+    low, high = clipping(grey)
+    clipped = np.count_nonzero(grey <= low) + np.count_nonzero(grey >= high)
+    if low < high and clipped > _CLIPPED_PICTURE * grey.size:
+        return Refusal.SATURATED
+    minor = np.sqrt(np.linalg.eigvalsh(outlines.shape)[:, 0])
+    blurred = len(minor) >= _FEWEST_DOTS and np.median(outlines.blur / minor) > _BLURRED
+    return Refusal.BLURRED if blurred else refusal
+
+
 def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
     """Tell which outlines lie in the frame as a whole."""
     extent = np.sqrt(np.diagonal(outlines.shape, axis1=1, axis2=2))
@@ -166,21 +185,22 @@ def _measured(
     holes = np.array([hole if index in target.ring_indices else 0.0 for index, _ in named])
     fits = fit_edges(grey, spots, holes, clear_reach(target))
     usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
-    clean = fits.ok & (fits.departure <= _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius)
-    return [
-        _named_dot(number, index, fits, target)
-        if clean[number]
-        else _Dot(index, DotFlag.BAD_FIT, spots.centre[number], spots.shape[number])
-        for number, (index, _) in enumerate(named)
-    ]
-
-
-def _named_dot(number: int, index: tuple[int, int], fits: EdgeFits, target: DotGrid) -> _Dot:
-    """Return a measured dot."""
-    inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
-    flag = DotFlag.OK if inside else DotFlag.BEYOND_GRID
-    centre = fits.centre[number]
-    return _Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number])
+    rough = fits.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius
+    minor = np.sqrt(np.linalg.eigvalsh(spots.shape)[:, 0])
+    dots = []
+    for number, (index, _) in enumerate(named):
+        seen_at, outline = spots.centre[number], spots.shape[number]
+        if spots.blur[number] > _BLURRED * minor[number]:
+            dots.append(_Dot(index, DotFlag.BLURRED, seen_at, outline))
+        elif fits.ok[number] and fits.clipped[number] > _CLIPPED:
+            dots.append(_Dot(index, DotFlag.SATURATED, seen_at, outline))
+        elif not fits.ok[number] or rough[number]:
+            dots.append(_Dot(index, DotFlag.BAD_FIT, seen_at, outline))
+        else:
+            flag = DotFlag.OK if target.holds(*index) else DotFlag.BEYOND_GRID
+            centre = fits.centre[number]
+            dots.append(_Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number]))
+    return dots
 
 
 def _unnamed(outlines: Outlines, named: set[int]) -> list[_Dot]:

@@ -14,8 +14,9 @@ from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 
 PARAMETERS, STATE, SHADING = 12, 6, 6
-COVARIANCE, DEPARTURE, VARIANCE, COLUMNS = 12, 15, 16, 17
-"""Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise."""
+COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, COLUMNS = 12, 15, 16, 17, 18
+"""Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
+and how much of the board or of the dot, but not all of it, is clipped (0 to 1)."""
 _CHUNK = 2048
 """Pixels that are linearised together."""
 _ROWS, _RESIDUAL, _BLURS_AWAY, _ALONG, _PLANES = 3, 15, 16, 17, 18
@@ -329,6 +330,24 @@ def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray) -> int:
 
 
 @compiled
+def _clipped(pixels: np.ndarray, found: np.ndarray, low: float, high: float) -> float:
+    """Return how much of the board beside the edge, or of the dot, is clipped, 0 where all of it is.
+
+    An edge that is cut off all around keeps its centre; one that is cut off on one side does not.
+    """
+    board, burnt, dot, black = 0, 0, 0, 0
+    for k in range(pixels.shape[1]):
+        if found[1, k] > _CLUTTER_BLURS:
+            board += 1
+            burnt += pixels[2, k] >= high
+        elif found[1, k] < -_CLUTTER_BLURS:
+            dot += 1
+            black += pixels[2, k] <= low
+    of_board, of_dot = burnt / max(board, 1), black / max(dot, 1)
+    return max(min(of_board, 1.0 - of_board), min(of_dot, 1.0 - of_dot))
+
+
+@compiled
 def _add_scatter(pixels: np.ndarray, found: np.ndarray, sums: np.ndarray) -> None:
     """Add what one dot's residuals tell of the noise to `sums`, shape (LAGS, SUMS).
 
@@ -355,18 +374,24 @@ def _add_scatter(pixels: np.ndarray, found: np.ndarray, sums: np.ndarray) -> Non
 
 @compiled
 def fit_all(
-    grey: np.ndarray, table: np.ndarray, hole: np.ndarray, reach: float, every: int, sums: np.ndarray
+    grey: np.ndarray,
+    table: np.ndarray,
+    hole: np.ndarray,
+    limits: tuple[float, float, float],
+    every: int,
+    sums: np.ndarray,
 ) -> np.ndarray:
     """Fit dot after dot, from the states in `table` and into its rows; return which settled.
 
-    Into `sums` goes what every so-manieth dot tells of the noise.
+    The limits are the reach (radii), and the grey values at which the picture is clipped. Into `sums` goes
+    what every so-manieth dot tells of the noise.
     """
     ok = np.zeros(len(table), dtype=np.bool_)
     chunk, system = np.empty(_PLANES * _CHUNK), np.empty((PARAMETERS + 1, PARAMETERS))
     for number in range(len(table)):
         row, start = table[number], table[number].copy()
         radius = 1.0 / sqrt(start[2] * start[4] - start[3] * start[3])
-        pixels, found = _fit_one(grey, row, (hole[number], reach), chunk, system)
+        pixels, found = _fit_one(grey, row, (hole[number], limits[0]), chunk, system)
         moved = sqrt((row[0] - start[0]) ** 2 + (row[1] - start[1]) ** 2)
         if pixels.shape[1] == 0 or moved > 0.5 * radius or not _judge(row, pixels, found):
             continue
@@ -375,6 +400,7 @@ def fit_all(
             unit[i] = row[VARIANCE]
             solve(system, unit)
             row[COVARIANCE + 2 * i], row[COVARIANCE + 1] = unit[i], unit[1 - i]
+        row[CLIPPED] = _clipped(pixels, found, limits[1], limits[2])
         ok[number] = True
         if number % every == 0:
             _add_scatter(pixels, found, sums)

@@ -1,5 +1,6 @@
 """Dots that are in the picture, and whose place in the grid is known, but that cannot be measured."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,8 +26,14 @@ class LostDot:
     outline: np.ndarray
 
 
-def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[int, int]) -> list[LostDot]:
-    """Return the nodes beside the lattice that the frame cuts, or whose spot has no clean outline.
+def lost_dots(
+    lattice: Lattice,
+    outlines: Outlines,
+    blobs: Blobs,
+    size: tuple[int, int],
+    declared: Callable[[Node], bool],
+) -> list[LostDot]:
+    """Return the nodes beside the lattice that the frame cuts, that are hidden, or have no clean outline.
 
     Parameters
     ----------
@@ -36,8 +43,11 @@ def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[in
         The rough spots of the picture, cut ones among them.
     size : tuple of int
         Width and height of the picture, px.
+    declared : callable
+        Tells whether a node belongs to the declared grid: only such ones can be hidden.
     """
-    beside = {(a + i, b + j) for a, b in lattice.spots for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    span = (-1, 0, 1)
+    beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span}
     taken, all_radii = outlines.centre[list(lattice.spots.values())], outlines.radius
     rough = Blobs(blobs.centre[~blobs.cut], blobs.shape[~blobs.cut], blobs.cut[~blobs.cut])
     rough_radii = mean_radius(rough.shape)
@@ -47,15 +57,22 @@ def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[in
         if prediction is None:
             continue
         near = lattice.around(node)
-        shape = np.median(outlines.shape[near], axis=0)
+        shape, radius = np.median(outlines.shape[near], axis=0), float(np.median(all_radii[near]))
         dot = _cut(node, prediction.position, shape, blobs, size)
         if dot is None:
-            dot = _unclean(node, prediction.position, float(np.median(all_radii[near])), rough, rough_radii)
-        if dot is None:
-            continue
-        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > float(np.median(all_radii[near])):
+            dot = _unclean(node, prediction.position, radius, rough, rough_radii)
+        if dot is None and declared(node) and _in_frame(prediction.position, shape, size):
+            dot = LostDot(node, DotFlag.HIDDEN, prediction.position, np.full((2, 2), np.nan))
+        if dot is not None and np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
             lost.append(dot)
     return lost
+
+
+def _in_frame(position: np.ndarray, shape: np.ndarray, size: tuple[int, int]) -> bool:
+    """Tell whether an outline lies in the picture as a whole."""
+    extent = np.sqrt(np.diag(shape))
+    last = np.array(size) - 1.0
+    return bool((position - extent > _MARGIN).all() and (position + extent < last - _MARGIN).all())
 
 
 def _cut(

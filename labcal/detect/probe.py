@@ -59,12 +59,7 @@ def _beside(lattice: Lattice, numbering: Numbering, target: DotGrid) -> list[Nod
     """Return the empty nodes of the declared grid next to the lattice's."""
     span = (-1, 0, 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()
-    within = []
-    for node in sorted(beside):
-        col, row = numbering.index(node)
-        if 0 <= col < target.cols and 0 <= row < target.rows:
-            within.append(node)
-    return within
+    return [node for node in sorted(beside) if target.holds(*numbering.index(node))]
 
 
 def _inside(centre: np.ndarray, shape: np.ndarray, size: tuple[int, ...]) -> np.ndarray:
