@@ -39,7 +39,7 @@ def taken(light: np.ndarray, design: PictureDesign, seen: Sight, blur: float, se
         Standard deviation, px.
     seed : int
     """
-    lit = light * _falling(design, seen.centroid[seen.in_frame], light.shape)
+    lit = light * falling_light(design, seen.centroid[seen.in_frame], light.shape)
     photometry = _photometry(design, blur)
     if design.bayer:
         lit = np.repeat(lit[..., None], 3, axis=-1)
@@ -64,8 +64,22 @@ def _photometry(design: PictureDesign, blur: float) -> Photometry:
     )
 
 
-def _falling(design: PictureDesign, dots: Pixels, shape: tuple[int, ...]) -> np.ndarray:
-    """Return the light, 1 at one end of the dots, falling exponentially to the other end; float32."""
+def falling_light(design: PictureDesign, dots: Pixels, shape: tuple[int, ...]) -> np.ndarray:
+    """Return the light, 1 at one end of the dots, falling exponentially to the other end.
+
+    Parameters
+    ----------
+    design : PictureDesign
+        Its gradient and the direction of that.
+    dots : ndarray, shape (n, 2)
+        px.
+    shape : tuple of int
+        Height and width of the picture.
+
+    Returns
+    -------
+    ndarray of float32, shape (height, width)
+    """
     along = np.array([np.cos(design.gradient_direction), np.sin(design.gradient_direction)])
     places = dots @ along if len(dots) else np.array([0.0, 1.0])
     first, last = float(places.min()), float(places.max())
