@@ -148,13 +148,8 @@ def accuracy_figures(name: str, errors: Errors) -> list[Figure]:
     missed = float((~np.isfinite(errors.labcal).all(axis=1)).mean())
     return [
         Figure(name=f"{name}: share of dots not measured", value=missed),
-        Figure(
-            name=f"{name}: OpenCV's blobs, RMS over the bound", value=over_bound(errors.blob, errors.bound)
-        ),
-        Figure(
-            name=f"{name}: ellipse through a contour, RMS over the bound",
-            value=over_bound(errors.contour, errors.bound),
-        ),
+        Figure(name=f"{name}: OpenCV's blobs, RMS over the bound", value=blob),
+        Figure(name=f"{name}: ellipse through a contour, RMS over the bound", value=contour),
     ]
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from labcal.errors import UnknownNameError
+from labcal.experiments.bench_detect.accuracy import accuracy_findings
 from labcal.experiments.bench_detect.findings import Bench, Findings
 from labcal.experiments.bench_detect.suite import suite_findings
 from labcal.experiments.bench_settings import BenchSettings
@@ -12,7 +13,10 @@ from labcal.run.json_text import to_json
 from labcal.run.outputs import unfinished_folder, write_file
 from labcal.run.progress import Progress
 
-GROUPS: dict[str, Callable[[Bench], Findings]] = {"suite": suite_findings}
+GROUPS: dict[str, Callable[[Bench], Findings]] = {
+    "suite": suite_findings,
+    "accuracy": accuracy_findings,
+}
 """Groups of checks, in the order in which they are measured."""
 
 
