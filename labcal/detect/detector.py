@@ -9,6 +9,7 @@ from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.flattening import NONE, Flattening, fisheyes
 from labcal.detect.grey import AnyPicture, GreyPicture, clipping, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
@@ -27,6 +28,7 @@ _RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes 
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _BLURRED = 0.6  # of the minor axis
 _CLIPPED = 0.1
+_COMPLETE = 0.97  # of the spots that are as large as dots
 _CLIPPED_PICTURE = 0.5
 _ALIKE = 0.5  # in the logarithm of the radius
 
@@ -121,9 +123,8 @@ def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
         outlines = trace_outlines(grey, blobs, target)
         inside = _inside_frame(outlines, (grey.shape[1], grey.shape[0]))
         whole = outlines.select(inside)
-        seen = _Seen(
-            blobs, whole, outlines.select(~inside), _choose(find_lattices(whole, target), whole, target)
-        )
+        grid = _find_grid(whole, target, (grey.shape[1], grey.shape[0]))
+        seen = _Seen(blobs, whole, outlines.select(~inside), grid)
         if finest == 0:
             return seen
         if not isinstance(seen.grid, Refusal):
@@ -155,14 +156,39 @@ def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
     return inside
 
 
-def _choose(
-    lattices: list[Lattice], outlines: Outlines, target: DotGrid
+def _find_grid(
+    outlines: Outlines, target: DotGrid, size: tuple[int, int]
 ) -> tuple[Lattice, Numbering] | Refusal:
-    """Return the one lattice that carries the target's rings."""
+    """Return the lattice that carries the target's rings, with the lens that shows most of it."""
+    best = _choose(outlines, target, NONE)
+    if len(outlines.centre) < _FEWEST_DOTS or _is_complete(best, outlines):
+        return best
+    for lens in fisheyes(size):
+        other = _choose(outlines, target, lens)
+        if not isinstance(other, Refusal) and (isinstance(best, Refusal) or len(other[0]) > len(best[0])):
+            best = other
+            if _is_complete(best, outlines):
+                break
+    return best
+
+
+def _is_complete(grid: tuple[Lattice, Numbering] | Refusal, outlines: Outlines) -> bool:
+    """Tell whether a grid holds nearly every spot that is as large as its dots."""
+    if isinstance(grid, Refusal):
+        return False
+    radius = outlines.radius
+    known = radius[list(grid[0].spots.values())]
+    alike = (radius > 0.8 * known.min()) & (radius < 1.2 * known.max())
+    return len(known) >= _COMPLETE * int(alike.sum())
+
+
+def _choose(outlines: Outlines, target: DotGrid, lens: Flattening) -> tuple[Lattice, Numbering] | Refusal:
+    """Return the one lattice that carries the target's rings in the picture of a lens."""
     if len(outlines.centre) == 0:
         return Refusal.NO_DOTS
     if len(outlines.centre) < _FEWEST_DOTS:
         return Refusal.TOO_FEW_DOTS
+    lattices, outlines = find_lattices(outlines, target, lens), lens.outlines(outlines)
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]

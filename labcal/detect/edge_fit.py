@@ -49,7 +49,7 @@ class EdgeFits:
     shading : ndarray, shape (n, 6)
         Level of the board beside the edge and its slopes along the flattened x and y, then those of the dot.
     clipped : ndarray, shape (n,)
-        How much of the board beside the edge, or of the dot, the picture clips, 0 to 1; 0 where it clips all.
+        How one-sidedly the picture clips the board beside the edge, or the dot, 0 to 1.
     noise_factor : float
         What tied noise made of the covariances.
     """

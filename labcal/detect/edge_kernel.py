@@ -16,7 +16,7 @@ from labcal.detect.compiled import compiled
 PARAMETERS, STATE, SHADING = 12, 6, 6
 COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, COLUMNS = 12, 15, 16, 17, 18
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
-and how much of the board or of the dot, but not all of it, is clipped (0 to 1)."""
+and how one-sidedly the board or the dot is clipped (0 to 1)."""
 _CHUNK = 2048
 """Pixels that are linearised together."""
 _ROWS, _RESIDUAL, _BLURS_AWAY, _ALONG, _PLANES = 3, 15, 16, 17, 18
@@ -330,21 +330,28 @@ def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray) -> int:
 
 
 @compiled
-def _clipped(pixels: np.ndarray, found: np.ndarray, low: float, high: float) -> float:
-    """Return how much of the board beside the edge, or of the dot, is clipped, 0 where all of it is.
+def _clipped(state: np.ndarray, pixels: np.ndarray, found: np.ndarray, low: float, high: float) -> float:
+    """Return how one-sidedly the board beside the edge, or the dot, is clipped: 0 not at all, at most 1.
 
     An edge that is cut off all around keeps its centre; one that is cut off on one side does not.
     """
-    board, burnt, dot, black = 0, 0, 0, 0
+    sums, counts, cut_off = np.zeros((2, 2)), np.zeros(2), np.zeros(2)
     for k in range(pixels.shape[1]):
-        if found[1, k] > _CLUTTER_BLURS:
-            board += 1
-            burnt += pixels[2, k] >= high
-        elif found[1, k] < -_CLUTTER_BLURS:
-            dot += 1
-            black += pixels[2, k] <= low
-    of_board, of_dot = burnt / max(board, 1), black / max(dot, 1)
-    return max(min(of_board, 1.0 - of_board), min(of_dot, 1.0 - of_dot))
+        if abs(found[1, k]) <= _CLUTTER_BLURS:
+            continue
+        inside = int(found[1, k] < 0.0)
+        counts[inside] += 1.0
+        if (pixels[2, k] <= low) if inside else (pixels[2, k] >= high):
+            dx, dy = pixels[0, k] - state[0], pixels[1, k] - state[1]
+            u, v = state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+            share = 1.0 / max(sqrt(u * u + v * v), _TINY)
+            sums[inside, 0] += u * share
+            sums[inside, 1] += v * share
+            cut_off[inside] += 1.0
+    # What noise cuts off lies to all sides, as far as chance has it.
+    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - 3.0 * sqrt(cut_off[0])) / max(counts[0], 1.0)
+    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - 3.0 * sqrt(cut_off[1])) / max(counts[1], 1.0)
+    return max(board, dot)
 
 
 @compiled
@@ -400,7 +407,7 @@ def fit_all(
             unit[i] = row[VARIANCE]
             solve(system, unit)
             row[COVARIANCE + 2 * i], row[COVARIANCE + 1] = unit[i], unit[1 - i]
-        row[CLIPPED] = _clipped(pixels, found, limits[1], limits[2])
+        row[CLIPPED] = _clipped(row, pixels, found, limits[1], limits[2])
         ok[number] = True
         if number % every == 0:
             _add_scatter(pixels, found, sums)

@@ -5,10 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
-from labcal.arrays import PixelCovariances, Pixels
+from labcal.detect.flattening import NONE, Flattening
 from labcal.detect.grid_kernel import PREDICTION, drop_inconsistent, grow, miss, predict
 from labcal.detect.outlines import Outlines
-from labcal.detect.seeds import SEED_MISS, Seed, seed_at
+from labcal.detect.seeds import Seed, seed_at
 from labcal.targets.grid import DotGrid
 
 Node = tuple[int, int]
@@ -20,33 +20,24 @@ _MOST_SEEDS = 600  # looked for, in a picture full of what is no grid
 _MOST_COMPONENTS = 12
 _FARTHEST = 250  # nodes from a seed
 _AROUND = 4  # empty nodes kept around a lattice
-_LINKS = (
-    (1, 0),
-    (-1, 0),
-    (0, 1),
-    (0, -1),
-    (1, 1),
-    (1, -1),
-    (-1, 1),
-    (-1, -1),
-    (2, 0),
-    (-2, 0),
-    (0, 2),
-    (0, -2),
-)
+_GAP = 5  # steps over hidden nodes, at most, between what hangs together
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """A node's predicted position (px) and the local steps along both axes (columns of `steps`, px)."""
+    """Where a node should be: in the picture, and its place and local steps in the flattened picture, px."""
 
     position: np.ndarray
-    steps: np.ndarray
+    outline: np.ndarray
+    """Matrix of the outline that a dot should have there, shape (2, 2), px squared."""
+    neighbours: int
+    flattening: Flattening
+    numbers: np.ndarray
 
     def miss(self, position: np.ndarray) -> float:
-        """Return how many steps `position` is from the prediction; infinite on a degenerate grid."""
-        numbers = np.concatenate([self.position, self.steps.T.ravel()])
-        return float(miss(numbers, float(position[0]), float(position[1])))
+        """Return how many steps a pixel is from the prediction; infinite on a degenerate grid."""
+        x, y = self.flattening.forward(position)
+        return float(miss(self.numbers, float(x), float(y)))
 
 
 @dataclass(frozen=True)
@@ -54,6 +45,8 @@ class Lattice:
     """Spots on grid nodes; the numbering is right up to a shift and a quarter turn, and never mirrored."""
 
     spots: dict[Node, int]
+    flattening: Flattening = NONE
+    """What made the grid's lines straight."""
 
     def __len__(self) -> int:
         """Return the number of nodes that hold a spot."""
@@ -76,14 +69,18 @@ class Lattice:
         near: np.ndarray = window[(window >= 0) & (window != self.spots.get(node, -1))]
         return near
 
-    def predict(self, node: Node, positions: Pixels) -> Prediction | None:
+    def predict(self, node: Node, outlines: Outlines) -> Prediction | None:
         """Predict a node from its neighbours; None where these are too few or lie on one line."""
         grid, corner = self._grid
         numbers = np.empty(PREDICTION)
         a, b = np.array(node) - corner
-        if not predict(grid, positions, int(a), int(b), numbers):
+        flat, near = self.flattening.outlines(outlines), self.around(node)
+        if len(near) == 0 or not predict(grid, flat.centre, int(a), int(b), numbers):
             return None
-        return Prediction(numbers[:2], numbers[2:].reshape(2, 2).T)
+        position = self.flattening.backward(numbers[:2])
+        back = np.linalg.inv(self.flattening.slopes(position))
+        outline = back @ np.median(flat.shape[near], axis=0) @ back.T
+        return Prediction(position, outline, len(near), self.flattening, numbers)
 
 
 def size_tolerance(target: DotGrid) -> float:
@@ -91,12 +88,13 @@ def size_tolerance(target: DotGrid) -> float:
     return _SIZE_TOLERANCE + abs(float(np.log(target.ring_outer_diameter_mm / target.dot_diameter_mm)))
 
 
-def find_lattices(outlines: Outlines, target: DotGrid) -> list[Lattice]:
-    """Return the grids that the spots form, largest first.
+def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening = NONE) -> list[Lattice]:
+    """Return the grids that the spots form in a flattened picture, largest first.
 
     Nodes are numbered from a seed's middle so that the first axis turned by 90 degrees anticlockwise in the
     picture gives the second, as the columns and rows of a board seen from its front.
     """
+    outlines = flattening.outlines(outlines)
     radius = outlines.radius
     order = np.argsort(-radius, kind="stable")[:_MOST_SPOTS]
     tolerance = size_tolerance(target)
@@ -116,7 +114,7 @@ def find_lattices(outlines: Outlines, target: DotGrid) -> list[Lattice]:
     for seed in sorted(doubtful, key=lambda seed: seed.misfit):
         if free[seed.middle] and len(lattices) < _MOST_COMPONENTS:
             lattices += _grown(seed, outlines, free, tolerance)
-    return sorted(lattices, key=len, reverse=True)
+    return sorted((Lattice(lattice.spots, flattening) for lattice in lattices), key=len, reverse=True)
 
 
 def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float) -> list[Lattice]:
@@ -125,18 +123,11 @@ def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float) -
     similar = np.abs(np.log(radius / radius[seed.middle])) < 3 * tolerance
     far = min(len(radius), _FARTHEST)
     grid = np.full((2 * far + 1, 2 * far + 1), -1)
-    grid[far, far] = seed.middle
-    u, v = (centre[k] - centre[seed.middle] for k in seed.along)
-    step = min(float(np.linalg.norm(u)), float(np.linalg.norm(v)))
     usable = free & similar
-    usable[seed.middle] = False
-    for a, b in ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
-        distance = np.linalg.norm(centre - (centre[seed.middle] + a * u + b * v), axis=1)
-        distance[~usable] = np.inf
-        nearest = int(distance.argmin())
-        if distance[nearest] < SEED_MISS * step:
-            grid[far + a, far + b] = nearest
-            usable[nearest] = False
+    for (a, b), spot in seed.spots.items():
+        if free[spot]:
+            grid[far + a, far + b] = spot
+            usable[spot] = False
     grow(grid, centre, radius, usable, _SIZE_TOLERANCE + 0.2)
     nodes = np.argwhere(grid >= 0)
     low, high = nodes.min(axis=0), nodes.max(axis=0)
@@ -150,21 +141,17 @@ def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float) -
 
 
 def _largest_part(known: dict[Node, int]) -> dict[Node, int]:
-    """Return the largest set of nodes that hang together, gaps of one node bridged."""
-    left = set(known)
+    """Return the largest set of nodes that hang together, gaps bridged."""
+    left, span = set(known), range(-_GAP, _GAP + 1)
     best: set[Node] = set()
     while left:
         part, edge = set(), {min(left)}
         while edge:
             part |= edge
-            edge = {(a + i, b + j) for a, b in edge for i, j in _LINKS if (a + i, b + j) in left} - part
+            edge = {
+                (a + i, b + j) for a, b in edge for i in span for j in span if (a + i, b + j) in left
+            } - part
         left -= part
         if len(part) > len(best):
             best = part
     return {node: known[node] for node in sorted(best)}
-
-
-def typical_outline(lattice: Lattice, node: Node, outlines: Outlines) -> PixelCovariances:
-    """Return the median outline matrix of the dots around a node, shape (2, 2)."""
-    shape: np.ndarray = np.median(outlines.shape[lattice.around(node)], axis=0)
-    return shape

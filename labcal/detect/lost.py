@@ -9,10 +9,12 @@ from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, mean_radius
+from labcal.detect.probe import inside_frame
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected
 _CUT_MISS = 0.35  # radii between a cut spot's box and the part of the predicted outline that is in the frame
+_SURE = 8  # neighbours that tell where a hidden dot must be
 _SIZE_TOLERANCE = 0.5  # in the logarithm of the radius
 
 
@@ -53,26 +55,20 @@ def lost_dots(
     rough_radii = mean_radius(rough.shape)
     lost = []
     for node in sorted(beside - lattice.spots.keys()):
-        prediction = lattice.predict(node, outlines.centre)
+        prediction = lattice.predict(node, outlines)
         if prediction is None:
             continue
-        near = lattice.around(node)
-        shape, radius = np.median(outlines.shape[near], axis=0), float(np.median(all_radii[near]))
-        dot = _cut(node, prediction.position, shape, blobs, size)
+        radius = float(np.median(all_radii[lattice.around(node)]))
+        dot = _cut(node, prediction.position, prediction.outline, blobs, size)
         if dot is None:
             dot = _unclean(node, prediction.position, radius, rough, rough_radii)
-        if dot is None and declared(node) and _in_frame(prediction.position, shape, size):
-            dot = LostDot(node, DotFlag.HIDDEN, prediction.position, np.full((2, 2), np.nan))
+        if dot is None and declared(node) and prediction.neighbours >= _SURE:
+            position, outline = prediction.position, prediction.outline
+            if inside_frame(position, outline, size[::-1]):
+                dot = LostDot(node, DotFlag.HIDDEN, position, np.full((2, 2), np.nan))
         if dot is not None and np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
             lost.append(dot)
     return lost
-
-
-def _in_frame(position: np.ndarray, shape: np.ndarray, size: tuple[int, int]) -> bool:
-    """Tell whether an outline lies in the picture as a whole."""
-    extent = np.sqrt(np.diag(shape))
-    last = np.array(size) - 1.0
-    return bool((position - extent > _MARGIN).all() and (position + extent < last - _MARGIN).all())
 
 
 def _cut(

@@ -7,9 +7,9 @@ import numpy as np
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, matrix_root
+from labcal.detect.seeds import RING_HOLE
 from labcal.targets.grid import DotGrid
 
-_HOLE = 0.3  # of the step from dot to board: the middle of a ring is at least so bright
 _NO_HOLE = 0.15  # and of a full dot at most so bright
 _PITCH_TOLERANCE = 0.3  # in the logarithm of pitch_x over pitch_y
 
@@ -34,7 +34,7 @@ class Numbering:
 
 def ring_nodes(lattice: Lattice, outlines: Outlines) -> set[Node]:
     """Return the nodes whose dot is bright in the middle."""
-    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > _HOLE}
+    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > RING_HOLE}
 
 
 def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Numbering | Refusal:
@@ -78,9 +78,7 @@ def _matches(turn: np.ndarray, rings: set[Node], target: DotGrid) -> list[Number
     ]
 
 
-def _matches_of_two(
-    turn: np.ndarray, rings: set[Node], lattice: Lattice, target: DotGrid
-) -> list[Numbering]:
+def _matches_of_two(turn: np.ndarray, rings: set[Node], lattice: Lattice, target: DotGrid) -> list[Numbering]:
     """Return the numberings of one turn under which two of the target's rings are rings of the lattice."""
     places = [np.array(ring) for ring in target.ring_indices]
     found: dict[tuple[int, int], Numbering] = {}
