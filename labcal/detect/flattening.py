@@ -34,7 +34,8 @@ class Flattening:
         if not np.isfinite(self.focal):
             return q
         away, angle = self._polar(q)
-        return self.centre + away * (self._radius(angle) / angle)[..., None]
+        flat: np.ndarray = self.centre + away * (self._radius(angle) / angle)[..., None]
+        return flat
 
     def backward(self, q: Pixels) -> Pixels:
         """Return the pixels of places in the flattened picture."""
@@ -43,7 +44,8 @@ class Flattening:
         away, radius = self._polar(q)
         beyond = _LIMIT + (radius - _STRAIGHT_ON) / _STEEPEST
         angle = np.where(radius < _STRAIGHT_ON, np.arctan(radius), beyond)
-        return self.centre + away * (angle / radius)[..., None]
+        seen: Pixels = self.centre + away * (angle / radius)[..., None]
+        return seen
 
     def slopes(self, q: Pixels) -> PixelCovariances:
         """Return the derivatives of :meth:`forward` at pixels, shape (..., 2, 2)."""

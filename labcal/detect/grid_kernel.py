@@ -67,7 +67,7 @@ def predict(grid: np.ndarray, centre: np.ndarray, a: int, b: int, prediction: np
 def _neighbours(
     grid: np.ndarray, centre: np.ndarray, node: tuple[int, int], window: int, near: np.ndarray
 ) -> tuple[int, int, int]:
-    """Write steps along a and b, x and y of the nodes known around one; return how many, on how many lines."""
+    """Write steps along a and b, x and y of the nodes known around one; return how many, on what lines."""
     a, b = node
     count, in_a = 0, 0
     seen_b = np.zeros(2 * window + 1, dtype=np.bool_)
@@ -124,7 +124,8 @@ def _polynomial(near: np.ndarray, use: np.ndarray, prediction: np.ndarray) -> fl
             right[side, 1],
             right[side, 2],
         )
-    return _left(near, right, row) / max(len(near) - use.sum(), 0.5)
+    left: float = _left(near, right, row) / max(len(near) - use.sum(), 0.5)
+    return left
 
 
 @compiled
@@ -178,6 +179,17 @@ def _projective(near: np.ndarray, prediction: np.ndarray) -> float:
         prediction[2 + 2 * k] = size * (right[1 + k] - right[0] * right[6 + k])
         prediction[3 + 2 * k] = size * (right[4 + k] - right[3] * right[6 + k])
     return squares / max(len(near) - 0.5 * n, 0.5)
+
+
+@compiled
+def predict_all(grid: np.ndarray, centre: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Return the predictions of nodes, shape (n, PREDICTION), NaN where there is none."""
+    predictions = np.full((len(nodes), PREDICTION), np.nan)
+    numbers = np.empty(PREDICTION)
+    for k in range(len(nodes)):
+        if predict(grid, centre, nodes[k, 0], nodes[k, 1], numbers):
+            predictions[k] = numbers
+    return predictions
 
 
 @compiled

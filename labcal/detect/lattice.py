@@ -1,12 +1,11 @@
 """Spots that form a grid: small crosses as seeds, grown node by node and checked against their neighbours."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from labcal.detect.flattening import NONE, Flattening
-from labcal.detect.grid_kernel import PREDICTION, drop_inconsistent, grow, miss, predict
+from labcal.detect.grid_kernel import drop_inconsistent, grow
 from labcal.detect.outlines import Outlines
 from labcal.detect.seeds import Seed, seed_at
 from labcal.targets.grid import DotGrid
@@ -14,6 +13,7 @@ from labcal.targets.grid import DotGrid
 Node = tuple[int, int]
 
 _SIZE_TOLERANCE = 0.35  # in the logarithm of the radius, between neighbours
+_SEED_TOLERANCE = 0.7  # the same for what may lie around a seed, near a camera
 _GOOD_SEED = 0.06  # of a step: a seed that fits so well is grown at once
 _MOST_SPOTS = 4000  # beyond this the smallest are left out
 _MOST_SEEDS = 600  # looked for, in a picture full of what is no grid
@@ -21,23 +21,6 @@ _MOST_COMPONENTS = 12
 _FARTHEST = 250  # nodes from a seed
 _AROUND = 4  # empty nodes kept around a lattice
 _GAP = 5  # steps over hidden nodes, at most, between what hangs together
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """Where a node should be: in the picture, and its place and local steps in the flattened picture, px."""
-
-    position: np.ndarray
-    outline: np.ndarray
-    """Matrix of the outline that a dot should have there, shape (2, 2), px squared."""
-    neighbours: int
-    flattening: Flattening
-    numbers: np.ndarray
-
-    def miss(self, position: np.ndarray) -> float:
-        """Return how many steps a pixel is from the prediction; infinite on a degenerate grid."""
-        x, y = self.flattening.forward(position)
-        return float(miss(self.numbers, float(x), float(y)))
 
 
 @dataclass(frozen=True)
@@ -51,36 +34,6 @@ class Lattice:
     def __len__(self) -> int:
         """Return the number of nodes that hold a spot."""
         return len(self.spots)
-
-    @cached_property
-    def _grid(self) -> tuple[np.ndarray, np.ndarray]:
-        """The spots as an array, -1 where there is none, and the node of its first entry."""
-        nodes = np.array(list(self.spots))
-        corner = nodes.min(axis=0) - _AROUND
-        grid = np.full(nodes.max(axis=0) + 1 + _AROUND - corner, -1)
-        grid[tuple((nodes - corner).T)] = list(self.spots.values())
-        return grid, corner
-
-    def around(self, node: Node) -> np.ndarray:
-        """Return the spots on the nodes within two steps of one, itself left out."""
-        grid, corner = self._grid
-        a, b = np.array(node) - corner
-        window: np.ndarray = grid[max(a - 2, 0) : a + 3, max(b - 2, 0) : b + 3].ravel()
-        near: np.ndarray = window[(window >= 0) & (window != self.spots.get(node, -1))]
-        return near
-
-    def predict(self, node: Node, outlines: Outlines) -> Prediction | None:
-        """Predict a node from its neighbours; None where these are too few or lie on one line."""
-        grid, corner = self._grid
-        numbers = np.empty(PREDICTION)
-        a, b = np.array(node) - corner
-        flat, near = self.flattening.outlines(outlines), self.around(node)
-        if len(near) == 0 or not predict(grid, flat.centre, int(a), int(b), numbers):
-            return None
-        position = self.flattening.backward(numbers[:2])
-        back = np.linalg.inv(self.flattening.slopes(position))
-        outline = back @ np.median(flat.shape[near], axis=0) @ back.T
-        return Prediction(position, outline, len(near), self.flattening, numbers)
 
 
 def size_tolerance(target: DotGrid) -> float:
@@ -105,7 +58,7 @@ def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening = 
     for i in order[:: max(1, len(order) // _MOST_SEEDS)]:
         if not free[i] or len(lattices) == _MOST_COMPONENTS:
             continue
-        near = np.flatnonzero(np.abs(np.log(radius / radius[i])) < tolerance)
+        near = np.flatnonzero(np.abs(np.log(radius / radius[i])) < _SEED_TOLERANCE)
         seed = seed_at(int(i), outlines, target, near[near != i])
         if seed is not None and seed.misfit < _GOOD_SEED:
             lattices += _grown(seed, outlines, free, tolerance)

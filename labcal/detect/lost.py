@@ -9,6 +9,7 @@ from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, mean_radius
+from labcal.detect.prediction import Predictor
 from labcal.detect.probe import inside_frame
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
@@ -53,12 +54,12 @@ def lost_dots(
     taken, all_radii = outlines.centre[list(lattice.spots.values())], outlines.radius
     rough = Blobs(blobs.centre[~blobs.cut], blobs.shape[~blobs.cut], blobs.cut[~blobs.cut])
     rough_radii = mean_radius(rough.shape)
-    lost = []
+    predictor, lost = Predictor(lattice, outlines), []
     for node in sorted(beside - lattice.spots.keys()):
-        prediction = lattice.predict(node, outlines)
+        prediction = predictor.predict(node)
         if prediction is None:
             continue
-        radius = float(np.median(all_radii[lattice.around(node)]))
+        radius = float(np.median(all_radii[predictor.around(node)]))
         dot = _cut(node, prediction.position, prediction.outline, blobs, size)
         if dot is None:
             dot = _unclean(node, prediction.position, radius, rough, rough_radii)

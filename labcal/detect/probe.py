@@ -5,6 +5,7 @@ import numpy as np
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, mean_radius, trace_from
+from labcal.detect.prediction import Predictor
 from labcal.detect.rings import Numbering
 from labcal.targets.grid import DotGrid
 
@@ -31,7 +32,8 @@ def with_missed(
     tried: set[Node] = set()
     for _ in range(_ROUNDS):
         nodes = [node for node in _beside(lattice, numbering, target) if node not in tried]
-        expected = [(node, found) for node in nodes if (found := lattice.predict(node, outlines))]
+        predictor = Predictor(lattice, outlines)
+        expected = [(node, found) for node in nodes if (found := predictor.predict(node))]
         expected = [pair for pair in expected if inside_frame(pair[1].position, pair[1].outline, grey.shape)]
         tried.update(nodes)
         if not expected:

@@ -31,8 +31,8 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     """Return the smallest cross around spot i whose arms are square to each other on the board.
 
     The dots' own ellipses say how the board is foreshortened there, so the angle and the ratio of the steps
-    are known without the pose. A step is measured by the mean of the ellipses at its ends, which perspective
-    changes in second order only.
+    are known without the pose. A step is measured by the geometric mean of the ellipses at its ends, which
+    is right for any perspective along the step.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     ring = outlines.hole[np.append(near, i)] > RING_HOLE
     flatten[ring] *= target.ring_outer_diameter_mm / target.dot_diameter_mm
     steps = outlines.centre[near] - outlines.centre[i]
-    present = np.einsum("nij,nj->ni", (flatten[:-1] + flatten[-1]) / 2, steps)
+    present = np.einsum("nij,nj->ni", _geometric_mean(flatten[:-1], flatten[-1]), steps)
     length = np.linalg.norm(present, axis=1)
     balanced = _nearest_miss(-present, present) < SEED_MISS * length
     kept, arms, length = near[balanced], present[balanced], length[balanced]
@@ -84,6 +84,14 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     if u[0] * v[1] - u[1] * v[0] > 0:  # y is down in the picture and up on the board
         first, second = second, first
     return Seed(_around(i, near, (arms[first], arms[second]), present), float(smallest.min()))
+
+
+def _geometric_mean(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Return the geometric means of positive symmetric 2 x 2 matrices (Bhatia 2007, chapter 4)."""
+    alpha, beta = (np.sqrt(np.linalg.det(M))[..., None, None] for M in (A, B))
+    total = A / alpha + B / beta
+    mean: np.ndarray = np.sqrt(alpha * beta / np.linalg.det(total)[..., None, None]) * total
+    return mean
 
 
 def _around(
