@@ -183,7 +183,7 @@ def _projective(near: np.ndarray, prediction: np.ndarray) -> float:
 
 @compiled
 def predict_all(grid: np.ndarray, centre: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Return the predictions of nodes, shape (n, PREDICTION), NaN where there is none."""
+    """Return the predictions of nodes (n, 2), shape (n, PREDICTION), NaN where there is none."""
     predictions = np.full((len(nodes), PREDICTION), np.nan)
     numbers = np.empty(PREDICTION)
     for k in range(len(nodes)):
@@ -310,6 +310,46 @@ def _extent(grid: np.ndarray) -> tuple[int, int, int, int]:
                 top, bottom = min(top, a), max(bottom, a)
                 left, right = min(left, b), max(right, b)
     return top, bottom, left, right
+
+
+@compiled
+def keep_largest_part(grid: np.ndarray, gap: int) -> None:
+    """Take out, in place, all but the largest set of nodes that hang together over gaps."""
+    rows, columns = grid.shape
+    part = np.zeros(grid.shape, dtype=np.int64)
+    edge = np.empty((grid.size, 2), dtype=np.int64)
+    number, best, most = 0, 0, 0
+    for a in range(rows):
+        for b in range(columns):
+            if grid[a, b] < 0 or part[a, b] > 0:
+                continue
+            number += 1
+            part[a, b] = number
+            edge[0, 0], edge[0, 1] = a, b
+            done, reached = 0, 1
+            while done < reached:
+                reached = _spread(grid, part, edge, (done, reached), gap)
+                done += 1
+            if reached > most:
+                best, most = number, reached
+    for a in range(rows):
+        for b in range(columns):
+            if part[a, b] != best:
+                grid[a, b] = -1
+
+
+@compiled
+def _spread(grid: np.ndarray, part: np.ndarray, edge: np.ndarray, place: tuple[int, int], gap: int) -> int:
+    """Add the nodes within a gap of one of `edge` to its part and to `edge`; return how many are in there."""
+    done, reached = place
+    a, b = edge[done, 0], edge[done, 1]
+    for i in range(max(a - gap, 0), min(a + gap + 1, grid.shape[0])):
+        for j in range(max(b - gap, 0), min(b + gap + 1, grid.shape[1])):
+            if grid[i, j] >= 0 and part[i, j] == 0:
+                part[i, j] = part[a, b]
+                edge[reached, 0], edge[reached, 1] = i, j
+                reached += 1
+    return reached
 
 
 @compiled

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.flattening import NONE, Flattening
-from labcal.detect.grid_kernel import drop_inconsistent, grow
+from labcal.detect.grid_kernel import drop_inconsistent, grow, keep_largest_part
 from labcal.detect.outlines import Outlines
 from labcal.detect.seeds import Seed, seed_at
 from labcal.targets.grid import DotGrid
@@ -14,6 +14,7 @@ Node = tuple[int, int]
 
 _SIZE_TOLERANCE = 0.35  # in the logarithm of the radius, between neighbours
 _SEED_TOLERANCE = 0.7  # the same for what may lie around a seed, near a camera
+_GROW_TOLERANCE = 0.8  # and for what a grid may take up, where its neighbours expect it
 _GOOD_SEED = 0.06  # of a step: a seed that fits so well is grown at once
 _MOST_SPOTS = 4000  # beyond this the smallest are left out
 _MOST_SEEDS = 600  # looked for, in a picture full of what is no grid
@@ -81,30 +82,13 @@ def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float) -
         if free[spot]:
             grid[far + a, far + b] = spot
             usable[spot] = False
-    grow(grid, centre, radius, usable, _SIZE_TOLERANCE + 0.2)
+    grow(grid, centre, radius, usable, _GROW_TOLERANCE)
     nodes = np.argwhere(grid >= 0)
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     grid = np.pad(grid[low[0] : high[0] + 1, low[1] : high[1] + 1], _AROUND, constant_values=-1)
     drop_inconsistent(grid, centre)
+    keep_largest_part(grid, _GAP)
     spots = {(int(a), int(b)): int(grid[a, b]) for a, b in np.argwhere(grid >= 0)}
-    spots = _largest_part(spots)
     free[seed.middle] = False
     free[list(spots.values())] = False
     return [Lattice(spots)] if spots else []
-
-
-def _largest_part(known: dict[Node, int]) -> dict[Node, int]:
-    """Return the largest set of nodes that hang together, gaps bridged."""
-    left, span = set(known), range(-_GAP, _GAP + 1)
-    best: set[Node] = set()
-    while left:
-        part, edge = set(), {min(left)}
-        while edge:
-            part |= edge
-            edge = {
-                (a + i, b + j) for a, b in edge for i in span for j in span if (a + i, b + j) in left
-            } - part
-        left -= part
-        if len(part) > len(best):
-            best = part
-    return {node: known[node] for node in sorted(best)}

@@ -51,15 +51,13 @@ def lost_dots(
     """
     span = (-1, 0, 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span}
-    taken, all_radii = outlines.centre[list(lattice.spots.values())], outlines.radius
+    taken = outlines.centre[list(lattice.spots.values())]
     rough = Blobs(blobs.centre[~blobs.cut], blobs.shape[~blobs.cut], blobs.cut[~blobs.cut])
     rough_radii = mean_radius(rough.shape)
-    predictor, lost = Predictor(lattice, outlines), []
-    for node in sorted(beside - lattice.spots.keys()):
-        prediction = predictor.predict(node)
-        if prediction is None:
-            continue
-        radius = float(np.median(all_radii[predictor.around(node)]))
+    lost = []
+    expected = Predictor(lattice, outlines).predict(sorted(beside - lattice.spots.keys()))
+    for node, prediction in expected.items():
+        radius = float(np.linalg.det(prediction.outline)) ** 0.25
         dot = _cut(node, prediction.position, prediction.outline, blobs, size)
         if dot is None:
             dot = _unclean(node, prediction.position, radius, rough, rough_radii)

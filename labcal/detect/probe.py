@@ -32,8 +32,7 @@ def with_missed(
     tried: set[Node] = set()
     for _ in range(_ROUNDS):
         nodes = [node for node in _beside(lattice, numbering, target) if node not in tried]
-        predictor = Predictor(lattice, outlines)
-        expected = [(node, found) for node in nodes if (found := predictor.predict(node))]
+        expected = list(Predictor(lattice, outlines).predict(nodes).items())
         expected = [pair for pair in expected if inside_frame(pair[1].position, pair[1].outline, grey.shape)]
         tried.update(nodes)
         if not expected:
