@@ -17,10 +17,18 @@ def add_parser(commands: CommandGroup) -> None:
         example="labcal bench render --quick -o out/bench-render",
     )
     parser.add_argument(
-        "what", choices=("render",), help="render: the rendered laboratory's own error and cost"
+        "what",
+        choices=("render", "detect"),
+        help="render: the rendered laboratory's own error and cost; detect: how well dots are found and "
+        "measured",
     )
     parser.add_argument(
         "--quick", action="store_true", help="fewer pictures; some ten minutes in place of an hour"
+    )
+    parser.add_argument(
+        "--only",
+        metavar="GROUP,...",
+        help="of detect only some groups of checks: suite, accuracy, real, speed, hostile",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
@@ -28,11 +36,20 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
-    from labcal.experiments.bench_render.bench import BenchSettings, bench_render
+    from labcal.errors import InputError
+    from labcal.experiments.bench_detect.bench import bench_detect
+    from labcal.experiments.bench_render.bench import bench_render
+    from labcal.experiments.bench_settings import BenchSettings
     from labcal.report.bench import bench_table
 
-    settings = BenchSettings(quick=arguments.quick, seed=arguments.seed, force=arguments.force)
+    groups = tuple(arguments.only.split(",")) if arguments.only else ()
+    if groups and arguments.what != "detect":
+        raise InputError(
+            f"--only names groups of checks of 'bench detect'; 'bench {arguments.what}' has none."
+        )
+    settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups)
+    measure = {"render": bench_render, "detect": bench_detect}[arguments.what]
     with session.progress() as progress:
-        result = bench_render(arguments.output, settings, progress)
+        result = measure(arguments.output, settings, progress)
     session.emit(result, bench_table(result))
     return ExitStatus.PARTIAL if result.failed else ExitStatus.DONE

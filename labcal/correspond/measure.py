@@ -9,7 +9,7 @@ from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
-from labcal.errors import InputError
+from labcal.errors import InputError, InputTypeError
 from labcal.run.progress import Progress
 from labcal.targets.grid import DotGrid
 
@@ -31,12 +31,14 @@ class Measurement:
 
 
 def measure_picture(source: Source, target: DotGrid) -> Measurement:
-    """Read and measure one picture; a file that cannot be read is a result with a reason."""
+    """Read and measure one picture; a file that cannot be read, or not be used, is a result with a reason."""
     try:
-        picture = source.read()
-    except InputError as error:
+        dots = detect_dots(source.read(), target)
+    except (InputError, InputTypeError) as error:
         return Measurement(source, None, str(error))
-    dots = detect_dots(picture, target)
+    except MemoryError:
+        reason = f"The picture {source.image} takes more memory than there is. Scale it down."
+        return Measurement(source, None, reason)
     return Measurement(
         source, dots, None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
     )

@@ -12,6 +12,12 @@ class DotFlag(StrEnum):
     """Measured, with an id, but printed beyond the declared grid."""
     CUT = "cut"
     """Cut by the frame: its centre of area is not in the picture, so it is not measured."""
+    HIDDEN = "hidden"
+    """Its place is in the picture, but there is no whole dot to be seen there: not measured."""
+    SATURATED = "saturated"
+    """Part of the board around it, or of the dot, is burnt out or black, which moves its edge."""
+    BLURRED = "blurred"
+    """Its edge is as wide as the dot: not measured."""
     BAD_FIT = "bad-fit"
     """In its place, but its outline is no clean ellipse (hidden in part, smeared): not measured."""
     NO_ID = "no-id"
@@ -23,6 +29,10 @@ class Refusal(StrEnum):
 
     NO_DOTS = "no-dots"
     """Nothing in the picture looks like a dot."""
+    SATURATED = "saturated"
+    """Half of the picture is burnt out or black, and there is no grid in the rest."""
+    BLURRED = "blurred"
+    """There are spots, but their edges are as wide as they are."""
     TOO_FEW_DOTS = "too-few-dots"
     """Fewer dots than the three rings and their neighbours need."""
     NO_GRID = "no-grid"
@@ -41,6 +51,14 @@ _ADVICE = {
     Refusal.NO_DOTS: (
         "No dots were found. Check that the target is in the picture, in focus and neither black nor "
         "burnt out; a dot should be at least 6 px across."
+    ),
+    Refusal.SATURATED: (
+        "Half of the picture is burnt out or black, and the rest shows no grid. Change the exposure time or "
+        "the light, so that the bare board is at three quarters of the range."
+    ),
+    Refusal.BLURRED: (
+        "Spots were found, but their edges are as wide as they are. Focus on the target, and let it be still "
+        "while the shutter is open."
     ),
     Refusal.TOO_FEW_DOTS: "Too few dots were found. Move the target so that more of it is in the frame.",
     Refusal.NO_GRID: (

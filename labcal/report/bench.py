@@ -24,6 +24,15 @@ def at_most(name: str, value: float, limit: float) -> Check:
     return Check(name=name, value=float(value), limit=limit, ok=bool(value <= limit))
 
 
+class Figure(BaseModel):
+    """A figure reported beside the checks: of other software, or of what no limit is set for."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    value: Measured
+
+
 class BenchResult(BaseModel):
     """All checks of one benchmark."""
 
@@ -32,6 +41,10 @@ class BenchResult(BaseModel):
     bench: str
     quick: bool
     checks: tuple[Check, ...]
+    beside: tuple[Figure, ...] = ()
+    """For comparison; without a limit."""
+    notes: tuple[str, ...] = ()
+    """What was left out, and why."""
 
     @property
     def failed(self) -> int:
@@ -49,4 +62,7 @@ def bench_table(result: BenchResult) -> Table:
     for check in result.checks:
         verdict = Text("ok", "green") if check.ok else Text("missed", "bold red")
         table.add_row(check.name, f"{check.value:.4g}", f"{check.limit:g}", verdict)
+    for figure in result.beside:
+        table.add_row(figure.name, f"{figure.value:.4g}", "", "[dim]beside[/]", style="dim")
+    table.caption = "\n".join(result.notes) or None
     return table

@@ -56,12 +56,12 @@ def blocks(scene: Scene, T_world_target: Pose) -> tuple[Block, Block, Block]:
 def obstacles(scene: Scene, T_world_target: Pose) -> tuple[Solid, ...]:
     """Return the scene's occluders, in their order, with the target at a pose."""
     return tuple(
-        _solid(f"occluders.{number}", occluder, T_world_target)
+        solid_body(f"occluders.{number}", occluder, T_world_target)
         for number, occluder in enumerate(scene.occluders)
     )
 
 
-def _solid(name: str, occluder: Occluder, T_world_target: Pose) -> Solid:
+def solid_body(name: str, occluder: Occluder, T_world_target: Pose) -> Solid:
     """Return an occluder at its place."""
     T_world_frame = T_world_target if occluder.frame is Frame.TARGET else np.eye(4)
     if isinstance(occluder, Box):

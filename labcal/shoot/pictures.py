@@ -1,5 +1,6 @@
 """Pictures on disk: reading and writing them, with errors that name the file."""
 
+import stat
 from pathlib import Path
 
 import cv2
@@ -8,39 +9,55 @@ import numpy as np
 from labcal.errors import InputError, OutputError
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
+from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
+MOST_BYTES = 2**30
+"""A larger file is not read."""
+MOST_PIXELS = 2**27
+"""A larger picture is not decoded; the largest cameras have 150 megapixels, but need memory to match."""
+FREELY = 2**23
+MOST_PIXELS_A_BYTE = 400
+"""A picture beyond `FREELY` pixels that is packed more tightly is empty, or made to fill the memory."""
 
 
 def read_picture(path: Path) -> np.ndarray:
-    """Read a picture.
+    """Read a picture, as its camera stored it.
+
+    The pixels are those of the sensor in the order in which they are stored: an orientation that the file
+    states beside them (EXIF) is not applied. A camera that is turned writes another orientation, but it is
+    still the same camera, and a calibration is one of its sensor. Of a file with several pictures the first
+    one is read.
 
     Returns
     -------
     ndarray, shape (height, width) or (height, width, 3)
-        uint8, uint16 or float32; colour in the order red, green, blue. An alpha channel is dropped.
+        uint8, uint16 or float32, or in rare TIFF files another type; colour in the order red, green, blue. An
+        alpha channel is dropped.
 
     Raises
     ------
     InputError
-        The file cannot be opened, is truncated or is no picture.
+        The file cannot be opened, is truncated or damaged, is no picture of a format that is read, or
+        declares a size that no memory is spent on.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"The picture {path} cannot be read: {error.strerror}.") from error
-    if path.suffix.lower() == ".exr":
+    data = _bytes(path)
+    kind = picture_kind(data)
+    if kind is None:
+        raise InputError(
+            f"{path} is not a picture, or is damaged: it begins as none of {', '.join(PictureKind)} do. Copy "
+            "it again, or convert it to one of these."
+        )
+    if kind is PictureKind.EXR:
         return read_exr(path)
-    if path.suffix.lower() in {".jpg", ".jpeg"} and b"\xff\xd9" not in data[-4096:]:
+    if kind is PictureKind.JPEG and b"\xff\xd9" not in data[-4096:]:
         raise InputError(
             f"The picture {path} is truncated: a JPEG file must end with its end mark. Copy it again."
         )
+    _require_sensible(path, data)
+    flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
     try:
-        picture = (
-            cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR)
-            if data
-            else None
-        )
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
     except cv2.error as error:
         raise InputError(f"The picture {path} cannot be decoded: {error}.") from error
     if picture is None:
@@ -48,6 +65,46 @@ def read_picture(path: Path) -> np.ndarray:
             f"{path} is not a picture, or is damaged. Copy it again, or convert it to PNG, JPEG or TIFF."
         )
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
+
+
+def _bytes(path: Path) -> bytes:
+    """Read a file whole; no folder, no pipe and no device."""
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise InputError(f"The picture {path} cannot be read: it is no file.")
+        if status.st_size > MOST_BYTES:
+            raise InputError(
+                f"The picture {path} is not read: its {status.st_size} bytes are more than {MOST_BYTES}."
+            )
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"The picture {path} cannot be read: {error.strerror}.") from error
+
+
+def _require_sensible(path: Path, data: bytes) -> None:
+    """Raise where a header declares more than the file can hold, before memory is asked for."""
+    size = declared_size(data)
+    if size is None:
+        raise InputError(
+            f"{path} is not a picture, or is damaged: it does not say how large it is. Copy it again."
+        )
+    width, height = size
+    pixels = width * height
+    if pixels == 0:
+        raise InputError(
+            f"{path} is not a picture, or is damaged: it declares {width} x {height} pixels. Copy it again."
+        )
+    if pixels > MOST_PIXELS:
+        raise InputError(
+            f"The picture {path} declares {width} x {height} pixels, more than {MOST_PIXELS} in all. If that "
+            "is no mistake, scale it down, or cut out what shows the target."
+        )
+    if pixels > FREELY and pixels > MOST_PIXELS_A_BYTE * len(data):
+        raise InputError(
+            f"The picture {path} declares {width} x {height} pixels in {len(data)} bytes: it is all of one "
+            "colour, or made to fill the memory."
+        )
 
 
 def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:

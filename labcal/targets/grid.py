@@ -102,6 +102,10 @@ class DotGrid(BaseModel):
         """The (col, row) of the origin, x and y rings."""
         return (self.rings.origin, self.rings.x, self.rings.y)
 
+    def holds(self, col: int, row: int) -> bool:
+        """Tell whether the declared grid has a dot of this index."""
+        return 0 <= col < self.cols and 0 <= row < self.rows
+
     def indices(self) -> DotIndices:
         """Return (col, row) of every dot, row by row from dot (0, 0), shape (count, 2), integer."""
         row, col = np.divmod(np.arange(self.count), self.cols)

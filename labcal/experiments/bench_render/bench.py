@@ -1,6 +1,5 @@
 """``labcal bench render``: all checks of the rendered laboratory."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ from labcal.experiments.bench_render.dots import TILTS_DEG, dot_checks
 from labcal.experiments.bench_render.rays import opencv_checks, ray_checks
 from labcal.experiments.bench_render.sameness import sameness_checks
 from labcal.experiments.bench_render.sensors import SIDE, sensor_checks
+from labcal.experiments.bench_settings import BenchSettings
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
@@ -24,17 +24,6 @@ from labcal.scene.views import planned_views
 QUICK_TILTS_DEG = (0.0, 60.0)
 QUICK_PAIRS = 4
 ROUNDS, QUICK_ROUNDS = 5, 2
-
-
-@dataclass(frozen=True)
-class BenchSettings:
-    """How the benchmark runs."""
-
-    quick: bool = False
-    """Fewer tilts and rounds, and four pairs in place of forty."""
-    seed: int = 0
-    force: bool = False
-    """Replace results that are there already."""
 
 
 def bench_render(folder: Path, settings: BenchSettings, progress: Progress) -> BenchResult:

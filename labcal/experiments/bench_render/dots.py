@@ -5,23 +5,18 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
 from labcal.experiments.bench_render.optics import OPTICS, description
-from labcal.geometry.poses import pose
+from labcal.experiments.held_board import board_scene, still_take, tilted_pose
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
 from labcal.run.progress import Progress
-from labcal.scene.lamps import Ambient
 from labcal.scene.model import Scene
-from labcal.scene.motion import ShutterTimes, Track
-from labcal.scene.placement import Handheld
 from labcal.scene.print import TruePrint
-from labcal.scene.room import Room
 from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
 from labcal.shoot.truth import TrueDots
@@ -78,12 +73,9 @@ def _errors(
     made = TruePrint.of(scene.target, scene.board, seed)
     with renderer(MONO) as mi:
         laboratories = Laboratories(mi, scene, seed)
-        camera = scene.cameras["only"].camera()
         for tilt in tilts:
             random = generator(seed, "bench dots", name, f"{radius:g} px", f"{tilt:g} degrees")
-            T_world_target = _turned(scene.target, tilt, random)
-            track = Track(T_world_target, np.zeros(3), np.zeros(3), np.zeros(3))
-            take = Take("one", "only", "only", camera, track, ShutterTimes(0.0, 0.0, SIZE[1]))
+            take = still_take(scene, _turned(scene.target, tilt, random))
             seen = true_dots(scene, made, take)
             light = render_light(laboratories, Case(take, seed))
             yield grey_errors(light / np.float32(scene.board.light[0]), _whole(scene, take, seen, radius))
@@ -110,27 +102,14 @@ def _scene(name: str, radius_px: float) -> Scene:
         rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
         margin_mm=0.5 * pitch,
     )
-    return Scene(
-        name="bench",
-        target=target,
-        cameras={"only": camera},
-        placement=Handheld(
-            kind="handheld", train=1, test=0, centre_mm=(0.0, 0.0, 0.0), spread_mm=(0.0, 0.0, 0.0)
-        ),
-        lamps=(Ambient(kind="ambient", radiance=1.0),),
-        room=Room(floor_z_mm=-9000.0, wall_y_mm=9000.0, table_z_mm=-8000.0),
-        spp=SPP,
-    )
+    return board_scene(target, camera, SPP)
 
 
 def _turned(target: DotGrid, tilt_deg: float, random: np.random.Generator) -> Pose:
     """Return a pose with the board's middle before the camera, tilted and turned at random, off the grid."""
     azimuth, roll = random.uniform(-np.pi, np.pi, 2)
-    axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-    tilted = Rotation.from_rotvec(np.radians(tilt_deg) * axis)
-    R_world_target = (tilted * Rotation.from_rotvec([0.0, 0.0, roll])).as_matrix()
     aside = np.array([*(0.5 * target.pitch_x_mm * random.uniform(-1.0, 1.0, 2)), 0.0])
-    return pose(R_world_target, aside - R_world_target @ target.points().mean(axis=0))
+    return tilted_pose(target, tilt_deg, azimuth, roll, aside)
 
 
 @dataclass(frozen=True)

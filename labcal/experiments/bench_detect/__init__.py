@@ -1,0 +1,1 @@
+"""How well dots are found, numbered and measured: ``labcal bench detect``."""

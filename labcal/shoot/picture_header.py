@@ -1,0 +1,109 @@
+"""What a picture file declares of itself, read before anything is decoded."""
+
+import struct
+from enum import StrEnum
+
+
+class PictureKind(StrEnum):
+    """Formats that are read, by the first bytes of the file; its name is not asked."""
+
+    PNG = "PNG"
+    JPEG = "JPEG"
+    TIFF = "TIFF"
+    BMP = "BMP"
+    EXR = "OpenEXR"
+
+
+_BEGINNINGS = (
+    (b"\x89PNG\r\n\x1a\n", PictureKind.PNG),
+    (b"\xff\xd8\xff", PictureKind.JPEG),
+    (b"II*\0", PictureKind.TIFF),
+    (b"MM\0*", PictureKind.TIFF),
+    (b"II+\0", PictureKind.TIFF),
+    (b"MM\0+", PictureKind.TIFF),
+    (b"BM", PictureKind.BMP),
+    (b"\x76\x2f\x31\x01", PictureKind.EXR),
+)
+_BIG_TIFF = 43
+_WIDTH, _HEIGHT = 256, 257  # TIFF's tags
+_SHORT, _LONG, _LONG8 = 3, 4, 16  # and their types
+_JPEG_FRAMES = frozenset({*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC})
+_JPEG_BARE = frozenset({0x01, *range(0xD0, 0xD9)})  # markers without a length
+_OS2_HEADER = 12
+
+
+def picture_kind(data: bytes) -> PictureKind | None:
+    """Return the format of a file, or none of those that are read."""
+    return next((kind for beginning, kind in _BEGINNINGS if data.startswith(beginning)), None)
+
+
+def declared_size(data: bytes) -> tuple[int, int] | None:
+    """Return width and height (px) that a PNG, JPEG, TIFF or BMP file declares.
+
+    Returns
+    -------
+    (int, int) or None
+        None where the header is damaged, or the format another one.
+    """
+    readers = {
+        PictureKind.PNG: _png_size,
+        PictureKind.JPEG: _jpeg_size,
+        PictureKind.TIFF: _tiff_size,
+        PictureKind.BMP: _bmp_size,
+    }
+    reader = readers.get(picture_kind(data))  # type: ignore[arg-type]
+    try:
+        return None if reader is None else reader(data)
+    except struct.error:  # the file ends within its header
+        return None
+
+
+def _png_size(data: bytes) -> tuple[int, int] | None:
+    """Read the chunk IHDR, which must be the first."""
+    if data[12:16] != b"IHDR":
+        return None
+    width, height = struct.unpack_from(">II", data, 16)
+    return width, height
+
+
+def _jpeg_size(data: bytes) -> tuple[int, int] | None:
+    """Read the first frame header: after any number of segments, each with its length."""
+    at = 2
+    while at + 4 <= len(data):
+        if data[at] != 0xFF:  # noqa: PLR2004 -- a marker begins so
+            return None
+        marker = data[at + 1]
+        if marker == 0xFF:  # noqa: PLR2004 -- and may be filled up
+            at += 1
+        elif marker in _JPEG_BARE:
+            at += 2
+        elif marker in _JPEG_FRAMES:
+            height, width = struct.unpack_from(">HH", data, at + 5)
+            return width, height
+        else:
+            at += 2 + struct.unpack_from(">H", data, at + 2)[0]
+    return None
+
+
+def _tiff_size(data: bytes) -> tuple[int, int] | None:
+    """Read width and height in the first directory, of TIFF or BigTIFF."""
+    order = "<" if data[:2] == b"II" else ">"
+    big = struct.unpack_from(order + "H", data, 2)[0] == _BIG_TIFF
+    (first,) = struct.unpack_from(order + ("Q" if big else "I"), data, 8 if big else 4)
+    (count,) = struct.unpack_from(order + ("Q" if big else "H"), data, first)
+    entry, values = (20, 12) if big else (12, 8)
+    at = first + (8 if big else 2)
+    found = {}
+    for number in range(min(count, 4096)):
+        tag, kind = struct.unpack_from(order + "HH", data, at + number * entry)
+        form = {_SHORT: "H", _LONG: "I", _LONG8: "Q"}.get(kind)
+        if tag in {_WIDTH, _HEIGHT} and form is not None:
+            (found[tag],) = struct.unpack_from(order + form, data, at + number * entry + values)
+    return (found[_WIDTH], found[_HEIGHT]) if len(found) == 2 else None  # noqa: PLR2004 -- both
+
+
+def _bmp_size(data: bytes) -> tuple[int, int] | None:
+    """Read the header after the file's own; the height is negative where rows run downwards."""
+    (length,) = struct.unpack_from("<I", data, 14)
+    width, height = struct.unpack_from("<HH" if length == _OS2_HEADER else "<ii", data, 18)
+    return (width, abs(height)) if width > 0 else None
