@@ -14,7 +14,8 @@ from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
 from labcal.detect.noise import noise_factor
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
-from labcal.detect.rings import Numbering, number_lattice
+from labcal.detect.plain import goes_on, with_lookalikes
+from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.smoothness import is_smooth
 from labcal.targets.grid import DotGrid, Polarity
 
@@ -82,15 +83,15 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
     if isinstance(chosen, Refusal):
         return _collect(_unnamed(outlines, set()), size, polarity, chosen)
     lattice, numbering = chosen
+    lost = lost_dots(lattice, outlines.select(whole), blobs, size)
+    if target.rings is None and goes_on(lost, numbering, target):
+        return _collect(_unnamed(outlines, set()), size, polarity, Refusal.AMBIGUOUS)
     dots = _measured(grey, lattice, numbering, outlines.select(whole), target)
-    dots += [
-        _Dot(numbering.index(lost.node), lost.flag, lost.seen_at, lost.outline)
-        for lost in lost_dots(lattice, outlines.select(whole), blobs, size)
-    ]
+    dots += [_Dot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
     named = {int(np.flatnonzero(whole)[spot]) for spot in lattice.spots.values()}
     typical = float(np.median(outlines.radius[sorted(named)]))
     dots += [dot for dot in _unnamed(outlines, named) if _alike(dot, typical)]
-    return _collect(_one_an_id(dots), size, polarity, None)
+    return with_lookalikes(_collect(_one_an_id(dots), size, polarity, None), target)
 
 
 def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
@@ -103,8 +104,8 @@ def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
 
 def _choose(
     lattices: list[Lattice], outlines: Outlines, target: DotGrid
-) -> tuple[Lattice, Numbering] | Refusal:
-    """Return the one lattice that carries the target's rings."""
+) -> tuple[Lattice, AnyNumbering] | Refusal:
+    """Return the one lattice that can be numbered."""
     if len(outlines.centre) == 0:
         return Refusal.NO_DOTS
     if len(outlines.centre) < _FEWEST_DOTS:
@@ -112,21 +113,19 @@ def _choose(
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]
-    named = [(lattice, outcome) for lattice, outcome in outcomes if isinstance(outcome, Numbering)]
-    if len(named) > 1 or any(outcome is Refusal.AMBIGUOUS_RINGS for _, outcome in outcomes):
-        return Refusal.AMBIGUOUS_RINGS
-    if not named:
-        refusals = [outcome for _, outcome in outcomes if isinstance(outcome, Refusal)]
-        return Refusal.MIRRORED if Refusal.MIRRORED in refusals else Refusal.NO_RINGS
+    named = [(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
+    refusal = why_unnamed([outcome for _, outcome in outcomes], target)
+    if refusal is not None:
+        return refusal
     return named[0] if is_smooth(named[0][0], outlines.centre) else Refusal.GRID_INCONSISTENT
 
 
 def _measured(
-    grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
+    grey: GreyPicture, lattice: Lattice, numbering: AnyNumbering, outlines: Outlines, target: DotGrid
 ) -> list[_Dot]:
     """Return the dots of the lattice, fitted."""
     reach = clear_reach(target)
-    hole = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    hole = target.hole_share
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
     fits = [
         fit_edge(

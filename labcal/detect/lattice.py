@@ -59,7 +59,7 @@ def find_lattices(outlines: Outlines, target: DotGrid) -> list[Lattice]:
     picture gives the second, as the columns and rows of a board seen from its front.
     """
     order = np.argsort(-outlines.radius, kind="stable")[:_MOST_SPOTS]
-    tolerance = _SIZE_TOLERANCE + abs(np.log(target.ring_outer_diameter_mm / target.dot_diameter_mm))
+    tolerance = _SIZE_TOLERANCE + abs(np.log(target.ring_size))
     seeds = [seed for i in order if (seed := _seed(int(i), outlines, target, tolerance)) is not None]
     seeds.sort(key=lambda seed: seed.misfit)
     taken: set[int] = set()
@@ -103,7 +103,7 @@ def _seed(i: int, outlines: Outlines, target: DotGrid, tolerance: float) -> _See
         return None
     cosine = np.abs(arms @ arms.T) / np.outer(length, length)
     ratio = np.log(length[:, None] / length[None, :])
-    expected = np.log(target.pitch_x_mm / target.pitch_y_mm)
+    expected = np.log(target.cell_mm[0] / target.cell_mm[1])
     square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
     opposite = _nearest_miss(-arms, present) / length
     corners = [

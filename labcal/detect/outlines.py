@@ -51,8 +51,8 @@ class Outlines:
 
 def clear_reach(target: DotGrid) -> float:
     """Return how far from a dot's centre, in radii, nothing but board surrounds it."""
-    radius = max(target.dot_diameter_mm, target.ring_outer_diameter_mm) / 2
-    gap = min(target.pitch_x_mm, target.pitch_y_mm) / radius - 2
+    radius = target.largest_diameter_mm / 2
+    gap = min(target.cell_mm) / radius - 2
     return 1 + 0.7 * gap
 
 
@@ -130,7 +130,7 @@ def _trace(grey: GreyPicture, spots: Outlines, target: DotGrid) -> Outlines:
     minor = np.linalg.eigvalsh(root)[:, 0]
     fits = (minor > _MIN_MINOR) & (rough < 0.03 + 0.15 / minor)
 
-    hole_radius = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    hole_radius = target.hole_share
     body = (hole_radius + 1) / 2
     middle = profile[:, :, rho < 0.5 * hole_radius].mean(axis=(1, 2))
     dark = profile[:, :, np.abs(rho - body) < 0.1].mean(axis=(1, 2))  # noqa: PLR2004 - of the radius

@@ -8,14 +8,15 @@ from labcal.detect.flags import Refusal
 from labcal.detect.lattice import Lattice
 from labcal.detect.neighbours import Node
 from labcal.detect.outlines import Outlines, matrix_root
-from labcal.targets.grid import DotGrid
+from labcal.targets.grid import DotGrid, Rings
 
 _HOLE = 0.3  # of the step from dot to board: the middle of a ring is at least so bright
 _PITCH_TOLERANCE = 0.3  # in the logarithm of pitch_x over pitch_y
 
-_TURNS = tuple(
+TURNS = tuple(
     np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
 )
+"""The quarter turns of a grid seen from its front."""
 _MIRROR = np.array([[0, 1], [1, 0]])
 
 
@@ -37,7 +38,9 @@ def ring_nodes(lattice: Lattice, outlines: Outlines) -> set[Node]:
     return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > _HOLE}
 
 
-def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Numbering | Refusal:
+def number_by_rings(
+    lattice: Lattice, outlines: Outlines, target: DotGrid, rings: Rings
+) -> Numbering | Refusal:
     """Find the one numbering that puts the target's three rings on rings of the lattice.
 
     Of the eight symmetries of a grid only the four quarter turns are possible, since a board is seen from its
@@ -48,32 +51,32 @@ def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Num
     Numbering or Refusal
         `NO_RINGS`, `MIRRORED` or `AMBIGUOUS_RINGS` where there is no numbering or more than one.
     """
-    rings = ring_nodes(lattice, outlines)
-    matches = [match for turn in _TURNS for match in _matches(turn, rings, target)]
-    matches = [match for match in matches if _pitches_agree(match.turn, lattice, outlines, target)]
+    seen = ring_nodes(lattice, outlines)
+    matches = [match for turn in TURNS for match in _matches(turn, seen, rings)]
+    matches = [match for match in matches if pitches_agree(match.turn, lattice, outlines, target)]
     if len(matches) == 1:
         return matches[0]
     if matches:
         return Refusal.AMBIGUOUS_RINGS
-    if any(_matches(turn @ _MIRROR, rings, target) for turn in _TURNS):
+    if any(_matches(turn @ _MIRROR, seen, rings) for turn in TURNS):
         return Refusal.MIRRORED
     return Refusal.NO_RINGS
 
 
-def _matches(turn: np.ndarray, rings: set[Node], target: DotGrid) -> list[Numbering]:
+def _matches(turn: np.ndarray, seen: set[Node], rings: Rings) -> list[Numbering]:
     """Return the numberings of one turn under which the target's rings are rings of the lattice."""
     back = turn.T  # orthogonal, so its inverse
-    x_leg = back @ np.array([target.rings.x_steps, 0])
-    y_leg = back @ np.array([0, target.rings.y_steps])
+    x_leg = back @ np.array([rings.x_steps, 0])
+    y_leg = back @ np.array([0, rings.y_steps])
     return [
-        Numbering(turn, np.array(target.rings.origin) - turn @ np.array(origin))
-        for origin in sorted(rings)
-        if (origin[0] + int(x_leg[0]), origin[1] + int(x_leg[1])) in rings
-        and (origin[0] + int(y_leg[0]), origin[1] + int(y_leg[1])) in rings
+        Numbering(turn, np.array(rings.origin) - turn @ np.array(origin))
+        for origin in sorted(seen)
+        if (origin[0] + int(x_leg[0]), origin[1] + int(x_leg[1])) in seen
+        and (origin[0] + int(y_leg[0]), origin[1] + int(y_leg[1])) in seen
     ]
 
 
-def _pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
+def pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
     """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio."""
     lengths: list[list[float]] = [[], []]
     for (a, b), spot in lattice.spots.items():
