@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.detect.blobs import find_blobs
+from labcal.detect.charuco import detect_charuco
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import EdgeFit, fit_edge
 from labcal.detect.flags import DotFlag, Refusal
@@ -17,6 +18,7 @@ from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
 from labcal.detect.plain import goes_on, with_lookalikes
 from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.smoothness import is_smooth
+from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
 
 _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
@@ -38,8 +40,8 @@ class _Dot:
     fit: EdgeFit | None = None
 
 
-def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
-    """Find the target's dots in one picture.
+def detect_dots(image: AnyPicture, target: DotGrid | CharucoBoard) -> PictureDots:
+    """Find the target's dots, or the corners of a ChArUco board, in one picture.
 
     The target's polarity is tried first. Where that gives no ids the other one is tried, and taken only if it
     does.
@@ -48,7 +50,7 @@ def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
     ----------
     image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
         uint8, uint16 or float; colour in any order.
-    target : DotGrid
+    target : DotGrid or CharucoBoard
         What to look for.
 
     Returns
@@ -62,6 +64,8 @@ def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
         `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
     """
     grey = grey_picture(image)
+    if isinstance(target, CharucoBoard):
+        return detect_charuco(grey, target)
     other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
     first = _detect(grey, target, target.polarity)
     if first.indexed:

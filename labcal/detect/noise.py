@@ -29,20 +29,20 @@ class Scatter:
     gradient: np.ndarray
 
 
-def noise_factor(scatters: list[Scatter]) -> float:
+def noise_factor(scatters: list[Scatter], shadings: float = _SHADINGS) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
     Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation, pooled
     over the flat parts around all dots, is weighed with that of the fits' gradients: the ratio of ``J' C J``
     to ``J' J`` for the noise's correlation matrix C. The edges themselves are left out, since what a print's
-    outline does there is no noise.
+    outline does there is no noise. `shadings` is how many of a fit's parameters are spent on the flat parts.
     """
     count = sum(int(scatter.flat.sum()) for scatter in scatters)
     energy = sum(float((scatter.residual**2).sum()) for scatter in scatters)
     if count < _FEWEST or energy <= 0:
         return 1.0
     # Residuals of a fit are tied a little even where the noise is not.
-    spent = _SHADINGS * len(scatters) / count
+    spent = shadings * len(scatters) / count
     factor = 0.0
     weight = sum(float((scatter.gradient**2).sum()) for scatter in scatters)
     for lag in _LAGS:
