@@ -13,7 +13,7 @@ from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement
-    from labcal.targets.grid import DotGrid
+    from labcal.targets.catalogue import AnyTarget
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -89,7 +89,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     return ExitStatus.PARTIAL if result.refused else ExitStatus.DONE
 
 
-def choose_target(name: str | None, pictures: Sequence[str]) -> "DotGrid":
+def choose_target(name: str | None, pictures: Sequence[str]) -> "AnyTarget":
     """Return the target named, or that of the shoot.
 
     Raises
@@ -112,7 +112,7 @@ def choose_target(name: str | None, pictures: Sequence[str]) -> "DotGrid":
     )
 
 
-def _result(measurements: "list[Measurement]", target: "DotGrid") -> DetectResult:
+def _result(measurements: "list[Measurement]", target: "AnyTarget") -> DetectResult:
     images = [
         PictureResult(
             image=found.source.image,
@@ -139,7 +139,7 @@ def _table(result: DetectResult) -> object:
 
 
 def _write_overlays(
-    folder: Path, measurements: "list[Measurement]", target: "DotGrid", *, force: bool
+    folder: Path, measurements: "list[Measurement]", target: "AnyTarget", *, force: bool
 ) -> None:
     from labcal.report.overlay import draw_overlay
     from labcal.run.outputs import unfinished_folder

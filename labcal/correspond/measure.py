@@ -11,7 +11,7 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.errors import InputError
 from labcal.run.progress import Progress
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Measurement:
         return self.reason is None
 
 
-def measure_picture(source: Source, target: DotGrid) -> Measurement:
+def measure_picture(source: Source, target: AnyTarget) -> Measurement:
     """Read and measure one picture; a file that cannot be read is a result with a reason."""
     try:
         picture = source.read()
@@ -43,7 +43,7 @@ def measure_picture(source: Source, target: DotGrid) -> Measurement:
 
 
 def measure_pictures(
-    sources: Sequence[Source], target: DotGrid, executor: Executor, progress: Progress
+    sources: Sequence[Source], target: AnyTarget, executor: Executor, progress: Progress
 ) -> list[Measurement]:
     """Measure pictures, in the order of `sources` whatever the order of work."""
     progress.start("detecting dots", len(sources))

@@ -25,8 +25,8 @@ _ROUGHEST = (2.5, 0.06)  # times the usual roughness of the picture's corners, a
 def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
     """Find the board's corners in one picture.
 
-    A corner is known where OpenCV recognises the markers beside it. Its place is that of the two edges that cross
-    there (:func:`labcal.detect.corner_fit.fit_corner`); where the fit fails, the corner is flagged ``bad-fit``.
+    A corner is known where OpenCV recognises the markers beside it. Its place is where the two edges cross
+    (:func:`labcal.detect.corner_fit.fit_corner`); where the fit fails, the corner is flagged ``bad-fit``.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
     Returns
     -------
     PictureDots
-        Without outlines. Refused where no marker is recognised, where fewer than four corners, or corners of one
-        line only, are measured, and where they lie on no smooth surface.
+        Without outlines. Refused where no marker is recognised, where fewer than four corners, or corners of
+        one line only, are measured, and where they lie on no smooth surface.
     """
     size = (grey.shape[1], grey.shape[0])
     rough = _recognised(grey, board)

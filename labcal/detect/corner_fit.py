@@ -105,13 +105,14 @@ class _Board:
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
-    """Fit ``(1 + g d) (m + h X(u1 / s, u2 / s))`` to the pixels around a corner, by Gauss-Newton.
+    """Fit ``(1 + g d) (m + h X(u1 / s1, u2 / s2))`` to the pixels around a corner, by Gauss-Newton.
 
-    `u1` and `u2` are the distances from the two edges, `d` the offset from where the fit begins, `s` the blur, and
-    ``X`` a chessboard of -1 and 1 blurred by a Gaussian: the expectation of ``sign(a + z1) sign(b + z2)`` for
-    standard normal z1, z2 with the correlation r of the edges' normals. That is 1 - 4 T(a, ..) - 4 T(b, ..), less 2
-    where a and b differ in sign, with Owen's T (Owen 1956, Ann. Math. Stat. 27). The darkness
-    that a marker's border spreads is taken off.
+    `u1` and `u2` are the distances from the two edges, `s1` and `s2` their blurs, `d` the offset from where
+    the fit begins, and ``X`` a chessboard of -1 and 1 blurred by a Gaussian: the expectation of
+    ``sign(a + z1) sign(b + z2)`` for standard normal z1, z2 that are as correlated as the edges' normals.
+    That is ``1 - 4 T(a, .) - 4 T(b, .)``, less 2 where a and b differ in sign, with Owen's T (Owen 1956,
+    Annals of Mathematical Statistics 27). The darkness that a marker's border spreads is taken off. Whatever
+    else is not as modelled, but the same on opposite sides of the corner, does not move it.
 
     Parameters
     ----------
@@ -127,19 +128,18 @@ def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
     """
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
-    blur = _FIRST_BLUR
-    for _ in range(2):  # what is left out around markers follows the blur once that is known
-        window = _window(grey, around, _GUARD * blur / narrow)
-        if len(window.value) < _FEWEST:
-            return None
-        state = _settle(_begin(window, around, blur), window)
-        if state is None:
-            return None
-        blur = float(state[4:6].max())
-    moved = float(np.hypot(state[0], state[1]))
-    if moved > min(_FARTHEST_MOVE * square, around.reach) or blur > _LARGEST_BLUR * narrow:
+    window = _window(grey, around, _GUARD * _FIRST_BLUR / narrow)
+    first = _settle(_begin(window, around), window)
+    if first is None:
         return None
-    return _judge(state, window, around) if state[7] > 0 else None
+    # What is left out around markers follows the blur, now that it is known.
+    blur = float(first[4:6].max())
+    window = _window(grey, around, _GUARD * blur / narrow)
+    state = _settle(first, window)
+    if state is None or state[7] <= 0 or state[4:6].max() > _LARGEST_BLUR * narrow:
+        return None
+    moved = float(np.hypot(state[0], state[1]))
+    return None if moved > min(_FARTHEST_MOVE * square, around.reach) else _judge(state, window, around)
 
 
 def _window(grey: GreyPicture, around: Surroundings, guard: float) -> _Window:
@@ -161,16 +161,16 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float) -> _Window:
     return _Window(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights)
 
 
-def _begin(window: _Window, around: Surroundings, blur: float) -> np.ndarray:
+def _begin(window: _Window, around: Surroundings) -> np.ndarray:
     """Return first parameters; the normals are those of the board's axes, so that the step is positive."""
     (ax, ay), (bx, by) = around.axes.T
-    # The edge along y separates left from right: its normal points to the board's right, and so on. The board's
-    # frame is left-handed in the picture, whose y is down.
+    # The edge along y separates left from right: its normal points to the board's right; likewise the other.
     right, up = np.array([-by, bx]), np.array([ay, -ax])
     right, up = right * np.sign(right @ [ax, ay]), up * np.sign(up @ [bx, by]) * around.white
     angles = [np.arctan2(right[1], right[0]), np.arctan2(up[1], up[0])]
-    black, white = np.percentile(window.value, [10, 90])
-    return np.array([0, 0, *angles, blur, blur, (black + white) / 2, (white - black) / 2, 0, 0], dtype=np.float64)
+    black, white = np.percentile(window.value, [10, 90]) if len(window.value) else (0.0, 0.0)
+    blurs = (_FIRST_BLUR, _FIRST_BLUR)
+    return np.array([0, 0, *angles, *blurs, (black + white) / 2, (white - black) / 2, 0, 0], dtype=np.float64)
 
 
 def _linearise(state: np.ndarray, window: _Window) -> _Linear:
@@ -221,6 +221,8 @@ def _blurred_board(u: np.ndarray, correlation: float) -> _Board:
 
 def _settle(state: np.ndarray, window: _Window) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
+    if len(window.value) < _FEWEST:
+        return None
     for _ in range(_ITERATIONS):
         linear = _linearise(state, window)
         normal = linear.jacobian @ linear.jacobian.T

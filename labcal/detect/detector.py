@@ -14,10 +14,11 @@ from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
 from labcal.detect.noise import noise_factor
+from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
 from labcal.detect.plain import goes_on, with_lookalikes
-from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.smoothness import is_smooth
+from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
 
@@ -40,7 +41,7 @@ class _Dot:
     fit: EdgeFit | None = None
 
 
-def detect_dots(image: AnyPicture, target: DotGrid | CharucoBoard) -> PictureDots:
+def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
     """Find the target's dots, or the corners of a ChArUco board, in one picture.
 
     The target's polarity is tried first. Where that gives no ids the other one is tried, and taken only if it
@@ -50,7 +51,7 @@ def detect_dots(image: AnyPicture, target: DotGrid | CharucoBoard) -> PictureDot
     ----------
     image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
         uint8, uint16 or float; colour in any order.
-    target : DotGrid or CharucoBoard
+    target : AnyTarget
         What to look for.
 
     Returns

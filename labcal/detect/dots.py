@@ -38,10 +38,11 @@ class PictureDots:
     seen_at : ndarray, shape (n, 2)
         Roughly where the dot is, px, also where it is not measured. For drawing only.
     outline : ndarray, shape (n, 2, 2)
-        Matrix S of the outer outline ``(q - c)' inv(S) (q - c) = 1``, px squared; NaN for cut dots and corners.
+        Matrix S of the outer outline ``(q - c)' inv(S) (q - c) = 1``, px squared; NaN for cut dots and
+        corners.
     others : tuple of ndarray of int, each of shape (n, 2)
-        `index` under every other numbering that fits the picture as well: one of a plain grid that looks the same
-        after half a turn, three of a square one; empty where the picture settles it.
+        `index` under every other numbering that fits the picture as well: one of a plain grid that looks the
+        same after half a turn, three of a square one; empty where the picture settles it.
     """
 
     size: tuple[int, int]
@@ -76,9 +77,15 @@ class PictureDots:
         """Return the dots without ids and positions, for a reason."""
         n = len(self.flag)
         return replace(
-            self, refusal=refusal, others=(), index=np.zeros((n, 2), dtype=np.int64), has_id=np.zeros(n, dtype=bool),
-            position=np.full((n, 2), np.nan), covariance=np.full((n, 2, 2), np.nan), flag=(DotFlag.NO_ID,) * n,
-        )  # fmt: skip
+            self,
+            refusal=refusal,
+            others=(),
+            index=np.zeros((n, 2), dtype=np.int64),
+            has_id=np.zeros(n, dtype=bool),
+            position=np.full((n, 2), np.nan),
+            covariance=np.full((n, 2, 2), np.nan),
+            flag=(DotFlag.NO_ID,) * n,
+        )
 
     @property
     def ok(self) -> Mask:

@@ -60,13 +60,13 @@ _ADVICE = {
         "further ring (a reflection, a hole in a dot)."
     ),
     Refusal.AMBIGUOUS: (
-        "The dots are all alike, and it cannot be told which is which. Show the whole grid, with nothing hidden "
-        "at its edges and all cameras held the same way up; check that the target named has as many columns and "
-        "rows as the print; or use a target with rings, of which a part is enough."
+        "The dots are all alike, and it cannot be told which is which. Show the whole grid, with nothing "
+        "hidden at its edges and all cameras the same way up; check that the target named has as many "
+        "columns and rows as the print; or use a target with rings, of which a part is enough."
     ),
     Refusal.NO_MARKERS: (
-        "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, that "
-        "a marker is at least 15 px across, and that the target names the board's dictionary."
+        "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
+        "that a marker is at least 15 px across, and that the target names the board's dictionary."
     ),
     Refusal.MIRRORED: (
         "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "

@@ -14,7 +14,7 @@ AnyNumbering = Numbering | DiagonalNumbering
 
 
 def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> AnyNumbering | Refusal:
-    """Number a lattice by the target's rings or, where its dots are all alike, by its edges.
+    """Find ids for a lattice by the target's rings or, where its dots are all alike, by its edges.
 
     Returns
     -------

@@ -1,10 +1,10 @@
 """From a grid of dots that are all alike to ids: by its outermost rows and columns, up to a turn.
 
 Nothing marks a dot, so only a grid that is seen from edge to edge can be numbered: a part of it fits at many
-places. A symmetric grid looks the same after half a turn, a square one after a quarter; of these the numbering
-is given that has the columns run most nearly to the right in the picture, as a board is usually held, and the
-others stand in `PictureDots.others`. Whoever sees the same board in more pictures may settle it
-(:mod:`labcal.correspond.way_up`).
+places. A symmetric grid looks the same after half a turn, a square one after a quarter; of these numberings
+that one is given whose columns run most nearly to the right in the picture, as a board is usually held, and
+the others stand in `PictureDots.others`. Whoever sees the same board in more pictures may settle it
+(`labcal.correspond.way_up`). That a picture is mirrored cannot be seen.
 """
 
 from collections.abc import Sequence
@@ -44,13 +44,15 @@ class DiagonalNumbering:
         return (half_pitches - row % 2) // 2, row
 
 
-def number_plain(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Numbering | DiagonalNumbering | Refusal:
-    """Number a lattice that is exactly as large as the target's grid.
+def number_plain(
+    lattice: Lattice, outlines: Outlines, target: DotGrid
+) -> Numbering | DiagonalNumbering | Refusal:
+    """Find ids for a lattice that is exactly as large as the target's grid.
 
     All four quarter turns are tried. A turn fits where the lattice has the target's number of columns and of
     rows, and at least half of the dots of each of the four outermost ones; in an asymmetric grid, where the
-    shifted rows are the right ones, too. Of fitting turns that the target's own symmetry allows, the one is taken
-    whose columns run most nearly to the right in the picture.
+    shifted rows are the right ones, too. Of fitting turns that the target's own symmetry allows, that one is
+    taken whose columns run most nearly to the right in the picture.
 
     Returns
     -------

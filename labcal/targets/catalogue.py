@@ -28,7 +28,7 @@ def target_names() -> list[str]:
     return description_names(FOLDER)
 
 
-def load_target(name: str) -> DotGrid | CharucoBoard:
+def load_target(name: str) -> AnyTarget:
     """Return the target of that name.
 
     Parameters

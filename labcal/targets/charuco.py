@@ -1,6 +1,5 @@
 """The ChArUco board: a chessboard whose white squares carry markers, so that every corner is known."""
 
-import math
 from enum import StrEnum
 from typing import Annotated, Literal
 
@@ -70,8 +69,8 @@ class CharucoBoard(BaseModel):
     """A flat target with the inner corners of a chessboard, numbered by the markers in its white squares.
 
     Corners are numbered (col, row) from 0, x to the right, y up, z out of the board; corner (0, 0), the lower
-    left one, is the origin of the target's frame. Lengths are in millimetres. OpenCV counts the other way, see
-    :meth:`from_opencv`.
+    left one, is the origin of the target's frame. Lengths are in millimetres. OpenCV counts the other way:
+    see :meth:`from_opencv`.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -65,9 +65,11 @@ class DotGrid(BaseModel):
     """A flat target with a grid of dots, three of them rings, or none.
 
     Dots are numbered (col, row) from 0, x to the right, y up, z out of the board; the centre of dot
-    (0, 0) is the origin of the target's frame. Lengths are in millimetres. In an asymmetric grid `pitch_x_mm`
-    is from dot to dot of a row, and `pitch_y_mm`, from row to row, is half of it, so that the dots also form a
-    square grid that stands on its corner. With OpenCV's spacing s these are 2 s and s.
+    (0, 0) is the origin of the target's frame. Lengths are in millimetres.
+
+    In an asymmetric grid `pitch_x_mm` is from dot to dot of a row, and `pitch_y_mm`, from row to row, is half
+    of it, so that the dots also form a square grid that stands on its corner. With OpenCV's spacing s these
+    are 2 s and s.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -106,8 +108,8 @@ class DotGrid(BaseModel):
         if self.rings is None:
             if outer is not None or inner is not None:
                 raise ValueError(
-                    "ring_outer_diameter_mm and ring_inner_diameter_mm mean nothing without rings: leave them "
-                    "out, or say where the rings are"
+                    "ring_outer_diameter_mm and ring_inner_diameter_mm mean nothing without rings: leave "
+                    "them out, or say where the rings are"
                 )
             return
         if self.layout is Layout.ASYMMETRIC:
@@ -205,11 +207,11 @@ class DotGrid(BaseModel):
     def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return what dots would be called if the whole target were turned so that it looks the same.
 
-        With rings it never does. All dots alike, a symmetric grid looks the same after half a turn, and a square
-        one after a quarter. An asymmetric one does after half a turn where it has an even number of rows; with
-        an odd number the first and the last row are both unshifted, and half a turn would shift both, so that
-        each way up is told from all others. No quarter turn takes it to itself: shifted rows would become
-        columns.
+        With rings it never does. All dots alike, a symmetric grid looks the same after half a turn, and a
+        square one after a quarter. An asymmetric one does after half a turn where it has an even number of
+        rows; with an odd number the first and the last row are both unshifted, and half a turn would shift
+        both, so that each way up is told from the other. No quarter turn takes it to itself: of a square that
+        holds it, one diagonal ends on dots and the other does not.
 
         Parameters
         ----------
