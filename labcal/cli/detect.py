@@ -49,6 +49,8 @@ class PictureResult:
     reason: str | None
     dots: int
     expected: int
+    numberings: int | None
+    """How many numberings fit as well, this one included: 1 where the dots are known for certain."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if arguments.overlay is not None:
         _write_overlays(arguments.overlay, measurements, target, force=arguments.force)
     result = _result(measurements, target)
+    if any((image.numberings or 1) > 1 for image in result.images):
+        session.warn(
+            f"'{target.name}' looks the same when it is turned: all cameras of a view agree on its dots, but "
+            "views may differ by such a turn. This does not matter to 'labcal calibrate'"
+        )
     if result.indexed == 0:
         session.emit(result, _table(result))
         session.warn(f"no picture has dots with ids, so {arguments.output} was not written")
@@ -120,6 +127,7 @@ def _result(measurements: "list[Measurement]", target: "AnyTarget") -> DetectRes
             reason=found.reason,
             dots=0 if found.dots is None else int(found.dots.ok.sum()),
             expected=target.count,
+            numberings=None if found.dots is None or not found.indexed else 1 + len(found.dots.others),
         )
         for found in measurements
     ]

@@ -1,9 +1,9 @@
 """Which way up a plain grid is held, settled over all pictures of a rig and of a series.
 
-One picture of a grid that looks the same after half a turn (or a quarter) cannot tell. All cameras of a view must
-agree, though, or their dots are not the same dots; and from view to view the target is taken to turn as little
-as possible, so that a series is numbered alike where it can be. All of it may still be turned
-together: that is harmless for a target in the hand, and stands in `PictureDots.others`.
+One picture of a grid that looks the same after half a turn (or a quarter) cannot tell. All cameras of a view
+must agree, though, or their dots are not the same dots; and from view to view the target is taken to turn as
+little as possible, so that a series is numbered alike where it can be. All of it may still be turned at
+once: that is harmless for a target in the hand, and stands in `PictureDots.others`.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ _FEWEST_VIEWS = 2  # one view of a flat target fits any epipolar geometry
 
 @dataclass(frozen=True)
 class _Seen:
-    """A picture whose dots have several numberings, and by how much each says the board is turned, radians."""
+    """A picture whose dots have several numberings, and the board's turn under each, radians."""
 
     number: int
     dots: PictureDots
@@ -38,18 +38,24 @@ class _Seen:
         """Return the numbering whose turn is nearest to one."""
         return int(np.argmax(np.cos(self.turns - turn)))
 
+    def numbered(self, numbering: int) -> PictureDots:
+        """Return the dots under a numbering; 0 is the picture's own."""
+        return self.dots if numbering == 0 else self.dots.renumbered(numbering - 1)
+
     def index(self, numbering: int) -> np.ndarray:
         """Return (col, row) under a numbering; 0 is the picture's own."""
         return self.dots.index if numbering == 0 else self.dots.others[numbering - 1]
 
 
-def settle_way_up(sources: Sequence[Source], pictures: Sequence[PictureDots], target: Target) -> list[PictureDots]:
-    """Return the pictures with numberings that agree in every view, and that turn little from view to view.
+def settle_way_up(
+    sources: Sequence[Source], pictures: Sequence[PictureDots], target: Target
+) -> list[PictureDots]:
+    """Return the pictures with numberings that agree in every view, and that turn little between views.
 
-    Two cameras turned against each other about their axes by less than a third of what lies between two numberings
-    (60 degrees, for a square grid 30) see the target the same way up. Else, or where that is contradicted, the
-    numbering is taken under which all views together have an epipolar geometry, if all others fit it three
-    times worse; this takes two views that are not parallel.
+    Two cameras turned against each other about their axes by less than a third of what lies between two
+    numberings (60 degrees, for a square grid 30) see the target the same way up. Else, or where that is
+    contradicted, the numbering is taken under which all views together have an epipolar geometry, if all
+    others fit it three times worse; this takes two views that are not parallel.
 
     Parameters
     ----------
@@ -65,34 +71,35 @@ def settle_way_up(sources: Sequence[Source], pictures: Sequence[PictureDots], ta
         In the same order; pictures of a camera that cannot be settled against the first one are refused as
         ``ambiguous``.
     """
-    settled = list(pictures)
     seen: dict[str, dict[str, _Seen]] = {}
     for number, (source, dots) in enumerate(zip(sources, pictures, strict=True)):
         if dots.indexed and dots.others and dots.ok.any():
             found = _Seen(number, dots, _turns(dots, target))
             seen.setdefault(source.camera, {})[source.view] = found
-    if not seen:
-        return settled
-    first, *others = seen
-    rolls = {first: 0.0}
-    for name in others:
-        roll = _roll(seen[first], seen[name])
+    settled = list(pictures)
+    rolls: dict[str, float] = {}
+    for name, of_camera in seen.items():
+        roll = _roll(seen[next(iter(seen))], of_camera)
         if roll is None:
-            for found in seen[name].values():
+            for found in of_camera.values():
                 settled[found.number] = found.dots.refused(Refusal.AMBIGUOUS)
         else:
             rolls[name] = roll
     turn = 0.0
     for view in dict.fromkeys(source.view for source in sources):
         together = [(seen[name][view], roll) for name, roll in rolls.items() if view in seen[name]]
-        if together:
-            found, roll = together[0]
-            turn = float(found.turns[found.nearest(turn + roll)]) - roll
+        turn = _next_turn(together, turn)
         for found, roll in together:
-            numbering = found.nearest(turn + roll)
-            if numbering:
-                settled[found.number] = found.dots.renumbered(numbering - 1)
+            settled[found.number] = found.numbered(found.nearest(turn + roll))
     return settled
+
+
+def _next_turn(together: list[tuple[_Seen, float]], turn: float) -> float:
+    """Return by how much the target is turned in a view, nearest to how it was turned before."""
+    if not together:
+        return turn
+    found, roll = together[0]
+    return float(found.turns[found.nearest(turn + roll)]) - roll
 
 
 def _turns(dots: PictureDots, target: Target) -> np.ndarray:
@@ -106,7 +113,7 @@ def _turns(dots: PictureDots, target: Target) -> np.ndarray:
 
 
 def _roll(first: dict[str, _Seen], other: dict[str, _Seen]) -> float | None:
-    """Return by how much the board is turned more in the other camera than in the first; None if not settled."""
+    """Return by how much more the board is turned in the other camera; None where that is not settled."""
     pairs = [(first[view], other[view]) for view in first if view in other]
     if not pairs:
         return 0.0  # in no view do they see it together, so there is nothing to agree on
