@@ -18,6 +18,7 @@ _GUARD = 1.0  # blurs around a marker that are left out
 _MOST_OBLIQUE = 0.999  # cosine of the angle between the edges
 _TINY = 1e-9
 _FLAT = 2.5  # blurs from both edges: beyond is black or white only
+_LEVELS = 6  # to either side of the middle, at which a tone curve is told from noise
 _FEWEST = 4 * _PARAMETERS  # pixels
 _LARGEST_BLUR = 0.25  # of a square
 _FARTHEST_MOVE = 0.2  # of a square, from where the fit began
@@ -58,8 +59,8 @@ class CornerFit:
         Where the edges cross, px.
     covariance : ndarray, shape (2, 2)
         Of `centre`, px squared, for noise that is independent from pixel to pixel.
-    blur : float
-        Standard deviation of the edges, px.
+    step : float
+        From black to white, in grey values.
     roughness : float
         Root mean square residual over the step from black to white.
     scatter : Scatter
@@ -68,7 +69,7 @@ class CornerFit:
 
     centre: np.ndarray
     covariance: np.ndarray
-    blur: float
+    step: float
     roughness: float
     scatter: Scatter
 
@@ -90,6 +91,8 @@ class _Linear:
 
     residual: np.ndarray
     jacobian: np.ndarray
+    board: np.ndarray
+    """The modelled pattern, from -1 (black) to 1 (white)."""
     off_edges: np.ndarray
     """The smaller distance of every pixel from the two edges, in blurs."""
 
@@ -201,7 +204,7 @@ def _linearise(state: np.ndarray, window: _Window) -> _Linear:
             window.offset[1] * plain,
         ]
     )
-    return _Linear(window.value - light * plain, jacobian, np.abs(u).min(axis=0))
+    return _Linear(window.value - light * plain, jacobian, board.value - dark, np.abs(u).min(axis=0))
 
 
 def _blurred_board(u: np.ndarray, correlation: float) -> _Board:
@@ -246,11 +249,16 @@ def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFi
     """Return the fit with its uncertainty."""
     linear = _linearise(state, window)
     normal = linear.jacobian @ linear.jacobian.T
-    freedom = len(window.value) - _PARAMETERS
-    squares = float(linear.residual @ linear.residual)
+    # What the residual is on average at a level between black and white is a tone curve and no noise.
+    level = np.round(_LEVELS * linear.board).astype(int) + 2 * _LEVELS
+    mean = np.bincount(level, linear.residual) / np.maximum(np.bincount(level), 1)
+    noise = linear.residual - mean[level]
+    freedom = len(window.value) - _PARAMETERS - len(np.unique(level))
     try:
         inverse = np.linalg.inv(normal)[:2, :2]
     except np.linalg.LinAlgError:
+        return None
+    if freedom < _PARAMETERS:
         return None
     flat = linear.off_edges > _FLAT
     residual, where = np.zeros(window.mask.shape), window.mask.copy()
@@ -259,8 +267,8 @@ def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFi
     gradient[:, window.mask] = linear.jacobian[:2]
     return CornerFit(
         centre=around.centre + state[:2],
-        covariance=squares / freedom * (inverse + inverse.T) / 2,
-        blur=float(state[4:6].mean()),
-        roughness=float(np.sqrt(squares / freedom)) / (2 * float(state[7])),
+        covariance=float(noise @ noise) / freedom * (inverse + inverse.T) / 2,
+        step=2 * float(state[7]),
+        roughness=float(np.sqrt((linear.residual**2).mean())) / (2 * float(state[7])),
         scatter=Scatter(residual, where, gradient),
     )

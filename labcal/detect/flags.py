@@ -35,6 +35,8 @@ class Refusal(StrEnum):
     """The dots are all alike, and the grid fits the target at more than one place, or not exactly."""
     NO_MARKERS = "no-markers"
     """No marker of the target's dictionary is seen."""
+    OTHER_BOARD = "other-board"
+    """Markers are seen, but not where the target has them."""
     MIRRORED = "mirrored"
     """The rings fit the target only as in a mirror."""
     GRID_INCONSISTENT = "grid-inconsistent"
@@ -67,6 +69,10 @@ _ADVICE = {
     Refusal.NO_MARKERS: (
         "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
         "that a marker is at least 15 px across, and that the target names the board's dictionary."
+    ),
+    Refusal.OTHER_BOARD: (
+        "Markers were found, but not in the places that the target gives them. Check its squares along x and "
+        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6."
     ),
     Refusal.MIRRORED: (
         "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "
