@@ -47,7 +47,7 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
     if shoot.target.lookalikes(shoot.target.indices()[:1]):
         raise InputError(
             f"The target '{shoot.target.name}' looks the same when it is turned, so nothing tells which of "
-            "its dots is where on the stage. Use one with rings, or hold it by hand and use 'labcal calibrate'."
+            "its dots is where on the stage. Use one with rings, or hold it and use 'labcal calibrate'."
         )
     require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)

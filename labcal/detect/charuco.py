@@ -23,8 +23,8 @@ _SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a thi
 def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
     """Find the board's corners in one picture.
 
-    A corner is known where OpenCV recognises the markers beside it, or by its place among corners that are. Where
-    it is, the two edges that cross there say (:mod:`labcal.detect.corners`).
+    A corner is known where OpenCV recognises the markers beside it, or by its place among corners that are.
+    Where it is, the two edges that cross there say (:mod:`labcal.detect.corners`).
 
     Parameters
     ----------

@@ -19,6 +19,7 @@ _MOST_OBLIQUE = 0.999  # cosine of the angle between the edges
 _TINY = 1e-9
 _FLAT = 2.5  # blurs from both edges: beyond is black or white only
 _LEVELS = 6  # to either side of the middle, at which a tone curve is told from noise
+_LEAST_VARIANCE = 0.1  # of the mean
 _FEWEST = 4 * _PARAMETERS  # pixels
 _LARGEST_BLUR = 0.25  # of a square
 _FARTHEST_MOVE = 0.2  # of a square, from where the fit began
@@ -245,6 +246,14 @@ def _settle(state: np.ndarray, window: _Window) -> np.ndarray | None:
     return None
 
 
+def _variance(noise: np.ndarray, board: np.ndarray) -> np.ndarray:
+    """Return the noise's variance at every pixel, linear from black to white: photons, tone curves."""
+    squares = noise**2
+    design = np.stack([np.ones_like(board), board], axis=-1)
+    fitted = design @ np.linalg.lstsq(design, squares, rcond=None)[0]
+    return np.asarray(np.maximum(fitted, _LEAST_VARIANCE * squares.mean()))
+
+
 def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFit | None:
     """Return the fit with its uncertainty."""
     linear = _linearise(state, window)
@@ -254,12 +263,13 @@ def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFi
     mean = np.bincount(level, linear.residual) / np.maximum(np.bincount(level), 1)
     noise = linear.residual - mean[level]
     freedom = len(window.value) - _PARAMETERS - len(np.unique(level))
-    try:
-        inverse = np.linalg.inv(normal)[:2, :2]
-    except np.linalg.LinAlgError:
-        return None
     if freedom < _PARAMETERS:
         return None
+    try:
+        gain = np.linalg.solve(normal, linear.jacobian)[:2]
+    except np.linalg.LinAlgError:
+        return None
+    variance = _variance(noise, linear.board) * len(noise) / freedom
     flat = linear.off_edges > _FLAT
     residual, where = np.zeros(window.mask.shape), window.mask.copy()
     residual[window.mask], where[window.mask] = np.where(flat, linear.residual, 0.0), flat
@@ -267,7 +277,7 @@ def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFi
     gradient[:, window.mask] = linear.jacobian[:2]
     return CornerFit(
         centre=around.centre + state[:2],
-        covariance=float(noise @ noise) / freedom * (inverse + inverse.T) / 2,
+        covariance=(gain * variance) @ gain.T,
         step=2 * float(state[7]),
         roughness=float(np.sqrt((linear.residual**2).mean())) / (2 * float(state[7])),
         scatter=Scatter(residual, where, gradient),

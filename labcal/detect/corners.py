@@ -13,9 +13,8 @@ from labcal.detect.neighbours import Node, around, predict
 from labcal.targets.charuco import CharucoBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
-_BEND = (
-    0.08  # (reach of a fit)^2 over the picture's width, px: so far a bent edge is off by 0.01 px on average
-)
+# (Reach of a fit)^2 over the picture's width, px: within it a wide lens bends an edge by 0.01 px on average.
+_BEND = 0.08
 _SHORTEST_REACH = 5.0  # px
 _ROUGHEST = (2.5, 0.06)  # times the usual roughness of the picture's corners, and of the step
 _FAINTEST = 0.3  # of the usual step
@@ -82,8 +81,8 @@ class _Standard:
 def measured_corners(grey: GreyPicture, board: CharucoBoard, rough: Corners) -> Corners:
     """Fit the corners that are known roughly, and those of the board beside them that can be found.
 
-    A corner whose markers were not recognised is looked for where its neighbours say that it is; there it must be
-    one, of the right colours, within a tenth of a square.
+    A corner whose markers were not recognised is looked for where its neighbours say that it is; there it
+    must be one, of the right colours, within a tenth of a square.
     """
     if not rough.spans_a_plane():
         return rough
