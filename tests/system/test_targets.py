@@ -48,7 +48,9 @@ def test_grids_without_rings_are_rendered_and_found(
     shoot, table = tmp_path / "shoot", tmp_path / "dots.csv"
     settings = (f"target={tmp_path / name}.yaml", "photometry.bayer=off")
     options = [word for setting in settings for word in ("--set", setting)]
-    done = labcal("render", "webcam-handheld", "-o", shoot, "--views", 1, "--spp", 8, "--workers", 1, *options)
+    done = labcal(
+        "render", "webcam-handheld", "-o", shoot, "--views", 1, "--spp", 8, "--workers", 1, *options
+    )
     assert done.status == 0
     told = labcal("detect", shoot, "-o", table, "--workers", 1)
     assert (told.status, told.document["indexed"]) == (0, 2)
@@ -68,7 +70,7 @@ def test_grids_without_rings_are_rendered_and_found(
         assert min(misses) < 0.4
         turned.setdefault(picture.view, set()).add(bool(misses[0] > 0.4))
     assert all(len(ways) == 1 for ways in turned.values())  # both cameras say the same
-    assert numberings > 1 or turned == dict.fromkeys(turned, {False})
+    assert numberings > 1 or turned == {view: {False} for view in turned}
 
 
 def test_a_stage_takes_no_target_that_looks_the_same_when_turned(labcal: Run, tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def settle(
 def test_both_cameras_agree_in_every_view(
     target: DotGrid, count: int, roll: float, pair: dict[str, Camera]
 ) -> None:
-    for seed in range(6):
+    for seed in range(3):
         found = settle(pair, target, views(target, count, roll, seed), seed)
         assert None not in found["left"]
         assert found["left"] == found["right"]
@@ -101,7 +101,7 @@ def test_both_cameras_agree_in_every_view(
 @pytest.mark.parametrize("degrees", [90.0, 180.0, -120.0])
 def test_cameras_turned_far_agree_by_their_epipolar_geometry(degrees: float, pair: dict[str, Camera]) -> None:
     cameras = {"left": pair["left"], "right": turned(pair["right"], degrees)}
-    for seed in range(4):
+    for seed in range(2):
         found = settle(cameras, PLAIN, views(PLAIN, 6, 3.1, seed), seed)
         assert None not in found["left"]
         assert found["left"] == found["right"]

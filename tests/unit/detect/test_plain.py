@@ -18,7 +18,7 @@ from labcal.targets.grid import DotGrid
 PLAIN, ASYMMETRIC = load_target("plain-11x8"), load_target("asymmetric-4x11")
 EVEN = ASYMMETRIC.model_copy(update={"cols": 5, "rows": 8})
 SQUARE = PLAIN.model_copy(update={"cols": 7, "rows": 7})
-WHOLE = {"focal": 400.0, "distance": 420.0, "size": (380, 380), "noise": 1.0}
+WHOLE = {"focal": 330.0, "distance": 420.0, "size": (320, 320), "noise": 1.0}
 MakeBoard = Callable[..., Any]
 
 
