@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 
+from labcal.detect.corner_fit import is_cut
 from labcal.detect.corners import Corners, measured_corners
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -36,21 +37,20 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
     Returns
     -------
     PictureDots
-        Without outlines; a corner that is known by its markers and cannot be measured is flagged ``bad-fit``.
-        Refused where no marker is recognised, or not in the board's places, where fewer than four corners, or
-        corners of one line only, are measured, and where they lie on no smooth surface.
+        Without outlines; a corner that is known by its markers and cannot be measured is flagged ``bad-fit``,
+        or ``cut`` at the frame. Refused where no marker is recognised, or not in the board's places, where fewer
+        than four corners, or corners of one line only, are measured, and where they lie on no smooth surface.
     """
-    size = (grey.shape[1], grey.shape[0])
     found = _recognised(grey, board)
     if isinstance(found, Refusal):
-        return _collect(Corners.none(), size, found)
+        return _collect(Corners.none(), grey, found)
     corners = measured_corners(grey, board, found)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
-        return _collect(corners, size, Refusal.TOO_FEW_DOTS)
+        return _collect(corners, grey, Refusal.TOO_FEW_DOTS)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     smooth = is_smooth(lattice, corners.seen_at)
-    return _collect(corners, size, None if smooth else Refusal.GRID_INCONSISTENT)
+    return _collect(corners, grey, None if smooth else Refusal.GRID_INCONSISTENT)
 
 
 def _recognised(grey: GreyPicture, board: CharucoBoard) -> Corners | Refusal:
@@ -72,7 +72,7 @@ def _recognised(grey: GreyPicture, board: CharucoBoard) -> Corners | Refusal:
     return Corners(index, np.asarray(corners, dtype=np.float64).reshape(-1, 2), [None] * len(index))
 
 
-def _collect(corners: Corners, size: tuple[int, int], refusal: Refusal | None) -> PictureDots:
+def _collect(corners: Corners, grey: GreyPicture, refusal: Refusal | None) -> PictureDots:
     """Put the corners into arrays, row by row."""
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
@@ -80,7 +80,7 @@ def _collect(corners: Corners, size: tuple[int, int], refusal: Refusal | None) -
     missing = np.full((2, 2), np.nan)
     covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
     dots = PictureDots(
-        size=size,
+        size=(grey.shape[1], grey.shape[0]),
         polarity=Polarity.BLACK_ON_WHITE,
         refusal=None,
         index=corners.index,
@@ -89,7 +89,10 @@ def _collect(corners: Corners, size: tuple[int, int], refusal: Refusal | None) -
             [missing[0] if fit is None else fit.centre for fit in corners.fits], dtype=np.float64
         ).reshape(-1, 2),
         covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
-        flag=tuple(DotFlag.BAD_FIT if fit is None else DotFlag.OK for fit in corners.fits),
+        flag=tuple(
+            DotFlag.OK if fit is not None else DotFlag.CUT if is_cut(place, grey) else DotFlag.BAD_FIT
+            for fit, place in zip(corners.fits, corners.seen_at, strict=True)
+        ),
         seen_at=corners.seen_at,
         outline=np.full((n, 2, 2), np.nan),
     )

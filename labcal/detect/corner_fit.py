@@ -17,6 +17,7 @@ _FARTHEST = 0.45  # of a square: the next corner is one away
 _GUARD = 1.0  # blurs around a marker that are left out
 _MOST_OBLIQUE = 0.999  # cosine of the angle between the edges
 _TINY = 1e-9
+_ROOM = 3.0  # px between a corner and the frame
 _FLAT = 2.5  # blurs from both edges: beyond is black or white only
 _LEVELS = 6  # to either side of the middle, at which a tone curve is told from noise
 _LEAST_VARIANCE = 0.1  # of the mean
@@ -143,7 +144,15 @@ def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
     if state is None or state[7] <= 0 or state[4:6].max() > _LARGEST_BLUR * narrow:
         return None
     moved = float(np.hypot(state[0], state[1]))
-    return None if moved > min(_FARTHEST_MOVE * square, around.reach) else _judge(state, window, around)
+    if moved > min(_FARTHEST_MOVE * square, around.reach):
+        return None
+    return None if is_cut(around.centre + state[:2], grey) else _judge(state, window, around)
+
+
+def is_cut(place: np.ndarray, grey: GreyPicture) -> bool:
+    """Tell whether the frame leaves too little of a corner, or nothing."""
+    last = np.array(grey.shape[::-1]) - 1
+    return bool((place < _ROOM).any() or (place > last - _ROOM).any())
 
 
 def _window(grey: GreyPicture, around: Surroundings, guard: float) -> _Window:
