@@ -38,8 +38,9 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
     -------
     PictureDots
         Without outlines; a corner that is known by its markers and cannot be measured is flagged ``bad-fit``,
-        or ``cut`` at the frame. Refused where no marker is recognised, or not in the board's places, where fewer
-        than four corners, or corners of one line only, are measured, and where they lie on no smooth surface.
+        or ``cut`` at the frame. Refused where no marker is recognised, or not in the board's places, where
+        fewer than four corners, or corners of one line only, are measured, and where they lie on no smooth
+        surface.
     """
     found = _recognised(grey, board)
     if isinstance(found, Refusal):
