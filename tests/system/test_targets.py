@@ -73,17 +73,6 @@ def test_grids_without_rings_are_rendered_and_found(
     assert numberings > 1 or turned == {view: {False} for view in turned}
 
 
-def test_a_stage_takes_no_target_that_looks_the_same_when_turned(labcal: Run, tmp_path: Path) -> None:
-    (tmp_path / "alike.yaml").write_text(PLAIN)
-    shoot, model = tmp_path / "shoot", tmp_path / "model"
-    options = ("--views", 1, "--spp", 1, "--workers", 1, "--set", f"target={tmp_path / 'alike.yaml'}")
-    assert labcal("render", "webcam-plane", "-o", shoot, *options).status == 0
-    told = labcal("fit", shoot, "--method", "dlt", "-o", model, "--workers", 1)
-    assert told.status == 2
-    assert "looks the same when it is turned" in told.document["error"]["message"]
-    assert not model.exists()
-
-
 def test_a_scene_refuses_a_charuco_board_by_name(labcal: Run, tmp_path: Path) -> None:
     told = labcal("render", "webcam-handheld", "-o", tmp_path / "x", "--set", "target=charuco-12x9")
     assert told.status == 2

@@ -33,9 +33,16 @@ def worst(board: Any, dots: PictureDots, index: np.ndarray) -> float:  # noqa: A
 
 
 @pytest.mark.parametrize(
-    ("target", "numberings"), [(PLAIN, 2), (SQUARE, 4), (ASYMMETRIC, 1), (EVEN, 2)], ids=lambda x: str(x)[:9]
+    ("target", "numberings", "rotation"),
+    [
+        (PLAIN, 2, (20, -15, 8)),
+        (PLAIN, 2, (-40, 20, 100)),
+        (SQUARE, 4, (-40, 20, 100)),
+        (ASYMMETRIC, 1, (-40, 20, 100)),
+        (EVEN, 2, (20, -15, 190)),
+    ],
+    ids=["plain", "plain-turned", "square", "asymmetric", "even"],
 )
-@pytest.mark.parametrize("rotation", [(20, -15, 8), (-40, 20, 100)])
 def test_one_of_the_numberings_is_the_true_one(
     target: DotGrid, numberings: int, rotation: tuple[float, float, float], make_board: MakeBoard
 ) -> None:
