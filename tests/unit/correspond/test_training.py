@@ -65,5 +65,6 @@ def test_a_target_that_looks_the_same_when_turned_teaches_nothing_on_a_stage(
     plain = DotGrid.model_validate(grid.model_dump() | nothing)
     with pytest.raises(InputError, match=r"'small' looks the same when it is turned.*rings"):
         training_data(shoot(plain, poses), see(pair, plain, poses))
-    leaning = plain.model_copy(update={"layout": "asymmetric", "rows": 5, "pitch_y_mm": 10.0})
+    changes = {"layout": "asymmetric", "rows": 5, "pitch_y_mm": 10.0}
+    leaning = DotGrid.model_validate(plain.model_dump() | changes)
     assert len(training_data(shoot(leaning, poses), see(pair, leaning, poses)).X) == 6 * 25
