@@ -9,7 +9,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.noise import Scatter
 
 _ITERATIONS = 30
-_TOLERANCE = 2e-4  # px: change of the corner at which the fit ends
+_TOLERANCES = (0.05, 5e-4)  # px: change of the corner at which the first and the second round end
 _PARAMETERS = 10
 _FIRST_BLUR, _LEAST_BLUR = 0.8, 0.2  # px
 _LONGEST_STEP = 1.0  # px
@@ -134,13 +134,13 @@ def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
     window = _window(grey, around, _GUARD * _FIRST_BLUR / narrow)
-    first = _settle(_begin(window, around), window)
+    first = _settle(_begin(window, around), window, _TOLERANCES[0])
     if first is None:
         return None
     # What is left out around markers follows the blur, now that it is known.
     blur = float(first[4:6].max())
     window = _window(grey, around, _GUARD * blur / narrow)
-    state = _settle(first, window)
+    state = _settle(first, window, _TOLERANCES[1])
     if state is None or state[7] <= 0 or state[4:6].max() > _LARGEST_BLUR * narrow:
         return None
     moved = float(np.hypot(state[0], state[1]))
@@ -232,7 +232,7 @@ def _blurred_board(u: np.ndarray, correlation: float) -> _Board:
     )
 
 
-def _settle(state: np.ndarray, window: _Window) -> np.ndarray | None:
+def _settle(state: np.ndarray, window: _Window, tolerance: float) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
     if len(window.value) < _FEWEST:
         return None
@@ -250,7 +250,7 @@ def _settle(state: np.ndarray, window: _Window) -> np.ndarray | None:
         blurs = np.clip(state[4:6] + change[4:6] / far, state[4:6] / 2, state[4:6] * 2)
         state = state + change / far
         state[4:6] = np.maximum(blurs, _LEAST_BLUR)
-        if np.abs(change[:2]).max() < _TOLERANCE:
+        if np.abs(change[:2]).max() < tolerance:
             return state
     return None
 
