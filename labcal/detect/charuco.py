@@ -77,7 +77,8 @@ def _collect(corners: Corners, grey: GreyPicture, refusal: Refusal | None) -> Pi
     """Put the corners into arrays, row by row."""
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
-    factor = noise_factor([fit.scatter for fit in corners.fits if fit is not None], _SHADINGS)
+    sums = [fit.sums for fit in corners.fits if fit is not None]
+    factor = noise_factor(np.sum(sums, axis=0), len(sums), _SHADINGS) if sums else 1.0
     missing = np.full((2, 2), np.nan)
     covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
     dots = PictureDots(

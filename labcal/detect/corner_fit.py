@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erf, ndtr, owens_t
 
+from labcal.detect.edge_kernel import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
-from labcal.detect.noise import Scatter
 
 _ITERATIONS = 30
 _TOLERANCES = (0.05, 5e-4)  # px: change of the corner at which the first and the second round end
@@ -65,15 +65,15 @@ class CornerFit:
         From black to white, in grey values.
     roughness : float
         Root mean square residual over the step from black to white.
-    scatter : Scatter
-        What the residuals tell of the noise.
+    sums : ndarray, shape (LAGS, SUMS)
+        What the residuals tell of the noise, see :func:`labcal.detect.noise.noise_factor`.
     """
 
     centre: np.ndarray
     covariance: np.ndarray
     step: float
     roughness: float
-    scatter: Scatter
+    sums: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -279,15 +279,26 @@ def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFi
     except np.linalg.LinAlgError:
         return None
     variance = _variance(noise, linear.board) * len(noise) / freedom
-    flat = linear.off_edges > _FLAT
-    residual, where = np.zeros(window.mask.shape), window.mask.copy()
-    residual[window.mask], where[window.mask] = np.where(flat, linear.residual, 0.0), flat
-    gradient = np.zeros((2, *window.mask.shape))
-    gradient[:, window.mask] = linear.jacobian[:2]
     return CornerFit(
         centre=around.centre + state[:2],
         covariance=(gain * variance) @ gain.T,
         step=2 * float(state[7]),
         roughness=float(np.sqrt((linear.residual**2).mean())) / (2 * float(state[7])),
-        scatter=Scatter(residual, where, gradient),
+        sums=_sums(linear, window),
     )
+
+
+def _sums(linear: _Linear, window: _Window) -> np.ndarray:
+    """Return sums of products of pixels at all distances, the edges themselves left out of the residuals."""
+    flat = linear.off_edges > _FLAT
+    planes = np.zeros((4, *window.mask.shape))  # flat or not, residual there, gradients along x and y
+    planes[0][window.mask], planes[1][window.mask] = flat, np.where(flat, linear.residual, 0.0)
+    planes[2:, window.mask] = linear.jacobian[:2]
+    padded = np.pad(planes, ((0, 0), (0, REACH), (REACH, REACH)))
+    height, width = window.mask.shape
+    sums = np.empty((LAGS, SUMS))
+    for lag in range(LAGS):
+        down, across = divmod(lag, 2 * REACH + 1)
+        products = (planes * padded[:, down : down + height, across : across + width]).sum(axis=(1, 2))
+        sums[lag] = products[0], products[1], products[2] + products[3]
+    return sums

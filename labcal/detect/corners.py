@@ -9,7 +9,7 @@ from jaxtyping import Int
 from labcal.arrays import Pixels
 from labcal.detect.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.grey import GreyPicture
-from labcal.detect.neighbours import Node, around, predict
+from labcal.detect.lattice import Lattice, Node, Prediction
 from labcal.targets.charuco import CharucoBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
@@ -99,12 +99,13 @@ def measured_corners(grey: GreyPicture, board: CharucoBoard, rough: Corners) -> 
     found = True
     while found:
         found = False
+        lattice = Lattice(dict(known))
         for node in _beside(known, board):
-            neighbours = len(around(node, known))
+            neighbours = len(lattice.around(node))
             if tried.get(node, 0) >= neighbours:
                 continue
             tried[node] = neighbours
-            fit = _looked_for(grey, board, node, known, np.array(seen_at))
+            fit = _looked_for(grey, board, node, lattice.predict(node, np.array(seen_at)))
             if (fit := standard.met_by(fit)) is not None:
                 known[node] = len(index)
                 index.append(node)
@@ -121,10 +122,9 @@ def _beside(known: dict[Node, int], board: CharucoBoard) -> list[Node]:
 
 
 def _looked_for(
-    grey: GreyPicture, board: CharucoBoard, node: Node, known: dict[Node, int], positions: Pixels
+    grey: GreyPicture, board: CharucoBoard, node: Node, prediction: Prediction | None
 ) -> CornerFit | None:
     """Return the fit of a corner where its neighbours say that it is, if it is one."""
-    prediction = predict(node, known, positions)
     if prediction is None:
         return None
     fit = fit_corner(grey, _surroundings(grey, board, node, prediction.position, prediction.steps))

@@ -15,9 +15,8 @@ import numpy as np
 from labcal.arrays import DotIndices
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
-from labcal.detect.lattice import Lattice
+from labcal.detect.lattice import Lattice, Node
 from labcal.detect.lost import LostDot
-from labcal.detect.neighbours import Node
 from labcal.detect.outlines import Outlines
 from labcal.detect.rings import TURNS, Numbering, pitches_agree
 from labcal.targets.grid import DotGrid, Layout
