@@ -32,7 +32,7 @@ from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
 from labcal.solve.reconstruction import reconstruct_points as reconstruct
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
 
 __all__ = [
     "calibrate",
@@ -53,7 +53,7 @@ def render(scene: str, folder: Path, settings: RenderSettings | None = None) -> 
 
 
 def measure(
-    sources: Sequence[Source], target: DotGrid, workers: int = 1, progress: Progress | None = None
+    sources: Sequence[Source], target: AnyTarget, workers: int = 1, progress: Progress | None = None
 ) -> list[Measurement]:
     """Find the dots in pictures; a picture that cannot be used is a result with a reason."""
     with open_executor(workers) as executor:

@@ -34,8 +34,8 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
     Raises
     ------
     InputError
-        The target was hand-held, a dot is not on the target, or no dot of a training view was measured by all
-        cameras.
+        The target was hand-held, it looks the same when it is turned, a dot is not on it, or no dot of a
+        training view was measured by all cameras.
     """
     poses = shoot.nominal_poses()
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in poses]
@@ -43,6 +43,11 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
         raise InputError(
             f"The target in {shoot.folder} was hand-held: no training view tells where it was, so there is "
             "nothing to fit to. Use 'labcal calibrate', or shoot the target on a stage."
+        )
+    if shoot.target.lookalikes(shoot.target.indices()[:1]):
+        raise InputError(
+            f"The target '{shoot.target.name}' looks the same when it is turned, so nothing tells which of "
+            "its dots is where on the stage. Use one with rings, or hold it and use 'labcal calibrate'."
         )
     require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
+from labcal.detect.charuco import detect_charuco
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import EdgeFits, fit_edges
 from labcal.detect.flags import DotFlag, Refusal
@@ -13,11 +14,14 @@ from labcal.detect.flattening import NONE, Flattening, fisheyes
 from labcal.detect.grey import AnyPicture, GreyPicture, clipping, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
+from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
+from labcal.detect.plain import goes_on, with_lookalikes
 from labcal.detect.prediction import Predictor
 from labcal.detect.probe import with_missed
-from labcal.detect.rings import Numbering, number_lattice
 from labcal.detect.smoothness import is_smooth
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
 
 _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
@@ -47,8 +51,8 @@ class _Dot:
     covariance: np.ndarray | None = None
 
 
-def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
-    """Find the target's dots in one picture.
+def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
+    """Find the target's dots, or the corners of a ChArUco board, in one picture.
 
     The target's polarity is tried first. Where that gives no ids the other one is tried, and taken only if it
     does.
@@ -57,7 +61,7 @@ def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
     ----------
     image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
         uint8, uint16 or float; colour in any order.
-    target : DotGrid
+    target : AnyTarget
         What to look for.
 
     Returns
@@ -71,6 +75,8 @@ def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
         `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
     """
     grey = grey_picture(image)
+    if isinstance(target, CharucoBoard):
+        return detect_charuco(grey, target)
     other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
     first = _detect(grey, target, target.polarity)
     if first.indexed:
@@ -90,17 +96,15 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
         return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, refusal)
     lattice, numbering = seen.grid
     lattice, outlines = with_missed(grey, lattice, numbering, seen.whole, target)
+    lost = lost_dots(lattice, outlines, seen.blobs, size, lambda node: target.holds(*numbering.index(node)))
+    if target.rings is None and goes_on(lost, numbering, target):
+        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, Refusal.AMBIGUOUS)
     dots = _measured(grey, lattice, numbering, outlines, target)
-    dots += [
-        _Dot(numbering.index(lost.node), lost.flag, lost.seen_at, lost.outline)
-        for lost in lost_dots(
-            lattice, outlines, seen.blobs, size, lambda node: target.holds(*numbering.index(node))
-        )
-    ]
+    dots += [_Dot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
     named = set(lattice.spots.values())
     typical = float(np.median(outlines.radius[sorted(named)]))
     dots += [dot for dot in _unnamed(outlines.joined(seen.cut), named) if _alike(dot, typical)]
-    return _collect(_one_an_id(dots), size, polarity, None)
+    return with_lookalikes(_collect(_one_an_id(dots), size, polarity, None), target)
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ class _Seen:
     """Outlines in the frame, to which the lattice refers."""
     cut: Outlines
     """Outlines that reach beyond it."""
-    grid: tuple[Lattice, Numbering] | Refusal
+    grid: tuple[Lattice, AnyNumbering] | Refusal
 
 
 def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
@@ -160,8 +164,8 @@ def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
 
 def _find_grid(
     outlines: Outlines, target: DotGrid, size: tuple[int, int]
-) -> tuple[Lattice, Numbering] | Refusal:
-    """Return the lattice that carries the target's rings, with the lens that shows most of it."""
+) -> tuple[Lattice, AnyNumbering] | Refusal:
+    """Return the lattice that can be numbered, with the lens that shows most of it."""
     best = _choose(outlines, target, NONE)
     if len(outlines.centre) < _FEWEST_DOTS or _is_complete(best, outlines):
         return best
@@ -174,7 +178,7 @@ def _find_grid(
     return best
 
 
-def _is_complete(grid: tuple[Lattice, Numbering] | Refusal, outlines: Outlines) -> bool:
+def _is_complete(grid: tuple[Lattice, AnyNumbering] | Refusal, outlines: Outlines) -> bool:
     """Tell whether a grid holds nearly every spot that is as large as its dots."""
     if isinstance(grid, Refusal):
         return False
@@ -184,8 +188,8 @@ def _is_complete(grid: tuple[Lattice, Numbering] | Refusal, outlines: Outlines) 
     return len(known) >= _COMPLETE * int(alike.sum())
 
 
-def _choose(outlines: Outlines, target: DotGrid, lens: Flattening) -> tuple[Lattice, Numbering] | Refusal:
-    """Return the one lattice that carries the target's rings in the picture of a lens."""
+def _choose(outlines: Outlines, target: DotGrid, lens: Flattening) -> tuple[Lattice, AnyNumbering] | Refusal:
+    """Return the one lattice that can be numbered in the picture of a lens."""
     if len(outlines.centre) == 0:
         return Refusal.NO_DOTS
     if len(outlines.centre) < _FEWEST_DOTS:
@@ -194,20 +198,18 @@ def _choose(outlines: Outlines, target: DotGrid, lens: Flattening) -> tuple[Latt
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]
-    named = [(lattice, outcome) for lattice, outcome in outcomes if isinstance(outcome, Numbering)]
-    if len(named) > 1 or any(outcome is Refusal.AMBIGUOUS_RINGS for _, outcome in outcomes):
-        return Refusal.AMBIGUOUS_RINGS
-    if not named:
-        refusals = [outcome for _, outcome in outcomes if isinstance(outcome, Refusal)]
-        return Refusal.MIRRORED if Refusal.MIRRORED in refusals else Refusal.NO_RINGS
+    named = [(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
+    refusal = why_unnamed([outcome for _, outcome in outcomes], target)
+    if refusal is not None:
+        return refusal
     return named[0] if is_smooth(named[0][0], outlines.centre) else Refusal.GRID_INCONSISTENT
 
 
 def _measured(
-    grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
+    grey: GreyPicture, lattice: Lattice, numbering: AnyNumbering, outlines: Outlines, target: DotGrid
 ) -> list[_Dot]:
     """Return the dots of the lattice, fitted."""
-    hole = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    hole = target.hole_share
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
     spots = outlines.select(np.array([spot for _, spot in named]))
     holes = np.array([hole if index in target.ring_indices else 0.0 for index, _ in named])
@@ -240,7 +242,7 @@ def _odd_shapes(
     shape = outlines.shape.copy()
     shape[spots] = np.where(fits.ok[:, None, None], fits.shape, shape[spots])
     found = Predictor(lattice, replace(outlines, shape=shape)).shapes_in_steps()
-    found[ring] *= (target.dot_diameter_mm / target.ring_outer_diameter_mm) ** 2
+    found[ring] /= target.ring_size**2
     usual = np.nanmedian(found, axis=0)
     axes = np.sqrt(np.linalg.eigvals(np.linalg.solve(usual, np.nan_to_num(found, nan=1.0))).real)
     minor = np.sqrt(np.linalg.eigvalsh(shape[spots])[:, 0])

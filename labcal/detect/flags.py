@@ -41,6 +41,12 @@ class Refusal(StrEnum):
     """There is a grid, but not the three rings in it at the target's steps."""
     AMBIGUOUS_RINGS = "ambiguous-rings"
     """The rings fit the target at more than one place."""
+    AMBIGUOUS = "ambiguous"
+    """The dots are all alike, and the grid fits the target at more than one place, or not exactly."""
+    NO_MARKERS = "no-markers"
+    """No marker of the target's dictionary is seen."""
+    OTHER_BOARD = "other-board"
+    """Markers are seen, but not where the target has them."""
     MIRRORED = "mirrored"
     """The rings fit the target only as in a mirror."""
     GRID_INCONSISTENT = "grid-inconsistent"
@@ -72,6 +78,19 @@ _ADVICE = {
     Refusal.AMBIGUOUS_RINGS: (
         "The rings fit the target at more than one place. Show one target only, and remove what looks like a "
         "further ring (a reflection, a hole in a dot)."
+    ),
+    Refusal.AMBIGUOUS: (
+        "The dots are all alike, and it cannot be told which is which. Show the whole grid, with nothing "
+        "hidden at its edges and all cameras the same way up; check that the target named has as many "
+        "columns and rows as the print; or use a target with rings, of which a part is enough."
+    ),
+    Refusal.NO_MARKERS: (
+        "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
+        "that a marker is at least 15 px across, and that the target names the board's dictionary."
+    ),
+    Refusal.OTHER_BOARD: (
+        "Markers were found, but not in the places that the target gives them. Check its squares along x and "
+        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6."
     ),
     Refusal.MIRRORED: (
         "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "

@@ -39,7 +39,7 @@ class Lattice:
 
 def size_tolerance(target: DotGrid) -> float:
     """Return by how much the logarithms of the radii of two neighbours may differ."""
-    return _SIZE_TOLERANCE + abs(float(np.log(target.ring_outer_diameter_mm / target.dot_diameter_mm)))
+    return _SIZE_TOLERANCE + abs(float(np.log(target.ring_size)))
 
 
 def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening = NONE) -> list[Lattice]:

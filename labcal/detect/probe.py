@@ -4,9 +4,9 @@ import numpy as np
 
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice import Lattice, Node
+from labcal.detect.numbering import AnyNumbering
 from labcal.detect.outlines import Outlines, mean_radius, trace_from
 from labcal.detect.prediction import Predictor
-from labcal.detect.rings import Numbering
 from labcal.targets.grid import DotGrid
 
 _MISS = 0.12  # of a step between an outline and where it is expected
@@ -15,7 +15,7 @@ _ROUNDS = 20  # each goes a node farther
 
 
 def with_missed(
-    grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
+    grey: GreyPicture, lattice: Lattice, numbering: AnyNumbering, outlines: Outlines, target: DotGrid
 ) -> tuple[Lattice, Outlines]:
     """Return the lattice with further dots of the declared grid, and all outlines.
 
@@ -23,7 +23,7 @@ def with_missed(
     ----------
     grey : ndarray, shape (h, w)
     lattice : Lattice
-    numbering : Numbering
+    numbering : AnyNumbering
         Of the lattice.
     outlines : Outlines
         To which the lattice's spots refer; further ones are added at the end.
@@ -55,7 +55,7 @@ def with_missed(
     return lattice, outlines
 
 
-def _beside(lattice: Lattice, numbering: Numbering, target: DotGrid) -> list[Node]:
+def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid) -> list[Node]:
     """Return the empty nodes of the declared grid next to the lattice's."""
     span = (-1, 0, 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()

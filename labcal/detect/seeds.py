@@ -48,7 +48,7 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
         return None
     flatten = np.linalg.inv(matrix_root(outlines.shape[np.append(near, i)]))
     ring = outlines.hole[np.append(near, i)] > RING_HOLE
-    flatten[ring] *= target.ring_outer_diameter_mm / target.dot_diameter_mm
+    flatten[ring] *= target.ring_size
     steps = outlines.centre[near] - outlines.centre[i]
     present = np.einsum("nij,nj->ni", _geometric_mean(flatten[:-1], flatten[-1]), steps)
     length = np.linalg.norm(present, axis=1)
@@ -58,7 +58,7 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
         return None
     cosine = np.abs(arms @ arms.T) / np.outer(length, length)
     ratio = np.log(length[:, None] / length[None, :])
-    expected = np.log(target.pitch_x_mm / target.pitch_y_mm)
+    expected = np.log(target.cell_mm[0] / target.cell_mm[1])
     square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
     opposite = _nearest_miss(-arms, present) / length
     corners = [

@@ -7,7 +7,8 @@ from jaxtyping import UInt8
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.detect.grey import AnyPicture, grey_picture
-from labcal.targets.grid import DotGrid
+from labcal.targets.grid import DotGrid, GridIndex
+from labcal.targets.target import Target
 
 Colour = tuple[int, int, int]
 
@@ -30,8 +31,8 @@ _SUBPIXEL = 4  # bits of cv2's fixed-point coordinates
 _LABEL_ROOM = 5.0  # label heights between labelled dots
 
 
-def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8[np.ndarray, "h w 3"]:
-    """Draw outlines, centres, ids, the rings' axes and the flags of unused dots over a picture.
+def draw_overlay(image: AnyPicture, dots: PictureDots, target: Target) -> UInt8[np.ndarray, "h w 3"]:
+    """Draw outlines, centres, ids, the target's axes and the flags of unused dots over a picture.
 
     Parameters
     ----------
@@ -39,8 +40,8 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8
         The picture the dots were found in.
     dots : PictureDots
         What was found.
-    target : DotGrid
-        Whose rings give the axes.
+    target : Target
+        Whose rings, or else whose outermost dots, give the axes.
 
     Returns
     -------
@@ -125,22 +126,30 @@ def _draw_uncertainty(canvas: np.ndarray, dots: PictureDots, thick: int) -> None
     _text(canvas, f"ellipses: standard deviation x {times}", place, 0.5 * thick, _UNCERTAINTY)
 
 
-def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: DotGrid, thick: int) -> None:
-    """Draw arrows from the origin ring to the x and the y ring."""
+def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: Target, thick: int) -> None:
+    """Draw arrows from the origin ring to the x and the y ring, or from corner to corner of the grid."""
     places = {
         tuple(index): q
         for index, q, known in zip(dots.index.tolist(), dots.seen_at, dots.has_id, strict=True)
         if known
     }
-    origin = places.get(target.rings.origin)
-    for ring, name, colour in zip((target.rings.x, target.rings.y), "xy", _AXES, strict=True):
-        end = places.get(ring)
+    start, *ends = _axis_ends(target)
+    origin = places.get(start)
+    for index, name, colour in zip(ends, "xy", _AXES, strict=True):
+        end = places.get(index)
         if origin is None or end is None:
             continue
         cv2.arrowedLine(canvas, _fixed(origin), _fixed(end), colour, thick, cv2.LINE_AA, _SUBPIXEL, 0.03)
         along = (end - origin) / max(float(np.linalg.norm(end - origin)), 1.0)
         beyond = end + 18 * thick * along
         _text(canvas, name, (int(beyond[0]), int(beyond[1])), 0.5 * thick, colour)
+
+
+def _axis_ends(target: Target) -> tuple[GridIndex, ...]:
+    """Return (col, row) of where the axes begin, of x's end and of y's end."""
+    if isinstance(target, DotGrid) and target.rings is not None:
+        return target.ring_indices
+    return ((0, 0), (target.cols - 1, 0), (0, target.rows - 1))
 
 
 def _draw_labels(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:

@@ -19,7 +19,7 @@ from labcal.correspond.matching import require_on_target
 from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import pose
 from labcal.solve.opencv_threads import one_opencv_thread
-from labcal.targets.grid import DotGrid
+from labcal.targets.target import Target
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 _LENS_FLAGS = {
@@ -94,14 +94,14 @@ def require_handheld_lens(lens: str) -> None:
 
 
 @one_opencv_thread()
-def calibrate_handheld(detections: Detections, target: DotGrid, lens: str) -> HandheldCalibration:
+def calibrate_handheld(detections: Detections, target: Target, lens: str) -> HandheldCalibration:
     """Calibrate every camera in the detections, and their places relative to the first.
 
     Parameters
     ----------
     detections : Detections
         Only dots flagged ``ok`` enter.
-    target : DotGrid
+    target : Target
         Its dots are taken as flat and exactly placed.
     lens : str
         ``pinhole``, ``brown-k1k2`` or ``brown5``.
@@ -157,7 +157,7 @@ def _assemble(
 
 
 def _calibrate_alone(
-    usable: Detections, camera: str, target: DotGrid, lens: str, skipped: list[str]
+    usable: Detections, camera: str, target: Target, lens: str, skipped: list[str]
 ) -> _Alone:
     """Calibrate one camera from all its views."""
     views, points, pixels = [], [], []
@@ -188,7 +188,7 @@ def _calibrate_alone(
 
 
 def _calibrate_pair(
-    usable: Detections, names: tuple[str, str], target: DotGrid, alone: dict[str, _Alone], flags: int
+    usable: Detections, names: tuple[str, str], target: Target, alone: dict[str, _Alone], flags: int
 ) -> _Pair:
     """Calibrate the second camera's place relative to the first, and what else `flags` leave free."""
     points, pixels_a, pixels_b = [], [], []
