@@ -8,9 +8,8 @@ import numpy as np
 from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines, mean_radius
+from labcal.detect.outlines import Outlines, inside_frame, mean_radius
 from labcal.detect.prediction import Predictor
-from labcal.detect.probe import inside_frame
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected

@@ -109,3 +109,10 @@ def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
     scale = np.sqrt(trace + 2 * root)
     result: np.ndarray = (matrix + root[..., None, None] * np.eye(2)) / scale[..., None, None]
     return result
+
+
+def inside_frame(centre: np.ndarray, outline: np.ndarray, size: tuple[int, ...]) -> bool:
+    """Tell whether an outline lies in a picture of some height and width as a whole."""
+    extent = np.sqrt(np.diagonal(outline))
+    last = np.array(size[1::-1]) - 1.0
+    return bool((centre - extent > 0.0).all() and (centre + extent < last).all())

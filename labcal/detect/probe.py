@@ -5,7 +5,7 @@ import numpy as np
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.numbering import AnyNumbering
-from labcal.detect.outlines import Outlines, mean_radius, trace_from
+from labcal.detect.outlines import Outlines, inside_frame, mean_radius, trace_from
 from labcal.detect.prediction import Predictor
 from labcal.targets.grid import DotGrid
 
@@ -60,10 +60,3 @@ def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid) -> list[
     span = (-1, 0, 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()
     return [node for node in sorted(beside) if target.holds(*numbering.index(node))]
-
-
-def inside_frame(centre: np.ndarray, outline: np.ndarray, size: tuple[int, ...]) -> bool:
-    """Tell whether an outline lies in a picture of some height and width as a whole."""
-    extent = np.sqrt(np.diagonal(outline))
-    last = np.array(size[1::-1]) - 1.0
-    return bool((centre - extent > 0.0).all() and (centre + extent < last).all())
