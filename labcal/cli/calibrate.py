@@ -10,7 +10,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.solve.handheld import HandheldCalibration
+    from labcal.solve.calibration import HandheldCalibration
 
 
 def add_parser(commands: CommandGroup) -> None:

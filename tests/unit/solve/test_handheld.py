@@ -10,12 +10,15 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError, UnknownNameError
-from labcal.solve.handheld import calibrate_handheld
+from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.targets.grid import DotGrid
 
 See = Callable[..., Detections]
 Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
+
+CENTRES = HandheldSettings(bias_rounds=0)
+"""The pixels are images of centres, not centroids."""
 
 
 def drop(detections: Detections, views: list[str], camera: str) -> Detections:
@@ -31,7 +34,7 @@ def check_rig(found: Camera, true: Camera) -> None:
 
 
 def test_a_known_rig_is_recovered(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
-    found = calibrate_handheld(see(pair, grid, poses), grid, "brown5")
+    found = calibrate_handheld(see(pair, grid, poses), grid, "brown5", CENTRES)
     assert tuple(found.rig.cameras) == ("left", "right")
     np.testing.assert_array_equal(found.rig.camera("left").T_cam_world, np.eye(4))
     for name, true in pair.items():
@@ -46,7 +49,7 @@ def test_a_known_rig_is_recovered(see: See, pair: Cameras, grid: DotGrid, poses:
 
 def test_a_camera_may_miss_views(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
     detections = drop(drop(see(pair, grid, poses), ["pose-0", "pose-1"], "right"), ["pose-6"], "left")
-    found = calibrate_handheld(detections, grid, "brown5")
+    found = calibrate_handheld(detections, grid, "brown5", CENTRES)
     assert found.fits["left"].views == tuple(f"pose-{i}" for i in (0, 1, 2, 3, 4, 5, 7))
     assert found.fits["right"].views == tuple(f"pose-{i}" for i in (2, 3, 4, 5, 6, 7))
     for name, true in pair.items():
@@ -58,7 +61,7 @@ def test_a_third_camera_joins(see: See, pair: Cameras, grid: DotGrid, poses: Pos
     T[:3, 3] *= [-1, 1, 1]
     T[:3, :3] = T[:3, :3].T
     three = pair | {"third": replace(pair["right"], T_cam_world=T)}
-    found = calibrate_handheld(see(three, grid, poses), grid, "brown5")
+    found = calibrate_handheld(see(three, grid, poses), grid, "brown5", CENTRES)
     for name, true in three.items():
         check_rig(found.rig.camera(name), true)
 
@@ -74,7 +77,7 @@ def test_a_smaller_lens_frees_fewer_coefficients(
 ) -> None:
     dist = np.array([-0.3, 0.1, 0, 0, 0]) * (np.arange(5) < free)
     cameras = {name: replace(camera, lens=lens, dist=dist) for name, camera in pair.items()}
-    found = calibrate_handheld(see(cameras, grid, poses), grid, lens)
+    found = calibrate_handheld(see(cameras, grid, poses), grid, lens, CENTRES)
     for name, true in cameras.items():
         camera = found.rig.camera(name)
         assert camera.lens == lens
@@ -85,7 +88,7 @@ def test_a_smaller_lens_frees_fewer_coefficients(
 def test_noise_shows_in_the_rms(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
     exact = see(pair, grid, poses)
     noise = 0.05 * np.random.default_rng(1).normal(size=exact.position.shape)
-    found = calibrate_handheld(replace(exact, position=exact.position + noise), grid, "brown-k1k2")
+    found = calibrate_handheld(replace(exact, position=exact.position + noise), grid, "brown-k1k2", CENTRES)
     # The RMS of the 2-D distance is sqrt(2) sigma, less what the unknowns take up.
     for rms in (found.rms_px, found.fits["left"].rms_px, found.fits["right"].rms_px):
         assert 0.85 < rms / (0.05 * np.sqrt(2)) < 1.05
@@ -100,7 +103,7 @@ def test_only_ok_dots_enter(see: See, pair: Cameras, grid: DotGrid, poses: Poses
         index=np.where(wrong[:, None], 99, exact.index),
         flag=np.where(wrong, "beyond-grid", exact.flag),
     )
-    check_rig(calibrate_handheld(damaged, grid, "brown5").rig.camera("right"), pair["right"])
+    check_rig(calibrate_handheld(damaged, grid, "brown5", CENTRES).rig.camera("right"), pair["right"])
 
 
 def test_views_with_few_dots_are_left_out_with_a_reason(
@@ -108,7 +111,7 @@ def test_views_with_few_dots_are_left_out_with_a_reason(
 ) -> None:
     exact = see(pair, grid, poses)
     few = (exact.view == "pose-3") & (exact.camera == "left") & (exact.index.sum(axis=1) > 2)
-    found = calibrate_handheld(exact.where(~few), grid, "brown5")
+    found = calibrate_handheld(exact.where(~few), grid, "brown5", CENTRES)
     assert found.skipped == ("view 'pose-3' of camera 'left': only 6 dots, at least 8 are needed",)
     assert "pose-3" not in found.fits["left"].views
     assert "pose-3" in found.fits["right"].views
@@ -119,27 +122,27 @@ def test_what_determines_no_camera_is_refused(see: See, pair: Cameras, grid: Dot
     with pytest.raises(UnknownNameError, match="'brown-k1k2'"):
         calibrate_handheld(exact, grid, "brown-k1-k2")
     with pytest.raises(InputError, match="no dots with ids"):
-        calibrate_handheld(replace(exact, flag=np.full(len(exact), "no-id")), grid, "brown5")
+        calibrate_handheld(replace(exact, flag=np.full(len(exact), "no-id")), grid, "brown5", CENTRES)
     two = exact.where(np.isin(exact.view, ["pose-0", "pose-1"]))
     with pytest.raises(InputError, match="Camera 'left' has 2 usable views, but needs 3"):
-        calibrate_handheld(two, grid, "brown5")
+        calibrate_handheld(two, grid, "brown5", CENTRES)
     apart = drop(
         drop(exact, [f"pose-{i}" for i in range(4)], "left"), [f"pose-{i}" for i in range(4, 8)], "right"
     )
     with pytest.raises(InputError, match="'right' and 'left' share no view"):
-        calibrate_handheld(apart, grid, "brown5")
+        calibrate_handheld(apart, grid, "brown5", CENTRES)
     with pytest.raises(InputError, match=r"dot \(4, 0\), but the target 'small' has 4 x 4 dots"):
-        calibrate_handheld(exact, grid.model_copy(update={"cols": 4}), "brown5")
+        calibrate_handheld(exact, grid.model_copy(update={"cols": 4}), "brown5", CENTRES)
     sizes = np.where((exact.view == "pose-2")[:, None], [[480, 640]], exact.size)
     with pytest.raises(InputError, match="camera 'left' differ in size"):
-        calibrate_handheld(replace(exact, size=sizes), grid, "brown5")
+        calibrate_handheld(replace(exact, size=sizes), grid, "brown5", CENTRES)
 
 
 def test_dots_on_one_line_are_refused(see: See, pair: Cameras, poses: Poses, grid: DotGrid) -> None:
     long = grid.model_copy(update={"cols": 12})
     exact = see(pair, long, poses)
     with pytest.raises(InputError, match="determine no camera"):
-        calibrate_handheld(exact.where(exact.index[:, 1] == 0), long, "brown5")
+        calibrate_handheld(exact.where(exact.index[:, 1] == 0), long, "brown5", CENTRES)
 
 
 def test_the_same_dots_give_the_same_bytes(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
@@ -149,6 +152,6 @@ def test_the_same_dots_give_the_same_bytes(see: See, pair: Cameras, grid: DotGri
         exact, position=exact.position + np.random.default_rng(1).normal(size=exact.position.shape)
     )
     before = cv2.getNumThreads()
-    rigs = {calibrate_handheld(noisy, grid, "brown5").rig.model_dump_json() for _ in range(12)}
+    rigs = {calibrate_handheld(noisy, grid, "brown5", CENTRES).rig.model_dump_json() for _ in range(12)}
     assert len(rigs) == 1
     assert cv2.getNumThreads() == before

@@ -1,0 +1,43 @@
+"""Where the dots of a print really are, as a calibration found them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from labcal.targets.grid import DotGrid
+
+MIN_PICTURES = 3
+"""Pictures that a dot must be in before its place is taken from them: two fix it, the third checks."""
+
+
+@dataclass(frozen=True)
+class FreedDots:
+    """Dots of a target by row and column, where they were found.
+
+    Pictures do not tell the size of what they show: the mean scale is that of the declared pitch, and the
+    mean shift and rotation against the declared places are 0.
+    """
+
+    target: DotGrid
+    place: Float64[np.ndarray, "dots 3"]
+    """In the target's frame, mm; the declared place where not freed."""
+    covariance: Float64[np.ndarray, "dots 3 dots 3"]
+    """Of all places together, mm squared; 0 for what was not freed."""
+    pictures: Int64[np.ndarray, " dots"]
+    """In how many pictures each dot was measured."""
+    freed: Bool[np.ndarray, " dots"]
+    z_freed: bool
+    """Whether the views are tilted enough to tell heights; where not, z is as declared."""
+
+    @property
+    def displacement(self) -> Float64[np.ndarray, "dots 3"]:
+        """Found minus declared, mm."""
+        return np.asarray(self.place - self.target.points())
+
+    @property
+    def sigma(self) -> Float64[np.ndarray, "dots 3"]:
+        """Standard deviations of the places, mm."""
+        count = len(self.place)
+        variance = np.diagonal(self.covariance.reshape(3 * count, 3 * count)).reshape(count, 3)
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
