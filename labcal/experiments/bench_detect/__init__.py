@@ -1,0 +1,1 @@
+"""How good the detector is, and what calibration makes of its dots: ``labcal bench detect``."""
