@@ -49,7 +49,7 @@ class CameraFit:
     dots: int
     sigma: CameraSigma
     scatter_px: float
-    """In the rig: what dots scatter, along each axis, beyond their covariances."""
+    """Calibrated alone: what dots scatter, along each axis, beyond their covariances."""
     freed: FreedDots | None
     """The dots as this camera alone finds them."""
 

@@ -185,7 +185,7 @@ def _assemble(
             views=alone.dots.views,
             dots=len(result.observations),
             sigma=CameraSigma.of(adjusted, number),
-            scatter_px=float(adjusted.scatter_px[number]),
+            scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
         )
     cameras = zip((alone.name for alone in found), adjusted.state.cameras, strict=True)

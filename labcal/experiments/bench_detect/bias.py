@@ -3,7 +3,6 @@
 Nothing is rendered: exact centroids of the dots' outlines come from the camera model, with noise added.
 """
 
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

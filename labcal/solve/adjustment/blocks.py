@@ -1,5 +1,6 @@
 """J'J and J'r of a bundle adjustment, in the blocks that its structure has."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,18 +13,25 @@ from labcal.solve.adjustment.state import POSE, Layout, Lenses
 
 
 @dataclass(frozen=True)
+class Slopes:
+    """J'r, or a step, or anything else with a number for every parameter."""
+
+    shared: Float64[np.ndarray, " shared"]
+    view: Float64[np.ndarray, "views 6"]
+
+
+@dataclass(frozen=True)
 class Blocks:
     """Views meet each other only through what all of them share."""
 
     shared: Float64[np.ndarray, "shared shared"]
     cross: Float64[np.ndarray, "views shared 6"]
     view: Float64[np.ndarray, "views 6 6"]
-    shared_gradient: Float64[np.ndarray, " shared"]
-    view_gradient: Float64[np.ndarray, "views 6"]
+    gradient: Slopes
 
 
 @dataclass(frozen=True)
-class _Rows:
+class Rows:
     """Whitened derivatives and residuals of one camera's observations."""
 
     camera: Float64[np.ndarray, "n 2 own"]
@@ -32,7 +40,33 @@ class _Rows:
     residual: Float64[np.ndarray, "n 2"]
 
 
-def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
+def _slopes(layout: Layout, observations: Observations, rows: Sequence[Rows]) -> Slopes:
+    """Return J'r."""
+    state = layout.state
+    shared = np.zeros(layout.count)
+    view = np.zeros((len(state.T_world_target), POSE))
+    of_dots = np.zeros((len(state.dots), 3))
+    for number, own in enumerate(rows):
+        residual = own.residual
+        at = observations.of_camera(number)
+        columns = slice(layout.lens[number].start, layout.pose[number].stop)
+        shared[columns] = np.tensordot(own.camera, residual, axes=([0, 1], [0, 1]))
+        along = np.einsum("nki,nk->ni", own.view, residual)
+        view += _summed(along, observations.view[at], len(view))
+        if layout.freedom.dots.shape[1]:
+            of_dot = np.einsum("nki,nk->ni", own.dot, residual)
+            of_dots += _summed(of_dot, observations.dot[at], len(of_dots))
+    shared[layout.dots] = layout.freedom.dots.T @ of_dots.ravel()
+    return Slopes(shared, view)
+
+
+def _summed(values: Float64[np.ndarray, "n width"], group: np.ndarray, groups: int) -> np.ndarray:
+    """Return the sums of rows by group."""
+    columns = [np.bincount(group, weights=column, minlength=groups) for column in values.T]
+    return np.stack(columns, axis=-1)
+
+
+def assemble(layout: Layout, observations: Observations, rows: Sequence[Rows]) -> Blocks:
     """Return the normal equations of all observations, linearised at a state.
 
     Parameters
@@ -40,41 +74,29 @@ def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
     layout : Layout
         The state, and what is free.
     observations : Observations
-    loss : Loss
-        Residuals are weighted by its slope (Triggs et al. 2000, "Bundle adjustment", section 4.3, without
-        the term of second order).
+    rows : sequence of Rows
+        By camera, of :func:`linearised_rows`.
     """
     state = layout.state
     views, dots = len(state.T_world_target), len(state.dots)
     free = layout.freedom.dots.shape[1]
     shared = np.zeros((layout.count, layout.count))
     cross, view = np.zeros((views, layout.count, POSE)), np.zeros((views, POSE, POSE))
-    gradient, view_gradient = np.zeros(layout.count), np.zeros((views, POSE))
     of_dots = _DotSums(dots, views, layout.count) if free else None
-    for number in range(len(state.cameras)):
-        rows = _rows(layout, observations, number, loss)
+    for picture in observations.pictures:
+        number, v = picture.camera, picture.view
         start = observations.of_camera(number).start
+        at = slice(picture.rows.start - start, picture.rows.stop - start)
         own = slice(layout.lens[number].start, layout.pose[number].stop)
         width = own.stop - own.start
-        for picture in observations.pictures:
-            if picture.camera != number:
-                continue
-            at, v = slice(picture.rows.start - start, picture.rows.stop - start), picture.view
-            A = np.concatenate([rows.camera[at], rows.view[at]], axis=2)
-            flat, r = A.reshape(-1, A.shape[2]), rows.residual[at].ravel()
-            square, slope = flat.T @ flat, flat.T @ r
-            shared[own, own] += square[:width, :width]
-            cross[v, own] = square[:width, width:]
-            view[v] += square[width:, width:]
-            gradient[own] += slope[:width]
-            view_gradient[v] += slope[width:]
-            if of_dots is not None:
-                D = rows.dot[at].transpose(0, 2, 1)
-                seen = observations.dot[picture.rows]
-                of_dots.square[seen] += D @ rows.dot[at]
-                of_dots.shared[seen, :, own] += D @ rows.camera[at]
-                of_dots.view[v, seen] += D @ rows.view[at]
-                of_dots.gradient[seen] += (D @ rows.residual[at, :, None])[:, :, 0]
+        A = np.concatenate([rows[number].camera[at], rows[number].view[at]], axis=2)
+        flat = A.reshape(-1, A.shape[2])
+        square = flat.T @ flat
+        shared[own, own] += square[:width, :width]
+        cross[v, own] = square[:width, width:]
+        view[v] += square[width:, width:]
+        if of_dots is not None:
+            of_dots.add(rows[number].dot[at], A, own, v, observations.dot[picture.rows])
     if of_dots is not None:
         basis, at = layout.freedom.dots, layout.dots
         shared[at, at] = basis.T @ (of_dots.square @ basis.reshape(dots, 3, free)).reshape(-1, free)
@@ -83,8 +105,8 @@ def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
         shared[:, at] += along.T
         by_view = of_dots.view.transpose(1, 2, 0, 3).reshape(3 * dots, views * POSE)
         cross[:, at] = (basis.T @ by_view).reshape(free, views, POSE).transpose(1, 0, 2)
-        gradient[at] = basis.T @ of_dots.gradient.ravel()
-    return Blocks(shared, cross, view, gradient, view_gradient)
+    view[view[:, -1, -1] == 0.0] = np.eye(POSE)  # a view without observations stays where it is
+    return Blocks(shared, cross, view, _slopes(layout, observations, rows))
 
 
 class _DotSums:
@@ -94,12 +116,31 @@ class _DotSums:
         self.square = np.zeros((dots, 3, 3))
         self.shared = np.zeros((dots, 3, shared))
         self.view = np.zeros((views, dots, 3, POSE))
-        self.gradient = np.zeros((dots, 3))
+
+    def add(self, D: np.ndarray, A: np.ndarray, own: slice, view: int, seen: np.ndarray) -> None:
+        """Add one picture: derivatives by dots, by camera and view together, and which dots."""
+        turned = D.transpose(0, 2, 1)
+        self.square[seen] += turned @ D
+        product = turned @ A
+        self.shared[seen, :, own] += product[:, :, :-POSE]
+        self.view[view, seen] += product[:, :, -POSE:]
 
 
-def _rows(layout: Layout, observations: Observations, number: int, loss: Loss) -> _Rows:
+def linearised_rows(layout: Layout, observations: Observations, number: int, loss: Loss) -> Rows:
     """Return the derivatives of one camera's residuals by all that it depends on.
 
+    Parameters
+    ----------
+    layout : Layout
+    observations : Observations
+    number : int
+        The camera.
+    loss : Loss
+        Residuals are weighted by its slope (Triggs et al. 2000, "Bundle adjustment", section 4.3, without
+        the term of second order).
+
+    Notes
+    -----
     With a pixel's derivative j by a point x of a frame, turning the frame's contents by w moves the point by
     ``w x x``, and the pixel by ``j (w x x) = w (x x j)``.
     """
@@ -121,7 +162,7 @@ def _rows(layout: Layout, observations: Observations, number: int, loss: Loss) -
         parts.append(whitener @ found.by_camera)
     if number:
         parts += [np.cross(turned[:, None, :], by_point), by_point]
-    return _Rows(
+    return Rows(
         camera=np.concatenate(parts, axis=2) if parts else np.zeros((len(residual), 2, 0)),
         view=np.concatenate([np.cross(arm[:, None, :], by_world), by_world], axis=2),
         dot=by_world @ T_world_target[:, :3, :3],

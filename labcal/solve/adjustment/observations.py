@@ -71,9 +71,9 @@ class Observations:
         """Return the same dots at pixels shifted by so much."""
         return replace(self, q=self.q + shift)
 
-    def scattered(self, extra: Float64[np.ndarray, " cameras"]) -> "Observations":
-        """Return the same dots with the variance of each camera (px squared) added to their own."""
-        return replace(self, covariance=self.covariance + extra[self.camera, None, None] * np.eye(2))
+    def scattered(self, extra: float) -> "Observations":
+        """Return the same dots with a variance (px squared) added to their own."""
+        return replace(self, covariance=self.covariance + extra * np.eye(2))
 
 
 def observations_of(

@@ -4,21 +4,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 from jaxtyping import Float64
 
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES, Loss
-from labcal.solve.adjustment.blocks import Blocks, assemble
+from labcal.solve.adjustment.blocks import Blocks, Rows, assemble, linearised_rows
 from labcal.solve.adjustment.observations import Observations
-from labcal.solve.adjustment.state import Freedom, Layout, RigState
+from labcal.solve.adjustment.schur import Reduced
+from labcal.solve.adjustment.state import Freedom, Layout, Lenses, RigState
 
 _UNDAMPED = 1e-13
 """Damping, in units of each parameter's own curvature, that only keeps rounding from a negative pivot."""
-_OPEN = 1e-12
-"""Share of the largest curvature below which a direction counts as not observed."""
-_TAKES_PART = 1e-8
-"""Squared share in such a direction from which on a parameter counts as open."""
+_POSE_STEPS = 2
+"""Gauss-Newton steps of all poses after every step of everything."""
 
 
 @dataclass(frozen=True)
@@ -43,25 +41,32 @@ class AdjustmentProblem:
     def linearize(self, parameters: RigState) -> "ViewsEliminated":
         """Return the normal equations at a state."""
         layout = Layout(parameters, self.freedom)
-        return ViewsEliminated(layout, assemble(layout, self.observations, self.loss))
+        return ViewsEliminated(self, layout, assemble(layout, self.observations, self.rows(layout)))
 
-
-@dataclass(frozen=True)
-class _Step:
-    shared: Float64[np.ndarray, " shared"]
-    views: Float64[np.ndarray, "views 6"]
+    def rows(self, layout: Layout) -> tuple[Rows, ...]:
+        """Return derivatives and residuals by camera."""
+        cameras = range(len(layout.state.cameras))
+        return tuple(linearised_rows(layout, self.observations, number, self.loss) for number in cameras)
 
 
 @dataclass(frozen=True)
 class ViewsEliminated:
-    """Normal equations solved by the Schur complement over the views' poses.
+    """Normal equations at a state; a :class:`~labcal.optim.problem.Linearization`.
 
-    Damping acts in units of each parameter's own curvature (Marquardt 1963), so that millimetres, radians
-    and lens coefficients are alike. Triggs et al., "Bundle adjustment", 2000, section 6.1.
+    Damping acts on what all views share; the views' poses follow it, by the linearised equations first.
+    Then all poses take Gauss-Newton steps of their own while lenses and dots rest ("embedded iterations",
+    Jeong et al. 2012). With a long focal length lens and poses trade against each other along a valley so
+    curved that steps which are straight in all of them take hundreds.
     """
 
+    problem: AdjustmentProblem
     layout: Layout
     blocks: Blocks
+
+    @cached_property
+    def reduced(self) -> Reduced | None:
+        """The equations for what is shared; None where a view's dots do not fix its pose."""
+        return Reduced.of(self.blocks)
 
     @property
     def gradient_norm(self) -> float:
@@ -69,81 +74,38 @@ class ViewsEliminated:
 
         Its square is what a step without damping would take off the cost (the Newton decrement).
         """
-        step = self._solved(_UNDAMPED)
+        gradient = self.blocks.gradient
+        step = None if self.reduced is None else self.reduced.solve(gradient, _UNDAMPED)
         if step is None:
             return float("inf")
-        gain = self.blocks.shared_gradient @ step.shared + (self.blocks.view_gradient * step.views).sum()
-        return float(np.sqrt(max(0.0, -gain)))
+        return float(np.sqrt(max(0.0, gradient.shared @ step.shared + (gradient.view * step.view).sum())))
 
     def stepped(self, mu: float) -> RigState | None:
         """Return the state after a damped step, or None where it leads to no possible camera."""
-        step = self._solved(mu)
+        step = None if self.reduced is None else self.reduced.solve(self.blocks.gradient, mu)
         if step is None:
             return None
         try:
-            return self.layout.stepped(step.shared, step.views)
+            state = self.layout.stepped(-step.shared, -step.view)
         except InputError:
             return None
+        return self._settled(state)
 
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
         """Return the covariance of all shared parameters; NaN for those that the observations leave open."""
-        d, _ = self._scales
-        factors = self._factors(_UNDAMPED)
-        if factors is None:
+        if self.reduced is None:
             return np.full_like(self.blocks.shared, np.nan)
-        curvature, axes = np.linalg.eigh(factors.reduced)
-        weak = curvature <= _OPEN * curvature[-1:]
-        strong = axes[:, ~weak]
-        covariance: np.ndarray = (strong / curvature[~weak]) @ strong.T / np.outer(d, d)
-        left_open = (axes[:, weak] ** 2).sum(axis=1) > _TAKES_PART
-        covariance[left_open] = covariance[:, left_open] = np.nan
-        return covariance
+        return self.reduced.shared_covariance()
 
-    @cached_property
-    def _scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """Roots of the curvatures; 1 for what is not observed."""
-        d = np.sqrt(np.diagonal(self.blocks.shared))
-        e = np.sqrt(np.diagonal(self.blocks.view, axis1=1, axis2=2))
-        return np.where(d > 0, d, 1.0), np.where(e > 0, e, 1.0)
-
-    def _factors(self, mu: float) -> "_Factors | None":
-        d, e = self._scales
-        shared = self.blocks.shared / np.outer(d, d) + mu * np.eye(len(d))
-        cross = self.blocks.cross / (d[:, None] * e[:, None, :])
-        view = self.blocks.view / (e[:, :, None] * e[:, None, :]) + mu * np.eye(e.shape[1])
-        try:
-            root = np.linalg.cholesky(view)
-            # L^-1 E': one triangular system a view, small enough to invert.
-            reach = np.linalg.inv(root) @ cross.transpose(0, 2, 1)
-            flat = reach.reshape(-1, len(d))
-            reduced = shared - flat.T @ flat
-            reduced_root = np.linalg.cholesky(reduced)
-        except np.linalg.LinAlgError:
-            return None
-        return _Factors(root, reach, reduced, reduced_root)
-
-    def _solved(self, mu: float) -> _Step | None:
-        """Return the step that solves the damped normal equations, or None where they are not definite."""
-        factors = self._factors(mu)
-        if factors is None:
-            return None
-        d, e = self._scales
-        g, h = self.blocks.shared_gradient / d, self.blocks.view_gradient / e
-        forward = np.linalg.solve(factors.root, h[:, :, None])[:, :, 0]
-        right = g - np.einsum("vki,vk->i", factors.reach, forward)
-        shared = -scipy.linalg.cho_solve((factors.reduced_root, True), right)
-        rest = -forward - factors.reach @ shared
-        views = np.linalg.solve(factors.root.transpose(0, 2, 1), rest[:, :, None])[:, :, 0]
-        return _Step(shared / d, views / e)
-
-
-@dataclass(frozen=True)
-class _Factors:
-    """Scaled and damped normal equations, factored."""
-
-    root: Float64[np.ndarray, "views 6 6"]
-    """Lower Cholesky factor of every view's block."""
-    reach: Float64[np.ndarray, "views 6 shared"]
-    """The inverse root times the block that joins a view to what is shared."""
-    reduced: Float64[np.ndarray, "shared shared"]
-    reduced_root: Float64[np.ndarray, "shared shared"]
+    def _settled(self, state: RigState) -> RigState | None:
+        """Return the state with all poses refined, of views and of cameras; lenses and dots are kept."""
+        still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])
+        for _ in range(_POSE_STEPS):
+            layout = Layout(state, still)
+            blocks = assemble(layout, self.problem.observations, self.problem.rows(layout))
+            reduced = Reduced.of(blocks)
+            step = None if reduced is None else reduced.solve(blocks.gradient, _UNDAMPED)
+            if step is None or not np.isfinite(step.view).all():
+                return None
+            state = layout.stepped(-step.shared, -step.view)
+        return state

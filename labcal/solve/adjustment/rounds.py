@@ -14,8 +14,8 @@ from labcal.solve.adjustment.scatter import extra_variance
 from labcal.solve.adjustment.state import POSE, Freedom, Layout, RigState
 from labcal.solve.centre_bias import Discs, centre_shift
 
-_STOPPING = Stopping(max_epochs=200, min_gradient=1e-4)
-"""Within a ten-thousandth of a standard deviation of the minimum."""
+_STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
+"""Within a thousandth of a standard deviation of the minimum."""
 _DAMPING = Damping(ceiling=1e6)
 
 
@@ -32,8 +32,8 @@ class Adjusted:
     """Predicted minus measured, px."""
     shift: Float64[np.ndarray, "n 2"]
     """Centroid minus centre that was taken off the measured positions, px."""
-    scatter_px: Float64[np.ndarray, " cameras"]
-    """By camera: what dots scatter (per axis) beyond their covariances."""
+    scatter_px: float
+    """What dots scatter (per axis) beyond their covariances."""
     reason: StopReason
 
     def rms_px(self, observations: Observations) -> Float64[np.ndarray, " cameras"]:
@@ -82,7 +82,7 @@ def adjust_in_rounds(
         covariance=end.shared_covariance(),
         residual=state.residuals(measured),
         shift=shift,
-        scatter_px=np.sqrt(extra),
+        scatter_px=float(np.sqrt(extra)),
         reason=solution.reason,
     )
 
@@ -99,11 +99,11 @@ def predicted_shift(
     return shift
 
 
-def _extra(state: RigState, observations: Observations, freedom: Freedom) -> Float64[np.ndarray, " cameras"]:
-    """Return the variance beyond the stated one, by camera, px squared."""
+def _extra(state: RigState, observations: Observations, freedom: Freedom) -> float:
+    """Return the variance beyond the stated one, px squared; one for all cameras.
+
+    With one for each, a rig can come to trust one camera ever more and the other ever less.
+    """
     residual = state.residuals(observations)
     unknowns = Layout(state, freedom).count + POSE * len(state.T_world_target)
-    share = max(0.1, 1.0 - unknowns / residual.size)
-    cameras = range(len(state.cameras))
-    rows = [observations.of_camera(camera) for camera in cameras]
-    return np.array([extra_variance(residual[r], observations.covariance[r], share) for r in rows])
+    return extra_variance(residual, observations.covariance, max(0.1, 1.0 - unknowns / residual.size))
