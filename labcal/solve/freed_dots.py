@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from labcal.solve.adjustment.dot_freedom import Held
 from labcal.targets.grid import DotGrid
 
 MIN_PICTURES = 3
@@ -27,8 +28,8 @@ class FreedDots:
     pictures: Int64[np.ndarray, " dots"]
     """In how many pictures each dot was measured."""
     freed: Bool[np.ndarray, " dots"]
-    z_freed: bool
-    """Whether the views are tilted enough to tell heights; where not, z is as declared."""
+    held: Held
+    """What stays as declared for all dots, since the views do not tell it."""
 
     @property
     def displacement(self) -> Float64[np.ndarray, "dots 3"]:

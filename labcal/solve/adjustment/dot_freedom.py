@@ -1,6 +1,6 @@
 """How dots may move on a print without shifting, turning or growing it as a whole."""
 
-from enum import StrEnum
+from enum import Flag, auto
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -11,26 +11,27 @@ MOST_DOTS = 2000
 """Dots that may be free at once: their covariance is a full matrix."""
 
 
-class DotMotion(StrEnum):
-    """In which directions dots may move."""
+class Held(Flag):
+    """What of the dots' places is kept as declared, since the views do not tell it."""
 
-    NONE = "none"
-    IN_PLANE = "in-plane"
-    IN_SPACE = "in-space"
+    NOTHING = 0
+    HEIGHTS = auto()
+    STRETCH = auto()
+    """The difference between the scales along x and y, and the shear."""
 
 
 def dot_freedom(
-    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"], motion: DotMotion
+    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"], held: Held
 ) -> Float64[np.ndarray, "coordinates free"]:
     """Return an orthonormal basis of the dots' motions with the gauge taken out.
 
     Parameters
     ----------
     dots : ndarray, shape (dots, 3)
-        Where they are declared, mm.
+        Where they are declared, mm; z = 0.
     movable : ndarray of bool, shape (dots,)
         Which dots may move; the gauge is over them.
-    motion : DotMotion
+    held : Held
 
     Returns
     -------
@@ -50,16 +51,29 @@ def dot_freedom(
             f"{count} dots would be free at once, but their covariance is computed for up to {MOST_DOTS}. "
             "Use a target with fewer dots, or leave --free-dots out."
         )
-    if motion is DotMotion.NONE or count == 0:
-        return np.zeros((dots.size, 0))
-    along = 2 if motion is DotMotion.IN_PLANE else 3
+    along = 2 if Held.HEIGHTS in held else 3
     x, y, z = (dots[movable] - dots[movable].mean(axis=0)).T
     o, one = np.zeros_like(x), np.ones_like(x)
-    turns = [[-y, x, o]] if along == 2 else [[-y, x, o], [z, o, -x], [o, -z, y]]  # noqa: PLR2004 -- a plane
-    shifts = [[one, o, o], [o, one, o], [o, o, one]][:along]
-    gauge = np.array([np.stack(motions[:along], axis=-1).ravel() for motions in [*shifts, *turns, [x, y, z]]])
-    rotated, _ = np.linalg.qr(gauge.T, mode="complete")
-    inner = rotated[:, len(gauge) :]
+    fixed = [[one, o, o], [o, one, o], [-y, x, o], [x, y, z]]
+    if Held.HEIGHTS not in held:
+        fixed += [[o, o, one], [z, o, -x], [o, -z, y]]
+    if Held.STRETCH in held:
+        fixed += [[x, -y, o], [y, x, o]]
+    constraints = np.array([np.stack(motion[:along], axis=-1).ravel() for motion in fixed])
+    rotated, _ = np.linalg.qr(constraints.T, mode="complete")
+    inner = rotated[:, len(constraints) :]
     basis = np.zeros((len(dots), 3, inner.shape[1]))
     basis[movable, :along] = inner.reshape(count, along, -1)
     return basis.reshape(dots.size, -1)
+
+
+def stretch_modes(
+    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"]
+) -> Float64[np.ndarray, "coordinates 2"]:
+    """Return the two motions that :attr:`Held.STRETCH` holds, orthonormal."""
+    x, y, _ = (dots[movable] - dots[movable].mean(axis=0)).T
+    modes = np.zeros((len(dots), 3, 2))
+    modes[movable, :2, 0] = np.stack([x, -y], axis=-1)
+    modes[movable, :2, 1] = np.stack([y, x], axis=-1)
+    orthonormal, _ = np.linalg.qr(modes.reshape(dots.size, 2))
+    return np.asarray(orthonormal)

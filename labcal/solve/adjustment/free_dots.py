@@ -5,16 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.errors import InputError
-from labcal.solve.adjustment.dot_freedom import DotMotion, dot_freedom
+from labcal.solve.adjustment.dot_freedom import Held, dot_freedom, stretch_modes
 from labcal.solve.adjustment.observations import Observations
+from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.solve.adjustment.state import Freedom, Lenses
 from labcal.solve.freed_dots import MIN_PICTURES, FreedDots
 from labcal.targets.grid import DotGrid
 
 _FEWEST_DOTS = 8
-_HEIGHT_WORSE = 10.0
-"""Height over in-plane uncertainty up to which heights are taken from the views; tilts of 6 degrees do."""
+_WORSE = 10.0
+"""How much less sure than the rest of the places heights, or the stretch, may be and still be taken from the
+views. For heights, tilts of 6 degrees are enough."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,8 @@ def adjust_dots(
     """Free the dots after an adjustment that took them as declared.
 
     Dots in fewer than :data:`MIN_PICTURES` pictures stay where they are declared, and their measurements do
-    not enter. Heights are freed only where the views tell them.
+    not enter. Heights, and the stretch of the print, are freed only where the views tell them: through a
+    long lens, a print that is longer along x looks like one that is turned.
 
     Parameters
     ----------
@@ -59,21 +62,38 @@ def adjust_dots(
             "them. Take more pictures that show the same dots, or leave --free-dots out."
         )
     entering = observations.where(movable[observations.dot])
+    held = _held(flat, entering, movable, lenses)
+    basis = dot_freedom(flat.state.dots, movable, held)
     radii = 0.5 * target.outer_diameters_mm()
-    for motion in (DotMotion.IN_SPACE, DotMotion.IN_PLANE):
-        basis = dot_freedom(flat.state.dots, movable, motion)
-        adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, bias_rounds)
-        at = adjusted.layout.dots
-        covariance = basis @ adjusted.covariance[at, at] @ basis.T
-        dots = FreedDots(
-            target=target,
-            place=adjusted.state.dots,
-            covariance=covariance.reshape(target.count, 3, target.count, 3),
-            pictures=pictures,
-            freed=movable,
-            z_freed=motion is DotMotion.IN_SPACE,
-        )
-        x, y, z = np.sqrt((dots.sigma[movable] ** 2).mean(axis=0))
-        if np.isfinite(covariance).all() and z <= _HEIGHT_WORSE * max(x, y):
-            break
+    adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, bias_rounds)
+    at = adjusted.layout.dots
+    covariance = basis @ adjusted.covariance[at, at] @ basis.T
+    dots = FreedDots(
+        target=target,
+        place=adjusted.state.dots,
+        covariance=covariance.reshape(target.count, 3, target.count, 3),
+        pictures=pictures,
+        freed=movable,
+        held=held,
+    )
     return DotsAdjusted(adjusted, entering, dots)
+
+
+def _held(flat: Adjusted, observations: Observations, movable: np.ndarray, lenses: Lenses) -> Held:
+    """Return what the views do not tell, by the normal equations with all dots free."""
+    basis = dot_freedom(flat.state.dots, movable, Held.NOTHING)
+    problem = AdjustmentProblem(observations.scattered(flat.scatter_px**2), Freedom(lenses, basis))
+    end = problem.linearize(flat.state)
+    at = end.layout.dots
+    variance = basis @ end.shared_spread()[at, at] @ basis.T
+    stretch = stretch_modes(flat.state.dots, movable)
+    # Symmetric products with a projector: what is left when the stretch is taken out.
+    rest = variance - stretch @ (stretch.T @ variance)
+    rest -= (rest @ stretch) @ stretch.T
+    x, y, z = np.diagonal(rest).reshape(-1, 3)[movable].mean(axis=0)
+    held = Held.NOTHING
+    if z > _WORSE**2 * max(x, y):
+        held |= Held.HEIGHTS
+    if np.diagonal(stretch.T @ variance @ stretch).max() > _WORSE**2 * max(x, y):
+        held |= Held.STRETCH
+    return held

@@ -97,6 +97,12 @@ class ViewsEliminated:
             return np.full_like(self.blocks.shared, np.nan)
         return self.reduced.shared_covariance()
 
+    def shared_spread(self) -> Float64[np.ndarray, "shared shared"]:
+        """Return the same, with some very large variance for what the observations leave open."""
+        if self.reduced is None:
+            return np.full_like(self.blocks.shared, np.inf)
+        return self.reduced.shared_spread()
+
     def _settled(self, state: RigState) -> RigState | None:
         """Return the state with all poses refined, of views and of cameras; lenses and dots are kept."""
         still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])

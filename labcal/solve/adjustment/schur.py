@@ -67,12 +67,17 @@ class Reduced:
         rest = np.einsum("vij,vj->vi", self.inverse_root, full.view) - self.reach @ shared
         return Slopes(shared, np.einsum("vji,vj->vi", self.inverse_root, rest))
 
+    def shared_spread(self) -> Float64[np.ndarray, "shared shared"]:
+        """Return the covariance of all shared parameters; of what is not observed, some very large one."""
+        curvature, axes = np.linalg.eigh(self.matrix)
+        floor = _OPEN * curvature[-1:]
+        return np.asarray((axes / np.maximum(curvature, floor)) @ axes.T / np.outer(self.scale, self.scale))
+
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
         """Return the covariance of all shared parameters; NaN for those that the observations leave open."""
+        covariance = self.shared_spread()
         curvature, axes = np.linalg.eigh(self.matrix)
         weak = curvature <= _OPEN * curvature[-1:]
-        strong = axes[:, ~weak]
-        covariance: np.ndarray = (strong / curvature[~weak]) @ strong.T / np.outer(self.scale, self.scale)
         left_open = (axes[:, weak] ** 2).sum(axis=1) > _TAKES_PART
         covariance[left_open] = covariance[:, left_open] = np.nan
         return covariance
