@@ -18,6 +18,8 @@ class Held(Flag):
     HEIGHTS = auto()
     STRETCH = auto()
     """The difference between the scales along x and y, and the shear."""
+    KEYSTONE = auto()
+    """That the print grows along x or along y, as a square seen at a slant does."""
 
 
 def dot_freedom(
@@ -59,6 +61,8 @@ def dot_freedom(
         fixed += [[o, o, one], [z, o, -x], [o, -z, y]]
     if Held.STRETCH in held:
         fixed += [[x, -y, o], [y, x, o]]
+    if Held.KEYSTONE in held:
+        fixed += [[x * x, x * y, o], [x * y, y * y, o]]
     constraints = np.array([np.stack(motion[:along], axis=-1).ravel() for motion in fixed])
     rotated, _ = np.linalg.qr(constraints.T, mode="complete")
     inner = rotated[:, len(constraints) :]
@@ -67,13 +71,18 @@ def dot_freedom(
     return basis.reshape(dots.size, -1)
 
 
-def stretch_modes(
+def plane_modes(
     dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"]
-) -> Float64[np.ndarray, "coordinates 2"]:
-    """Return the two motions that :attr:`Held.STRETCH` holds, orthonormal."""
+) -> Float64[np.ndarray, "coordinates 8"]:
+    """Return how a homography moves a plane, orthonormal: gauge, then stretch (2), then keystone (2).
+
+    The picture of a plane by a camera of which nothing is known leaves just these open.
+    """
     x, y, _ = (dots[movable] - dots[movable].mean(axis=0)).T
-    modes = np.zeros((len(dots), 3, 2))
-    modes[movable, :2, 0] = np.stack([x, -y], axis=-1)
-    modes[movable, :2, 1] = np.stack([y, x], axis=-1)
-    orthonormal, _ = np.linalg.qr(modes.reshape(dots.size, 2))
+    o, one = np.zeros_like(x), np.ones_like(x)
+    motions = [[one, o], [o, one], [-y, x], [x, y], [x, -y], [y, x], [x * x, x * y], [x * y, y * y]]
+    modes = np.zeros((len(dots), 3, len(motions)))
+    for number, motion in enumerate(motions):
+        modes[movable, :2, number] = np.stack(motion, axis=-1)
+    orthonormal, _ = np.linalg.qr(modes.reshape(dots.size, -1))
     return np.asarray(orthonormal)

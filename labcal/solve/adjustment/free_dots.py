@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.errors import InputError
-from labcal.solve.adjustment.dot_freedom import Held, dot_freedom, stretch_modes
+from labcal.solve.adjustment.dot_freedom import Held, dot_freedom, plane_modes
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
@@ -14,9 +14,9 @@ from labcal.solve.freed_dots import MIN_PICTURES, FreedDots
 from labcal.targets.grid import DotGrid
 
 _FEWEST_DOTS = 8
-_WORSE = 10.0
-"""How much less sure than the rest of the places heights, or the stretch, may be and still be taken from the
-views. For heights, tilts of 6 degrees are enough."""
+_WORSE = 5.0
+"""How much less sure than the rest of the places heights, stretch or keystone may be and still be
+taken from the views. For heights, tilts of some 12 degrees are enough."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ def adjust_dots(
     """Free the dots after an adjustment that took them as declared.
 
     Dots in fewer than :data:`MIN_PICTURES` pictures stay where they are declared, and their measurements do
-    not enter. Heights, and the stretch of the print, are freed only where the views tell them: through a
-    long lens, a print that is longer along x looks like one that is turned.
+    not enter. Heights, stretch and keystone are freed only where the views tell them: through a long lens, a
+    print that is longer along x looks like one that is turned.
 
     Parameters
     ----------
@@ -86,14 +86,18 @@ def _held(flat: Adjusted, observations: Observations, movable: np.ndarray, lense
     end = problem.linearize(flat.state)
     at = end.layout.dots
     variance = basis @ end.shared_spread()[at, at] @ basis.T
-    stretch = stretch_modes(flat.state.dots, movable)
-    # Symmetric products with a projector: what is left when the stretch is taken out.
-    rest = variance - stretch @ (stretch.T @ variance)
-    rest -= (rest @ stretch) @ stretch.T
+    modes = plane_modes(flat.state.dots, movable)
+    # Symmetric products with a projector: what is left when a homography is taken out.
+    rest = variance - modes @ (modes.T @ variance)
+    rest -= (rest @ modes) @ modes.T
     x, y, z = np.diagonal(rest).reshape(-1, 3)[movable].mean(axis=0)
+    most = _WORSE**2 * max(x, y)
+    of_modes = np.diagonal(modes.T @ variance @ modes)
     held = Held.NOTHING
-    if z > _WORSE**2 * max(x, y):
+    if z > most:
         held |= Held.HEIGHTS
-    if np.diagonal(stretch.T @ variance @ stretch).max() > _WORSE**2 * max(x, y):
+    if of_modes[4:6].max() > most:
         held |= Held.STRETCH
+    if of_modes[6:].max() > most:
+        held |= Held.KEYSTONE
     return held
