@@ -28,6 +28,7 @@ from labcal.run.progress import NoProgress, Progress
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.truth import has_truth
+from labcal.solve.centre_bias import centred
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
@@ -89,13 +90,18 @@ def evaluate(
     return errors_of_lengths(points, shoot.target)
 
 
-def epipolar_rms(rig: Rig, detections: Detections) -> float:
-    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera."""
+def epipolar_rms(rig: Rig, detections: Detections, target: DotGrid | None = None) -> float:
+    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
+
+    The bias of centroids is taken off first where the target is given.
+    """
     first, *others = rig.cameras
     distances = [np.empty(0)]
     for other in others:
-        matches = match(detections, (first, other))
         pair = (rig.camera(first), rig.camera(other))
+        matches = match(detections, (first, other))
+        if target is not None:
+            matches, _ = centred(pair, matches, target)
         distances.append(epipolar_distances(*pair, matches.q[:, 0], matches.q[:, 1]))
     all_distances = np.concatenate(distances)
     known = all_distances[np.isfinite(all_distances)]

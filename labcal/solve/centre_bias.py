@@ -6,7 +6,7 @@ well enough after a first round, so it is predicted and taken off.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -14,7 +14,7 @@ from jaxtyping import Float64, Int64
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
-from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import triangulate
 from labcal.correspond.matching import Matches
 from labcal.errors import InputError
 from labcal.geometry.poses import rigid_alignment
@@ -112,8 +112,23 @@ def shifts_of_matches(
     return shift
 
 
-def rig_shifts(
-    rig: Rig, matches: Matches, p: Float64[np.ndarray, "n 3"], target: DotGrid
-) -> Float64[np.ndarray, "n cameras 2"]:
-    """Return :func:`shifts_of_matches` for the cameras of a rig."""
-    return shifts_of_matches([rig.camera(name) for name in matches.cameras], matches, p, target)
+def centred(cameras: Sequence[Camera], matches: Matches, target: DotGrid) -> tuple[Matches, CentreBias]:
+    """Return matches at the images of centres, and what was taken off.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+        At least two, in the order of the matches.
+    matches : Matches
+        Centroids.
+    target : DotGrid
+        What they are dots of.
+
+    Notes
+    -----
+    The target's pose comes from the points that the centroids themselves give: the bias moves them by so
+    little that predicting it once is enough.
+    """
+    p = triangulate(cameras, matches.q, matches.covariance).point
+    shift = shifts_of_matches(cameras, matches, p, target)
+    return replace(matches, q=matches.q - shift), CentreBias.of(shift)

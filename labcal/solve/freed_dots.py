@@ -42,3 +42,9 @@ class FreedDots:
         count = len(self.place)
         variance = np.diagonal(self.covariance.reshape(3 * count, 3 * count)).reshape(count, 3)
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+    @property
+    def own_covariance(self) -> Float64[np.ndarray, "dots 3 3"]:
+        """The covariance of every dot by itself, mm squared."""
+        numbers = np.arange(len(self.place))
+        return np.asarray(self.covariance[numbers, :, numbers])

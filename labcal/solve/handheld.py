@@ -17,6 +17,7 @@ from labcal.solve.adjustment.free_dots import adjust_dots
 from labcal.solve.adjustment.observations import Observations, observations_of
 from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.solve.adjustment.state import Freedom, Lenses, RigState
+from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.solve.centre_bias import ROUNDS, CentreBias
 from labcal.solve.freed_dots import FreedDots
@@ -70,6 +71,7 @@ class _Alone:
     result: _Result
 
 
+@one_blas_thread()
 def calibrate_handheld(
     detections: Detections, target: DotGrid, lens: str, settings: HandheldSettings | None = None
 ) -> HandheldCalibration:

@@ -1,5 +1,6 @@
 """How dots may move on a print without shifting, turning or growing it as a whole."""
 
+from dataclasses import dataclass
 from enum import Flag, auto
 
 import numpy as np
@@ -9,6 +10,8 @@ from labcal.errors import InputError
 
 MOST_DOTS = 2000
 """Dots that may be free at once: their covariance is a full matrix."""
+SHAPES = 4
+"""The last of the :func:`plane_modes`: two of stretch, then two of keystone."""
 
 
 class Held(Flag):
@@ -17,13 +20,28 @@ class Held(Flag):
     NOTHING = 0
     HEIGHTS = auto()
     STRETCH = auto()
-    """The difference between the scales along x and y, and the shear."""
+    """How the scale along x and the one along y differ, or the shear, or something of both."""
     KEYSTONE = auto()
-    """That the print grows along x or along y, as a square seen at a slant does."""
+    """That the print grows along some direction, as a square seen at a slant does."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What of the dots' places is kept as declared."""
+
+    parts: Held
+    """In words."""
+    directions: Float64[np.ndarray, "coordinates kept"]
+    """Motions in the plane, orthonormal, that are kept at 0."""
+
+    @classmethod
+    def nothing(cls, dots: int) -> "Hold":
+        """Return that all may move."""
+        return cls(Held.NOTHING, np.zeros((3 * dots, 0)))
 
 
 def dot_freedom(
-    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"], held: Held
+    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"], hold: Hold
 ) -> Float64[np.ndarray, "coordinates free"]:
     """Return an orthonormal basis of the dots' motions with the gauge taken out.
 
@@ -33,7 +51,7 @@ def dot_freedom(
         Where they are declared, mm; z = 0.
     movable : ndarray of bool, shape (dots,)
         Which dots may move; the gauge is over them.
-    held : Held
+    hold : Hold
 
     Returns
     -------
@@ -53,17 +71,15 @@ def dot_freedom(
             f"{count} dots would be free at once, but their covariance is computed for up to {MOST_DOTS}. "
             "Use a target with fewer dots, or leave --free-dots out."
         )
-    along = 2 if Held.HEIGHTS in held else 3
+    along = 2 if Held.HEIGHTS in hold.parts else 3
     x, y, z = (dots[movable] - dots[movable].mean(axis=0)).T
     o, one = np.zeros_like(x), np.ones_like(x)
-    fixed = [[one, o, o], [o, one, o], [-y, x, o], [x, y, z]]
-    if Held.HEIGHTS not in held:
-        fixed += [[o, o, one], [z, o, -x], [o, -z, y]]
-    if Held.STRETCH in held:
-        fixed += [[x, -y, o], [y, x, o]]
-    if Held.KEYSTONE in held:
-        fixed += [[x * x, x * y, o], [x * y, y * y, o]]
-    constraints = np.array([np.stack(motion[:along], axis=-1).ravel() for motion in fixed])
+    gauge = [[one, o, o], [o, one, o], [-y, x, o], [x, y, z]]
+    if along == 3:  # noqa: PLR2004 -- x, y, z
+        gauge += [[o, o, one], [z, o, -x], [o, -z, y]]
+    constraints = np.array([np.stack(motion[:along], axis=-1).ravel() for motion in gauge])
+    kept = hold.directions.T.reshape(-1, len(dots), 3)[:, movable, :along].reshape(-1, constraints.shape[1])
+    constraints = np.concatenate([constraints, kept])
     rotated, _ = np.linalg.qr(constraints.T, mode="complete")
     inner = rotated[:, len(constraints) :]
     basis = np.zeros((len(dots), 3, inner.shape[1]))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.errors import InputError
-from labcal.solve.adjustment.dot_freedom import Held, dot_freedom, plane_modes
+from labcal.solve.adjustment.dot_freedom import SHAPES, Held, Hold, dot_freedom, plane_modes
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
@@ -14,9 +14,9 @@ from labcal.solve.freed_dots import MIN_PICTURES, FreedDots
 from labcal.targets.grid import DotGrid
 
 _FEWEST_DOTS = 8
-_WORSE = 5.0
+_WORSE = 10.0
 """How much less sure than the rest of the places heights, stretch or keystone may be and still be
-taken from the views. For heights, tilts of some 12 degrees are enough."""
+taken from the views. For heights, tilts of some 6 degrees are enough."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ def adjust_dots(
             "them. Take more pictures that show the same dots, or leave --free-dots out."
         )
     entering = observations.where(movable[observations.dot])
-    held = _held(flat, entering, movable, lenses)
-    basis = dot_freedom(flat.state.dots, movable, held)
+    hold = _hold(flat, entering, movable, lenses)
+    basis = dot_freedom(flat.state.dots, movable, hold)
     radii = 0.5 * target.outer_diameters_mm()
     adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, bias_rounds)
     at = adjusted.layout.dots
@@ -74,14 +74,15 @@ def adjust_dots(
         covariance=covariance.reshape(target.count, 3, target.count, 3),
         pictures=pictures,
         freed=movable,
-        held=held,
+        held=hold.parts,
     )
     return DotsAdjusted(adjusted, entering, dots)
 
 
-def _held(flat: Adjusted, observations: Observations, movable: np.ndarray, lenses: Lenses) -> Held:
+def _hold(flat: Adjusted, observations: Observations, movable: np.ndarray, lenses: Lenses) -> Hold:
     """Return what the views do not tell, by the normal equations with all dots free."""
-    basis = dot_freedom(flat.state.dots, movable, Held.NOTHING)
+    nothing = Hold.nothing(len(movable))
+    basis = dot_freedom(flat.state.dots, movable, nothing)
     problem = AdjustmentProblem(observations.scattered(flat.scatter_px**2), Freedom(lenses, basis))
     end = problem.linearize(flat.state)
     at = end.layout.dots
@@ -92,12 +93,11 @@ def _held(flat: Adjusted, observations: Observations, movable: np.ndarray, lense
     rest -= (rest @ modes) @ modes.T
     x, y, z = np.diagonal(rest).reshape(-1, 3)[movable].mean(axis=0)
     most = _WORSE**2 * max(x, y)
-    of_modes = np.diagonal(modes.T @ variance @ modes)
-    held = Held.NOTHING
-    if z > most:
-        held |= Held.HEIGHTS
-    if of_modes[4:6].max() > most:
-        held |= Held.STRETCH
-    if of_modes[6:].max() > most:
-        held |= Held.KEYSTONE
-    return held
+    parts = Held.HEIGHTS if z > most else Held.NOTHING
+    shapes = modes[:, -SHAPES:]
+    spread, axes = np.linalg.eigh(shapes.T @ variance @ shapes)
+    kept = axes[:, spread > most]
+    for direction in kept.T:
+        stretched = (direction[: SHAPES // 2] ** 2).sum() > 0.5  # noqa: PLR2004 -- the larger part
+        parts |= Held.STRETCH if stretched else Held.KEYSTONE
+    return Hold(parts, shapes @ kept)
