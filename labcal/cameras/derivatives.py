@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pixels, PointJacobians, Points
 from labcal.cameras.camera import Camera, slopes_of
-from labcal.cameras.dual import DualMathematics, constants, variables
+from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.mathematics import NUMPY
 from labcal.cameras.optics import INTRINSICS
 
@@ -26,7 +26,7 @@ class ProjectionDerivatives:
     by_point: PointJacobians
     """(n, 2, 3), by the point in the camera's frame, px/mm."""
     by_camera: Float64[np.ndarray, "n 2 free"]
-    """(n, 2, 4 + coefficients), by fx fy cx cy and the lens's coefficients."""
+    """(n, 2, 4 + coefficients), by fx fy cx cy and the lens's coefficients; or none of them."""
 
 
 def projection_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivatives:
@@ -48,12 +48,31 @@ def projection_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivativ
     directions = POINT + INTRINSICS + free
     dist = camera.padded_dist
     varied = variables(*np.moveaxis(p_cam, -1, 0), *camera.intrinsics, *dist[:free])
-    p, intrinsics, coefficients = varied[:POINT], varied[POINT : -free or None], varied[POINT + INTRINSICS :]
+    p, intrinsics, coefficients = (
+        varied[:POINT],
+        varied[POINT : directions - free],
+        varied[directions - free :],
+    )
     m = DualMathematics(NUMPY)
     lens = (*coefficients, *constants(dist[free:], directions))
-    numbers = camera.dual_numbers(m, intrinsics, lens)
+    return _derivatives(camera, camera.dual_numbers(m, intrinsics, lens), p)
+
+
+def point_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivatives:
+    """Return the same with no derivatives by the camera, which costs a fraction.
+
+    Parameters
+    ----------
+    camera : Camera
+    p_cam : ndarray, shape (n, 3)
+        Points in the camera's frame, mm.
+    """
+    return _derivatives(camera, constants(camera.numbers, POINT), variables(*np.moveaxis(p_cam, -1, 0)))
+
+
+def _derivatives(camera: Camera, numbers: tuple[Dual, ...], p: tuple[Dual, ...]) -> ProjectionDerivatives:
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        found = camera.optics.project(m, numbers, (p[0], p[1], p[2]))
-    J = slopes_of(found.u.slopes, found.v.slopes, p_cam.shape[:-1])
+        found = camera.optics.project(DualMathematics(NUMPY), numbers, (p[0], p[1], p[2]))
+    J = slopes_of(found.u.slopes, found.v.slopes, np.shape(p[0].value))
     q = np.stack([found.u.value, found.v.value], axis=-1)
     return ProjectionDerivatives(q, np.asarray(found.ok), J[..., :POINT], J[..., POINT:])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.cameras.derivatives import projection_derivatives
+from labcal.cameras.derivatives import point_derivatives, projection_derivatives
 from labcal.optim.robust import Loss
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.state import POSE, Layout, Lenses
@@ -151,14 +151,15 @@ def linearised_rows(layout: Layout, observations: Observations, number: int, los
     R_cam_world, t = camera.T_cam_world[:3, :3], camera.T_cam_world[:3, 3]
     arm = np.einsum("nij,nj->ni", T_world_target[:, :3, :3], state.dots[observations.dot[at]])
     turned = (arm + T_world_target[:, :3, 3]) @ R_cam_world.T
-    found = projection_derivatives(camera, turned + t)
+    free = layout.freedom.lenses is Lenses.FREE
+    found = (projection_derivatives if free else point_derivatives)(camera, turned + t)
     residual = np.einsum("nij,nj->ni", observations.whitener[at], found.q - observations.q[at])
     weight = np.sqrt(loss.weight((residual**2).sum(axis=1)))
     whitener = observations.whitener[at] * weight[:, None, None]
     by_point = whitener @ found.by_point
     by_world = by_point @ R_cam_world
     parts = []
-    if layout.freedom.lenses is Lenses.FREE:
+    if free:
         parts.append(whitener @ found.by_camera)
     if number:
         parts += [np.cross(turned[:, None, :], by_point), by_point]
