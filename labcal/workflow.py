@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
@@ -29,6 +30,7 @@ from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.truth import has_truth
 from labcal.solve.centre_bias import centred
+from labcal.solve.centred_training import centred_training
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
@@ -37,6 +39,7 @@ from labcal.targets.grid import DotGrid
 
 __all__ = [
     "calibrate",
+    "centred_training",
     "detect",
     "epipolar_rms",
     "evaluate",
@@ -72,10 +75,15 @@ def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> 
     return detections_of(measure(shoot_sources(shoot), shoot.target, workers, progress))
 
 
-def fit(data: TrainingData, estimator: PointEstimator) -> FittedModel:
-    """Teach a method the dots of the training views, whose places the stage tells."""
+def fit(
+    data: TrainingData, estimator: PointEstimator, resected: tuple[Camera, ...] | None = None
+) -> FittedModel:
+    """Teach a method the dots of the training views, whose places the stage tells.
+
+    `resected` are the cameras of :func:`centred_training`, where it gave the data.
+    """
     box = TrainingBox.of(data.X, data.Y)
-    return FittedModel(estimator.fit(data.X, data.Y), data.cameras, data.image_sizes, box)
+    return FittedModel(estimator.fit(data.X, data.Y), data.cameras, data.image_sizes, box, resected)
 
 
 def evaluate(

@@ -1,7 +1,7 @@
 """Calibration from dots that a known rig sees exactly."""
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -9,7 +9,6 @@ import pytest
 from scipy.stats import chi2
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.dot_image import dot_images
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError, UnknownNameError
@@ -161,7 +160,7 @@ def test_the_same_dots_give_the_same_bytes(see: See, pair: Cameras, grid: DotGri
     assert cv2.getNumThreads() == before
 
 
-def test_centroids_are_corrected(pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+def test_centroids_are_corrected(centroids: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
     large = grid.model_copy(update={"dot_diameter_mm": 11.0, "ring_outer_diameter_mm": 11.0})
     true = replace(pair["left"], lens="brown-k1k2", dist=np.array([-0.3, 0.09, 0.0, 0.0, 0.0]))
     detections = centroids({"left": true}, large, poses)
@@ -175,7 +174,7 @@ def test_centroids_are_corrected(pair: Cameras, grid: DotGrid, poses: Poses) -> 
 
 
 @pytest.mark.parametrize("lens", ["fisheye-kb4", "rational8"])
-def test_other_lenses_find_their_start(lens: str, grid: DotGrid) -> None:
+def test_other_lenses_find_their_start(lens: str, centroids: See, grid: DotGrid) -> None:
     dist = {
         "fisheye-kb4": [-0.04, 0.01, -0.006, 0.001, 0.0],
         "rational8": [0.9, -0.4, 6e-4, -4e-4, 0.05, 1.25, -0.2, 0.03],
@@ -244,32 +243,6 @@ def test_stated_sigmas_are_those_of_repeated_calibrations(
         z.append(off / found.fits["left"].sigma.intrinsics)
     for square in (np.array(z) ** 2).sum(axis=0):
         assert 0.001 < chi2.sf(square, 15) < 0.999
-
-
-def centroids(cameras: Cameras, grid: DotGrid, poses: Poses) -> Detections:
-    """Return what a perfect detector measures: centres of area."""
-    parts = []
-    for view, T in poses.items():
-        for name, camera in cameras.items():
-            found = dot_images(camera, T, grid.points(), 0.5 * grid.outer_diameters_mm())
-            whole = found.ok & camera.in_picture(found.outline).all(axis=1)
-            n = grid.count
-            parts.append(
-                Detections(
-                    view=np.full(n, view),
-                    camera=np.full(n, name),
-                    image=np.full(n, "none.png"),
-                    size=np.tile(np.array(camera.size, dtype=np.int64), (n, 1)),
-                    index=grid.indices().astype(np.int64),
-                    has_id=np.ones(n, dtype=bool),
-                    position=found.centroid,
-                    covariance=np.tile(1e-4 * np.eye(2), (n, 1, 1)),
-                    flag=np.where(whole, "ok", "cut"),
-                )
-            )
-    return Detections(
-        *(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Detections))
-    )
 
 
 def near(grid: DotGrid) -> Poses:

@@ -107,7 +107,12 @@ def test_an_outlier_pulls_less_with_a_robust_loss(case: Case, grid: DotGrid) -> 
 
     def pulled(loss: Loss) -> float:
         ends = [
-            minimize(AdjustmentProblem(dots, freedom, loss), state, Stopping(max_epochs=4, min_gradient=1e-3), Damping())
+            minimize(
+                AdjustmentProblem(dots, freedom, loss),
+                state,
+                Stopping(max_epochs=4, min_gradient=1e-3),
+                Damping(),
+            )
             for dots in (observations, spoilt)
         ]
         T, T_spoilt = (end.parameters.T_world_target for end in ends)
