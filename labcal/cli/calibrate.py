@@ -52,6 +52,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.detect import choose_target
     from labcal.cli.inputs import read_or_detect
     from labcal.errors import InputError
+    from labcal.optim.solution import StopReason
     from labcal.run.outputs import refuse_existing
     from labcal.workflow import calibrate, epipolar_rms
 
@@ -74,6 +75,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         _write_dots(arguments, found.freed)
     for reason in found.skipped:
         session.warn(f"left out {reason}")
+    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
+        session.warn(f"the adjustment has not come to its end: {found.reason.value}")
     result = calibrate_result(found, epipolar_rms(found.rig, detections, target))
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE

@@ -6,12 +6,13 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.plane_pose import plane_pose
-from labcal.geometry.poses import from_rotation_vector
+from labcal.geometry.poses import from_rotation_vector, transform
 from labcal.solve.opencv_threads import one_opencv_thread
 from labcal.targets.grid import DotGrid
 
@@ -23,7 +24,7 @@ _OPENCV_FLAGS = {
     5: 0,
 }
 """By number of coefficients; lenses with more begin as the last of these."""
-_HALF_FIELDS_DEG = np.geomspace(15.0, 115.0, 25)
+_HALF_FIELDS_DEG = np.geomspace(15.0, 170.0, 30)
 _SCAN_VIEWS = 12
 
 
@@ -141,7 +142,14 @@ def _by_opencv(pictures: list[Detections], target: DotGrid, lens: str) -> LensSt
         for turn, shift in zip(turns, shifts, strict=True)
     ]
     camera = Camera(np.asarray(K, dtype=np.float64), lens, dist, np.eye(4), size)
+    if not all(_images_all(camera, T, dots, target) for T, dots in zip(poses, pictures, strict=True)):
+        # OpenCV may end at a lens that folds within the picture; from none the adjustment finds its own.
+        camera = replace(camera, dist=np.zeros_like(dist))
     return LensStart(camera, np.stack(poses))
+
+
+def _images_all(camera: Camera, T_cam_target: Pose, dots: Detections, target: DotGrid) -> bool:
+    return bool(camera.project(transform(T_cam_target, target.points(dots.index))).ok.all())
 
 
 def _fisheye(pictures: list[Detections], target: DotGrid) -> LensStart:
@@ -174,12 +182,12 @@ def _miss(camera: Camera, pictures: list[Detections], target: DotGrid) -> float:
             T = _pose(camera, dots, target)
         except InputError:
             return float("nan")
-        p = target.points(dots.index) @ T[:3, :3].T + T[:3, 3]
+        p = transform(T, target.points(dots.index))
         squares.append(((camera.project(p).q - dots.position) ** 2).sum(axis=1))
     return float(np.sqrt(np.concatenate(squares).mean()))
 
 
-def _pose(camera: Camera, dots: Detections, target: DotGrid) -> np.ndarray:
+def _pose(camera: Camera, dots: Detections, target: DotGrid) -> Pose:
     """Return the pose of the target from the rays of its dots."""
     rays = camera.rays(dots.position)
     view, name = dots.view[0], dots.camera[0]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping, StopReason
@@ -63,7 +64,17 @@ def adjust_in_rounds(
         Of the dots' outer outlines, mm.
     bias_rounds : int
         How often centroid minus centre is predicted and taken off; 0 takes the pixels for images of centres.
+
+    Raises
+    ------
+    InputError
+        A measured dot cannot be imaged at the start.
     """
+    if not np.isfinite(start.residuals(observations)).all():
+        raise InputError(
+            "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
+            "is the one in the pictures, choose a lens model that suits the lens, or give a rig with --start."
+        )
     state, measured = start, observations
     shift = np.zeros_like(observations.q)
     extra = _extra(state, measured, freedom)

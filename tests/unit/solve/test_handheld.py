@@ -152,7 +152,7 @@ def test_the_same_dots_give_the_same_bytes(see: See, pair: Cameras, grid: DotGri
     # OpenCV's threads would form its sums in another order each time.
     exact = see(pair, grid, poses)
     noisy = replace(
-        exact, position=exact.position + np.random.default_rng(1).normal(size=exact.position.shape)
+        exact, position=exact.position + 0.1 * np.random.default_rng(1).normal(size=exact.position.shape)
     )
     before = cv2.getNumThreads()
     rigs = {calibrate_handheld(noisy, grid, "brown-k1k2", CENTRES).rig.model_dump_json() for _ in range(2)}
@@ -177,7 +177,7 @@ def test_centroids_are_corrected(centroids: See, pair: Cameras, grid: DotGrid, p
 def test_other_lenses_find_their_start(lens: str, centroids: See, grid: DotGrid) -> None:
     dist = {
         "fisheye-kb4": [-0.04, 0.01, -0.006, 0.001, 0.0],
-        "rational8": [0.9, -0.4, 6e-4, -4e-4, 0.05, 1.25, -0.2, 0.03],
+        "rational8": [-0.2, 0.05, 6e-4, -4e-4, 0.0, 0.1, 0.01, 0.0],
     }[lens]
     focal = 260.0 if lens == "fisheye-kb4" else 500.0
     K = np.array([[focal, 0.0, 322.4], [0.0, focal, 237.1], [0.0, 0.0, 1.0]])
@@ -231,26 +231,26 @@ def test_a_start_that_does_not_fit_is_refused(see: See, pair: Cameras, grid: Dot
 def test_stated_sigmas_are_those_of_repeated_calibrations(
     see: See, pair: Cameras, grid: DotGrid, poses: Poses
 ) -> None:
-    """Chi-square of four intrinsics over 15 noisy repetitions of a pinhole camera."""
+    """Chi-square of four intrinsics over 12 noisy repetitions of a pinhole camera."""
     true = replace(pair["left"], lens="pinhole", dist=np.zeros(5))
     exact = see({"left": true}, grid, poses)
     random = np.random.default_rng(8)
     z = []
-    for _ in range(15):
+    for _ in range(12):
         noisy = replace(exact, position=exact.position + 0.1 * random.normal(size=exact.position.shape))
         found = calibrate_handheld(noisy, grid, "pinhole", CENTRES)
         off = np.array(found.rig.camera("left").intrinsics) - true.intrinsics
         z.append(off / found.fits["left"].sigma.intrinsics)
     for square in (np.array(z) ** 2).sum(axis=0):
-        assert 0.001 < chi2.sf(square, 15) < 0.999
+        assert 0.001 < chi2.sf(square, 12) < 0.999
 
 
 def near(grid: DotGrid) -> Poses:
-    """Return ten poses that fill a wide picture."""
+    """Return seven poses that fill a wide picture."""
     random = np.random.default_rng(31)
     middle = grid.points().mean(axis=0)
     found = {}
-    for number in range(10):
+    for number in range(7):
         tilt, _ = cv2.Rodrigues(random.normal(0.0, 0.35, 3))
         T = np.eye(4)
         T[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ tilt
