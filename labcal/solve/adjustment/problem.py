@@ -9,6 +9,7 @@ from jaxtyping import Float64
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES, Loss
 from labcal.solve.adjustment.blocks import Blocks, Rows, assemble, linearised_rows
+from labcal.solve.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.schur import Reduced
 from labcal.solve.adjustment.state import Freedom, Layout, Lenses, RigState
@@ -29,19 +30,21 @@ class AdjustmentProblem:
     observations: Observations
     freedom: Freedom
     loss: Loss = SQUARES
+    prior: LensPrior = NO_PRIOR
 
     def cost(self, parameters: RigState) -> float:
         """Return the cost; infinite where a measured dot could not be imaged at all."""
         with np.errstate(invalid="ignore", over="ignore"):
             residual = parameters.residuals(self.observations)
             white = np.einsum("nij,nj->ni", self.observations.whitener, residual)
-            cost = float(self.loss.cost((white**2).sum(axis=1)).sum())
+            cost = float(self.loss.cost((white**2).sum(axis=1)).sum()) + self.prior.cost(parameters)
         return cost if np.isfinite(cost) else float("inf")
 
     def linearize(self, parameters: RigState) -> "ViewsEliminated":
         """Return the normal equations at a state."""
         layout = Layout(parameters, self.freedom)
-        return ViewsEliminated(self, layout, assemble(layout, self.observations, self.rows(layout)))
+        blocks = assemble(layout, self.observations, self.rows(layout))
+        return ViewsEliminated(self, layout, self.prior.added(blocks, layout))
 
     def rows(self, layout: Layout) -> tuple[Rows, ...]:
         """Return derivatives and residuals by camera."""

@@ -9,6 +9,7 @@ from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping, StopReason
+from labcal.solve.adjustment.lens_prior import LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.scatter import extra_variance
@@ -78,15 +79,16 @@ def adjust_in_rounds(
     state, measured = start, observations
     shift = np.zeros_like(observations.q)
     extra = _extra(state, measured, freedom)
+    prior = LensPrior.of(start, observations, freedom.lenses)
     for number in range(max(bias_rounds, 1) + 1):
         if 0 < number <= bias_rounds:
             shift = predicted_shift(state, observations, radii)
             measured = observations.moved(-shift)
-        problem = AdjustmentProblem(measured.scattered(extra), freedom)
+        problem = AdjustmentProblem(measured.scattered(extra), freedom, prior=prior)
         solution = minimize(problem, state, _STOPPING, _DAMPING)
         state = solution.parameters
         extra = _extra(state, measured, freedom)
-    end = AdjustmentProblem(measured.scattered(extra), freedom).linearize(state)
+    end = AdjustmentProblem(measured.scattered(extra), freedom, prior=prior).linearize(state)
     return Adjusted(
         state=state,
         layout=end.layout,

@@ -29,8 +29,8 @@ def drop(detections: Detections, views: list[str], camera: str) -> Detections:
 
 
 def check_rig(found: Camera, true: Camera) -> None:
-    """OpenCV takes points as float32, which leaves some 1e-5 px."""
-    np.testing.assert_allclose(found.K, true.K, rtol=1e-5)
+    """The adjustment stops within a thousandth of a standard deviation, of which cx has 4 px here."""
+    np.testing.assert_allclose(found.K, true.K, rtol=2e-5)
     np.testing.assert_allclose(found.dist[[0, 2, 3]], true.dist[[0, 2, 3]], atol=1e-4)
     np.testing.assert_allclose(found.T_cam_world[:3, :3], true.T_cam_world[:3, :3], atol=1e-5)
     np.testing.assert_allclose(found.T_cam_world[:3, 3], true.T_cam_world[:3, 3], atol=5e-3)
