@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from labcal.arrays import Points
 from labcal.correspond.detections import Detections
@@ -22,6 +22,8 @@ class TrainingData:
     """Width and height of each camera's pictures, px."""
     view: np.ndarray
     """(n,) of str"""
+    index: Int64[np.ndarray, "n 2"]
+    """(col, row) of the dots."""
     X: Float64[np.ndarray, "n columns"]
     """Columns x1 y1 x2 y2 ..., px."""
     Y: Points
@@ -60,6 +62,7 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
         cameras=shoot.cameras,
         image_sizes=tuple(detections.picture_size(name) for name in shoot.cameras),
         view=matches.view,
+        index=matches.index,
         X=matches.X,
         Y=stage_points(matches, shoot.target, poses),
     )
