@@ -33,9 +33,11 @@ _RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes 
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _BLURRED = 0.6  # of the minor axis
 _ODD, _ODD_PX = 0.2, 0.5  # in the logarithm of an axis, and px
-_CLIPPED = 0.1
+_CLIPPED = 0.06
 _COMPLETE = 0.97  # of the spots that are as large as dots
 _CLIPPED_PICTURE = 0.5
+_SOFT, _SOFT_PX = 0.2, 1.5  # of the minor axis, and px: rings lose their holes
+_CAUSED = (Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_GRID, Refusal.NO_RINGS)
 _ALIKE = 0.5  # in the logarithm of the radius
 
 
@@ -143,14 +145,15 @@ def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
 
 def _cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines) -> Refusal:
     """Return what is behind there being no dots or no grid, where the picture tells."""
-    if refusal not in (Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_GRID):
+    if refusal not in _CAUSED:
         return refusal
     low, high = clipping(grey)
     clipped = np.count_nonzero(grey <= low) + np.count_nonzero(grey >= high)
     if low < high and clipped > _CLIPPED_PICTURE * grey.size:
         return Refusal.SATURATED
     minor = np.sqrt(np.linalg.eigvalsh(outlines.shape)[:, 0])
-    blurred = len(minor) >= _FEWEST_DOTS and np.median(outlines.blur / minor) > _BLURRED
+    blur = outlines.blur
+    blurred = len(minor) >= _FEWEST_DOTS and np.median(blur / minor) > _SOFT and np.median(blur) > _SOFT_PX
     return Refusal.BLURRED if blurred else refusal
 
 

@@ -349,8 +349,8 @@ def _clipped(state: np.ndarray, pixels: np.ndarray, found: np.ndarray, low: floa
             sums[inside, 1] += v * share
             cut_off[inside] += 1.0
     # What noise cuts off lies to all sides, as far as chance has it.
-    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - 3.0 * sqrt(cut_off[0])) / max(counts[0], 1.0)
-    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - 3.0 * sqrt(cut_off[1])) / max(counts[1], 1.0)
+    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - 2.0 * sqrt(cut_off[0])) / max(counts[0], 1.0)
+    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - 2.0 * sqrt(cut_off[1])) / max(counts[1], 1.0)
     one_sided: float = max(board, dot)
     return one_sided
 

@@ -191,17 +191,16 @@ def test_part_of_a_dots_surroundings_burnt_out_is_said(make_board: MakeBoard) ->
     picture += 150.0 * np.exp(-((column - x - 12) ** 2 + (line - y) ** 2) / (2 * 60.0**2))
     dots = detect_dots(as_bytes(picture), TARGET)
     flags = {tuple(i): f for i, f in zip(dots.index.tolist(), dots.flag, strict=True)}
-    assert list(flags.values()).count(DotFlag.SATURATED) > 5
-    check(board, dots, 0.1)
+    assert list(flags.values()).count(DotFlag.SATURATED) > 2
+    check(board, dots, 0.15)
 
 
 def test_a_blurred_and_a_burnt_out_picture_say_so(make_board: MakeBoard) -> None:
     board = make_board(TARGET, rotation=(10, 5, 3), **WHOLE | {"noise": 0.3})
     burnt = np.random.default_rng(3).normal(262.0, 10.0, (480, 640))
     assert detect_dots(as_bytes(burnt), TARGET).refusal is Refusal.SATURATED
-    blurred = cv2.GaussianBlur(board.draw(), (0, 0), 9.0)
-    dots = detect_dots(as_bytes(blurred), TARGET)
-    assert dots.refusal is Refusal.BLURRED or set(dots.flag) & {DotFlag.BLURRED}
+    blurred = cv2.GaussianBlur(board.draw(), (0, 0), 5.0)
+    assert detect_dots(as_bytes(blurred), TARGET).refusal is Refusal.BLURRED
 
 
 def test_a_torn_board_gets_no_wrong_id(make_board: MakeBoard) -> None:

@@ -4,6 +4,7 @@ import pytest
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.descriptions import description_names, parse_yaml, read_description
+from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 
 SHIPPED = Path(__file__).parents[3] / "calib_targets"
@@ -25,7 +26,7 @@ def changed(tmp_path: Path, old: str, new: str) -> str:
 def test_every_shipped_description_is_found_and_bears_the_name_of_its_file() -> None:
     names = description_names("calib_targets")
     assert names == sorted(path.stem for path in SHIPPED.glob("*.yaml"))
-    assert [read(name).name for name in names] == names
+    assert [load_target(name).name for name in names] == names
 
 
 def test_a_file_of_ones_own_is_read_by_its_path(tmp_path: Path) -> None:
