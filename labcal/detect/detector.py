@@ -29,6 +29,7 @@ _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
 # print may be ragged, a renderer's discs are polygons), and of the radius.
 _DEPARTURE = (2.5, 0.012)
 _COARSE = 700  # px: the longer side of the level where the search begins
+_TOO_LARGE = 12.0  # px of a level: larger ones are looked for in coarser levels as well
 _RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes are all larger
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _BLURRED = 0.6  # of the minor axis
@@ -124,23 +125,30 @@ class _Seen:
 def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
     """Look for the grid from a coarse level of the picture on, and in finer ones until nothing is missed."""
     levels = pyramid(grey)
-    finest = next((k for k, level in enumerate(levels) if max(level.picture.shape) <= _COARSE), 0)
-    found = [blobs_of(level) for level in levels[finest:]]
-    while True:
-        blobs = joined(found)
-        outlines = trace_outlines(grey, blobs, target)
-        inside = _inside_frame(outlines, (grey.shape[1], grey.shape[0]))
-        whole = outlines.select(inside)
-        grid = _find_grid(whole, target, (grey.shape[1], grey.shape[0]))
-        seen = _Seen(blobs, whole, outlines.select(~inside), grid)
-        if finest == 0:
-            return seen
+    start = next((k for k, level in enumerate(levels) if max(level.picture.shape) <= _COARSE), 0)
+    looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
+    blobs: dict[int, Blobs] = {}
+    for look in looks:
+        for number, level in enumerate(levels[look], start=look.start):
+            if number not in blobs:
+                blobs[number] = blobs_of(level)
+        seen = _seen(grey, joined([blobs[number] for number in sorted(blobs)]), target)
+        largest = levels[start].scale * _TOO_LARGE if look.stop else np.inf
         if not isinstance(seen.grid, Refusal):
-            shape = whole.shape[list(seen.grid[0].spots.values())]
-            if np.linalg.eigvalsh(shape)[:, 0].min() >= (_RESOLVED * levels[finest].scale) ** 2:
-                return seen
-        finest -= 1
-        found.insert(0, blobs_of(levels[finest]))
+            shape = seen.whole.shape[list(seen.grid[0].spots.values())]
+            minor, major = np.sqrt(np.linalg.eigvalsh(shape)).T
+            if minor.min() >= _RESOLVED * levels[look.start].scale and major.max() <= largest:
+                break
+    return seen
+
+
+def _seen(grey: GreyPicture, blobs: Blobs, target: DotGrid) -> _Seen:
+    """Return what the blobs of some levels are."""
+    size = (grey.shape[1], grey.shape[0])
+    outlines = trace_outlines(grey, blobs, target)
+    inside = _inside_frame(outlines, size)
+    whole = outlines.select(inside)
+    return _Seen(blobs, whole, outlines.select(~inside), _find_grid(whole, target, size))
 
 
 def _cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines) -> Refusal:

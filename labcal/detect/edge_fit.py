@@ -23,7 +23,7 @@ from labcal.detect.outlines import Outlines, matrix_root
 
 _LEAST_BLUR, _MOST_BLUR = 0.4, 0.3
 """A first blur: at least px, at most of the radius."""
-_SCATTERS = 24
+_SCATTERS = 16
 """Dots that the noise is looked at around; more tell no more."""
 
 

@@ -17,8 +17,8 @@ PARAMETERS, STATE, SHADING = 12, 6, 6
 COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, COLUMNS = 12, 15, 16, 17, 18
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
 and how one-sidedly the board or the dot is clipped (0 to 1)."""
-_CHUNK = 2048
-"""Pixels that are linearised together."""
+_CHUNK = 256
+"""Pixels that are linearised together, so few that they stay in the nearest cache."""
 _ROWS, _RESIDUAL, _BLURS_AWAY, _ALONG, _PLANES = 3, 15, 16, 17, 18
 """Planes of a chunk: x, y, value, derivatives, residual, blurs from the edge, change with the distance."""
 _ITERATIONS = 12

@@ -19,7 +19,7 @@ _GOOD_SEED = 0.06  # of a step: a seed that fits so well is grown at once
 _MOST_SPOTS = 4000  # beyond this the smallest are left out
 _MOST_SEEDS = 600  # looked for, in a picture full of what is no grid
 _MOST_COMPONENTS = 12
-_FARTHEST = 250  # nodes from a seed
+_FARTHEST = 2  # nodes from a seed, over those of the declared grid's longer side
 _AROUND = 4  # empty nodes kept around a lattice
 _GAP = 5  # steps over hidden nodes, at most, between what hangs together
 
@@ -62,20 +62,20 @@ def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening = 
         near = np.flatnonzero(np.abs(np.log(radius / radius[i])) < _SEED_TOLERANCE)
         seed = seed_at(int(i), outlines, target, near[near != i])
         if seed is not None and seed.misfit < _GOOD_SEED:
-            lattices += _grown(seed, outlines, free, tolerance)
+            lattices += _grown(seed, outlines, free, tolerance, max(target.cols, target.rows))
         elif seed is not None:
             doubtful.append(seed)
     for seed in sorted(doubtful, key=lambda seed: seed.misfit):
         if free[seed.middle] and len(lattices) < _MOST_COMPONENTS:
-            lattices += _grown(seed, outlines, free, tolerance)
+            lattices += _grown(seed, outlines, free, tolerance, max(target.cols, target.rows))
     return sorted((Lattice(lattice.spots, flattening) for lattice in lattices), key=len, reverse=True)
 
 
-def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float) -> list[Lattice]:
-    """Return the lattice that grows from a seed, or none, and take its spots."""
+def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float, most: int) -> list[Lattice]:
+    """Return the lattice that grows from a seed, or none, and take its spots; `most` as the longer side."""
     centre, radius = outlines.centre, outlines.radius
     similar = np.abs(np.log(radius / radius[seed.middle])) < 3 * tolerance
-    far = min(len(radius), _FARTHEST)
+    far = min(len(radius), _FARTHEST * most)
     grid = np.full((2 * far + 1, 2 * far + 1), -1)
     usable = free & similar
     for (a, b), spot in seed.spots.items():

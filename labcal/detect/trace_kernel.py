@@ -66,6 +66,19 @@ def _rise(profile: np.ndarray, first: int, level: float, spacing: float) -> floa
 
 
 @compiled
+def _middle_of_five(values: np.ndarray, first: int, five: np.ndarray) -> float:
+    """Return the median of five neighbours in a ring of values."""
+    for k in range(5):
+        value, at = values[(first + k) % len(values)], k
+        while at > 0 and five[at - 1] > value:
+            five[at] = five[at - 1]
+            at -= 1
+        five[at] = value
+    middle: float = five[2]
+    return middle
+
+
+@compiled
 def _ellipse(points: np.ndarray, found: np.ndarray, terms: np.ndarray) -> float:
     """Fit ``a x^2 + 2 b x y + c y^2 + d x + e y = 1`` to points near the unit circle, into `terms`.
 
@@ -135,9 +148,7 @@ def trace_all(
         first = int(_FIRST_EDGE / spacing)
         board = 0.0
         for ray in range(RAYS):
-            for k in range(5):
-                around[k] = outside[(ray + k - 2) % RAYS]
-            level = np.median(around)
+            level = _middle_of_five(outside, ray - 2, around)
             board += level / RAYS
             # From the darkest place, because in a small ring the blurred hole shines where the search begins.
             darkest = first + int(np.argmin(profile[ray, first : int(1.0 / spacing) + 1]))
