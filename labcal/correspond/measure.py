@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
+import cv2
+
 from labcal.correspond.detections import Detections, gather
 from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
@@ -37,11 +39,18 @@ def measure_picture(source: Source, target: DotGrid) -> Measurement:
     except (InputError, InputTypeError) as error:
         return Measurement(source, None, str(error))
     except MemoryError:
-        reason = f"The picture {source.image} takes more memory than there is. Scale it down."
-        return Measurement(source, None, reason)
+        return Measurement(source, None, _too_large(source))
+    except cv2.error as error:
+        if error.code != cv2.Error.StsNoMem:
+            raise
+        return Measurement(source, None, _too_large(source))
     return Measurement(
         source, dots, None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
     )
+
+
+def _too_large(source: Source) -> str:
+    return f"The picture {source.image} takes more memory than there is. Scale it down."
 
 
 def measure_pictures(
