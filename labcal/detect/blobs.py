@@ -30,23 +30,43 @@ class Blobs:
     cut: Mask
 
 
-def find_blobs(grey: GreyPicture) -> Blobs:
-    """Return every dark spot that is roughly an ellipse, or cut by the frame, from all pyramid levels.
+@dataclass(frozen=True)
+class Level:
+    """A picture halved some times, in 8 bits over the range of its grey values."""
 
-    A spot may occur several times, once a level. There is no size to set: levels are halved until nothing
-    is left of the picture, and the threshold follows the surroundings, so that light may fall off.
-    """
-    parts: list[Blobs] = []
-    level, scale = grey, 1.0
+    picture: np.ndarray
+    scale: int
+    """Pixels of the full picture along one of its own."""
+
+
+def pyramid(grey: GreyPicture) -> list[Level]:
+    """Return the levels of a picture, the full one first, down to the coarsest that could show a grid."""
     low, high = _range(grey)
-    while min(level.shape) >= _SMALLEST_LEVEL:
-        contours = _dark_contours(level, _MIN_CONTRAST * (high - low))
-        if contours:
-            found = _roughly_elliptic(contours, level.shape)
-            parts.append(Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut))
-        height, width = level.shape[0] // 2, level.shape[1] // 2
-        level = cv2.resize(level[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
+    factor = 255.0 / (high - low) if high > low else 0.0
+    levels, scale = [], 1
+    while min(grey.shape) >= _SMALLEST_LEVEL:
+        levels.append(Level(cv2.convertScaleAbs(np.maximum(grey, low) - low, alpha=factor), scale))
+        height, width = grey.shape[0] // 2, grey.shape[1] // 2
+        grey = cv2.resize(grey[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
         scale *= 2
+    return levels
+
+
+def blobs_of(level: Level) -> Blobs:
+    """Return every dark spot of a level that is roughly an ellipse, or cut by the frame, in full pixels.
+
+    There is no size to set: levels differ by two, and the threshold follows the surroundings, so that light
+    may fall off.
+    """
+    contours = _dark_contours(level.picture)
+    if not contours:
+        return joined([])
+    found, scale = _roughly_elliptic(contours, level.picture.shape), float(level.scale)
+    return Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut)
+
+
+def joined(parts: list[Blobs]) -> Blobs:
+    """Return the blobs of several levels; a spot may occur several times, once a level."""
     none = Blobs(np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros(0, dtype=bool))
     return Blobs(
         np.concatenate([none.centre, *(part.centre for part in parts)]),
@@ -57,20 +77,21 @@ def find_blobs(grey: GreyPicture) -> Blobs:
 
 def _range(grey: GreyPicture) -> tuple[float, float]:
     """Return a low and a high grey value, a few odd pixels left aside."""
-    sample = grey[:: 1 + grey.shape[0] // 256, :: 1 + grey.shape[1] // 256]
+    sample = grey[:: 1 + grey.shape[0] // 128, :: 1 + grey.shape[1] // 128]
     if sample.size == 0:
         return 0.0, 0.0
     low, high = np.percentile(sample, [0.5, 99.5])
     return float(low), float(high)
 
 
-def _dark_contours(level: np.ndarray, min_contrast: float) -> list[np.ndarray]:
+def _dark_contours(level: np.ndarray) -> list[np.ndarray]:
     """Return the outer contours of what is darker than half-way between the local extremes."""
     smooth = cv2.GaussianBlur(level, (3, 3), 0.8)
     window = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
     bright, dark = cv2.dilate(smooth, window), cv2.erode(smooth, window)
-    contrast = np.maximum(_NOISE_FACTOR * _noise(smooth), min_contrast)
-    mask = ((2 * smooth < bright + dark) & (bright - dark > contrast)).astype(np.uint8)
+    contrast = max(_NOISE_FACTOR * _noise(smooth), 255.0 * _MIN_CONTRAST)
+    middle = cv2.addWeighted(bright, 0.5, dark, 0.5, 0.0)
+    mask = ((smooth < middle) & (cv2.subtract(bright, dark) > contrast)).astype(np.uint8)
     contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     if hierarchy is None:
         return []
@@ -84,8 +105,7 @@ def _dark_contours(level: np.ndarray, min_contrast: float) -> list[np.ndarray]:
 
 def _noise(level: np.ndarray) -> float:
     """Return the standard deviation of the noise from second differences, blind to smooth shading."""
-    step = 1 + max(level.shape) // 512
-    rows = level[::step]
+    rows = level[:: 1 + level.shape[0] // 96].astype(np.int16)
     difference = rows[:, 2:] - 2 * rows[:, 1:-1] + rows[:, :-2]
     return float(np.median(np.abs(difference))) / (0.6745 * 6**0.5)
 

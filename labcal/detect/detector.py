@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.detect.blobs import find_blobs
+from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
 from labcal.detect.dots import PictureDots
-from labcal.detect.edge_fit import EdgeFit, fit_edge
+from labcal.detect.edge_fit import EdgeFits, fit_edges
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
-from labcal.detect.noise import noise_factor
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
+from labcal.detect.probe import with_missed
 from labcal.detect.rings import Numbering, number_lattice
 from labcal.detect.smoothness import is_smooth
 from labcal.targets.grid import DotGrid, Polarity
@@ -22,6 +22,8 @@ _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
 # An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a
 # print may be ragged, a renderer's discs are polygons), and of the radius.
 _DEPARTURE = (2.5, 0.012)
+_COARSE = 700  # px: the longer side of the level where the search begins
+_RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes are all larger
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _ALIKE = 0.5  # in the logarithm of the radius
 
@@ -34,7 +36,8 @@ class _Dot:
     flag: DotFlag
     seen_at: np.ndarray
     outline: np.ndarray
-    fit: EdgeFit | None = None
+    centre: np.ndarray | None = None
+    covariance: np.ndarray | None = None
 
 
 def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
@@ -74,23 +77,55 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
     size = (grey.shape[1], grey.shape[0])
     if polarity is Polarity.WHITE_ON_BLACK and grey.size:
         grey = grey.max() - grey
-    blobs = find_blobs(grey)
-    outlines = trace_outlines(grey, blobs, target)
-    whole = _inside_frame(outlines, size)
-    lattices = find_lattices(outlines.select(whole), target)
-    chosen = _choose(lattices, outlines.select(whole), target)
-    if isinstance(chosen, Refusal):
-        return _collect(_unnamed(outlines, set()), size, polarity, chosen)
-    lattice, numbering = chosen
-    dots = _measured(grey, lattice, numbering, outlines.select(whole), target)
+    seen = _search(grey, target)
+    if isinstance(seen.grid, Refusal):
+        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, seen.grid)
+    lattice, numbering = seen.grid
+    lattice, outlines = with_missed(grey, lattice, numbering, seen.whole, target)
+    dots = _measured(grey, lattice, numbering, outlines, target)
     dots += [
         _Dot(numbering.index(lost.node), lost.flag, lost.seen_at, lost.outline)
-        for lost in lost_dots(lattice, outlines.select(whole), blobs, size)
+        for lost in lost_dots(lattice, outlines, seen.blobs, size)
     ]
-    named = {int(np.flatnonzero(whole)[spot]) for spot in lattice.spots.values()}
+    named = set(lattice.spots.values())
     typical = float(np.median(outlines.radius[sorted(named)]))
-    dots += [dot for dot in _unnamed(outlines, named) if _alike(dot, typical)]
+    dots += [dot for dot in _unnamed(outlines.joined(seen.cut), named) if _alike(dot, typical)]
     return _collect(_one_an_id(dots), size, polarity, None)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What a look at a picture gave."""
+
+    blobs: Blobs
+    whole: Outlines
+    """Outlines in the frame, to which the lattice refers."""
+    cut: Outlines
+    """Outlines that reach beyond it."""
+    grid: tuple[Lattice, Numbering] | Refusal
+
+
+def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
+    """Look for the grid from a coarse level of the picture on, and in finer ones until nothing is missed."""
+    levels = pyramid(grey)
+    finest = next((k for k, level in enumerate(levels) if max(level.picture.shape) <= _COARSE), 0)
+    found = [blobs_of(level) for level in levels[finest:]]
+    while True:
+        blobs = joined(found)
+        outlines = trace_outlines(grey, blobs, target)
+        inside = _inside_frame(outlines, (grey.shape[1], grey.shape[0]))
+        whole = outlines.select(inside)
+        seen = _Seen(
+            blobs, whole, outlines.select(~inside), _choose(find_lattices(whole, target), whole, target)
+        )
+        if finest == 0:
+            return seen
+        if not isinstance(seen.grid, Refusal):
+            shape = whole.shape[list(seen.grid[0].spots.values())]
+            if np.linalg.eigvalsh(shape)[:, 0].min() >= (_RESOLVED * levels[finest].scale) ** 2:
+                return seen
+        finest -= 1
+        found.insert(0, blobs_of(levels[finest]))
 
 
 def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
@@ -125,31 +160,27 @@ def _measured(
     grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
 ) -> list[_Dot]:
     """Return the dots of the lattice, fitted."""
-    reach = clear_reach(target)
     hole = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
-    fits = [
-        fit_edge(
-            grey,
-            outlines.centre[spot],
-            outlines.shape[spot],
-            hole if index in target.ring_indices else 0.0,
-            reach,
-        )
-        for index, spot in named
+    spots = outlines.select(np.array([spot for _, spot in named]))
+    holes = np.array([hole if index in target.ring_indices else 0.0 for index, _ in named])
+    fits = fit_edges(grey, spots, holes, clear_reach(target))
+    usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
+    clean = fits.ok & (fits.departure <= _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius)
+    return [
+        _named_dot(number, index, fits, target)
+        if clean[number]
+        else _Dot(index, DotFlag.BAD_FIT, spots.centre[number], spots.shape[number])
+        for number, (index, _) in enumerate(named)
     ]
-    departures = [fit.departure for fit in fits if fit is not None]
-    usual = float(np.median(departures)) if departures else 0.0
-    dots = []
-    for (index, spot), fit in zip(named, fits, strict=True):
-        if fit is None or fit.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * outlines.radius[spot]:
-            dots.append(_Dot(index, DotFlag.BAD_FIT, outlines.centre[spot], outlines.shape[spot]))
-        else:
-            inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
-            dots.append(
-                _Dot(index, DotFlag.OK if inside else DotFlag.BEYOND_GRID, fit.centre, fit.shape, fit)
-            )
-    return dots
+
+
+def _named_dot(number: int, index: tuple[int, int], fits: EdgeFits, target: DotGrid) -> _Dot:
+    """Return a measured dot."""
+    inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
+    flag = DotFlag.OK if inside else DotFlag.BEYOND_GRID
+    centre = fits.centre[number]
+    return _Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number])
 
 
 def _unnamed(outlines: Outlines, named: set[int]) -> list[_Dot]:
@@ -188,7 +219,6 @@ def _collect(
             float(dot.seen_at[0]),
         ),
     )
-    factor = noise_factor([dot.fit.scatter for dot in dots if dot.fit is not None])
     missing = np.full((2, 2), np.nan)
     return PictureDots(
         size=size,
@@ -196,9 +226,11 @@ def _collect(
         refusal=refusal,
         index=np.array([dot.index or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
         has_id=np.array([dot.index is not None for dot in dots], dtype=bool),
-        position=np.array([dot.fit.centre if dot.fit else missing[0] for dot in dots], float).reshape(-1, 2),
+        position=np.array([missing[0] if dot.centre is None else dot.centre for dot in dots], float).reshape(
+            -1, 2
+        ),
         covariance=np.array(
-            [dot.fit.covariance * factor if dot.fit else missing for dot in dots], float
+            [missing if dot.covariance is None else dot.covariance for dot in dots], float
         ).reshape(-1, 2, 2),
         flag=tuple(dot.flag for dot in dots),
         seen_at=np.array([dot.seen_at for dot in dots], float).reshape(-1, 2),

@@ -6,9 +6,8 @@ import numpy as np
 
 from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
-from labcal.detect.lattice import Lattice
-from labcal.detect.neighbours import Node, around, predict
-from labcal.detect.outlines import Outlines
+from labcal.detect.lattice import Lattice, Node
+from labcal.detect.outlines import Outlines, mean_radius
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected
@@ -39,21 +38,22 @@ def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[in
         Width and height of the picture, px.
     """
     beside = {(a + i, b + j) for a, b in lattice.spots for i in (-1, 0, 1) for j in (-1, 0, 1)}
-    taken = outlines.centre[list(lattice.spots.values())]
+    taken, all_radii = outlines.centre[list(lattice.spots.values())], outlines.radius
+    rough = Blobs(blobs.centre[~blobs.cut], blobs.shape[~blobs.cut], blobs.cut[~blobs.cut])
+    rough_radii = mean_radius(rough.shape)
     lost = []
     for node in sorted(beside - lattice.spots.keys()):
-        prediction = predict(node, lattice.spots, outlines.centre)
+        prediction = lattice.predict(node, outlines.centre)
         if prediction is None:
             continue
-        near = [lattice.spots[n] for n in around(node, lattice.spots)]
+        near = lattice.around(node)
         shape = np.median(outlines.shape[near], axis=0)
         dot = _cut(node, prediction.position, shape, blobs, size)
         if dot is None:
-            dot = _unclean(node, prediction.position, shape, blobs)
+            dot = _unclean(node, prediction.position, float(np.median(all_radii[near])), rough, rough_radii)
         if dot is None:
             continue
-        radius = float(np.median(outlines.radius[near]))
-        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
+        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > float(np.median(all_radii[near])):
             lost.append(dot)
     return lost
 
@@ -78,16 +78,15 @@ def _cut(
     return LostDot(node, DotFlag.CUT, blobs.centre[blobs.cut][best], np.full((2, 2), np.nan))
 
 
-def _unclean(node: Node, position: np.ndarray, shape: np.ndarray, blobs: Blobs) -> LostDot | None:
+def _unclean(
+    node: Node, position: np.ndarray, radius: float, rough: Blobs, rough_radii: np.ndarray
+) -> LostDot | None:
     """Return the dot if there is a whole spot of about its size at its place."""
-    whole = np.flatnonzero(~blobs.cut)
-    if len(whole) == 0:
+    if len(rough_radii) == 0:
         return None
-    radius = np.linalg.det(shape) ** 0.25
-    distance = np.linalg.norm(blobs.centre[whole] - position, axis=1) / radius
-    size = np.abs(np.log(np.linalg.det(blobs.shape[whole]) ** 0.25 / radius))
-    distance[size > _SIZE_TOLERANCE] = np.inf
+    distance = np.linalg.norm(rough.centre - position, axis=1) / radius
+    distance[np.abs(np.log(rough_radii / radius)) > _SIZE_TOLERANCE] = np.inf
     best = int(distance.argmin())
     if distance[best] > _NEAR_MISS:
         return None
-    return LostDot(node, DotFlag.BAD_FIT, blobs.centre[whole[best]], blobs.shape[whole[best]])
+    return LostDot(node, DotFlag.BAD_FIT, rough.centre[best], rough.shape[best])

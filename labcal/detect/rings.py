@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.flags import Refusal
-from labcal.detect.lattice import Lattice
-from labcal.detect.neighbours import Node
+from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, matrix_root
 from labcal.targets.grid import DotGrid
 
@@ -28,8 +27,8 @@ class Numbering:
 
     def index(self, node: Node) -> tuple[int, int]:
         """Return (col, row) of a node."""
-        col, row = self.turn @ np.array(node) + self.shift
-        return int(col), int(row)
+        (p, q), (r, s) = self.turn.tolist()
+        return p * node[0] + q * node[1] + int(self.shift[0]), r * node[0] + s * node[1] + int(self.shift[1])
 
 
 def ring_nodes(lattice: Lattice, outlines: Outlines) -> set[Node]:
@@ -75,15 +74,19 @@ def _matches(turn: np.ndarray, rings: set[Node], target: DotGrid) -> list[Number
 
 def _pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
     """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio."""
-    lengths: list[list[float]] = [[], []]
-    for (a, b), spot in lattice.spots.items():
-        flatten = np.linalg.inv(matrix_root(outlines.shape[spot]))
-        for axis, neighbour in enumerate(((a + 1, b), (a, b + 1))):
-            if neighbour in lattice.spots:
-                step = outlines.centre[lattice.spots[neighbour]] - outlines.centre[spot]
-                lengths[axis].append(float(np.linalg.norm(flatten @ step)))
-    if not lengths[0] or not lengths[1]:
-        return False
+    flatten = np.linalg.inv(matrix_root(outlines.shape))
+    lengths: list[np.ndarray] = []
+    for step in ((1, 0), (0, 1)):
+        pairs = [
+            (spot, lattice.spots[neighbour])
+            for (a, b), spot in lattice.spots.items()
+            if (neighbour := (a + step[0], b + step[1])) in lattice.spots
+        ]
+        if not pairs:
+            return False
+        here, there = np.array(pairs).T
+        flat = np.einsum("nij,nj->ni", flatten[here], outlines.centre[there] - outlines.centre[here])
+        lengths.append(np.linalg.norm(flat, axis=1))
     ratio = np.log(np.median(lengths[0]) / np.median(lengths[1]))
     if turn[0, 0] == 0:
         ratio = -ratio

@@ -2,6 +2,7 @@
 
 from pydantic import BaseModel, ConfigDict
 from rich.table import Table
+from rich.text import Text
 
 from labcal.report.reproduction import Measured
 
@@ -59,7 +60,7 @@ def bench_table(result: BenchResult) -> Table:
     for column, side in (("check", "left"), ("value", "right"), ("limit", "right"), ("", "left")):
         table.add_column(column, justify="right" if side == "right" else "left")
     for check in result.checks:
-        verdict = "[green]ok[/]" if check.ok else "[bold red]missed[/]"
+        verdict = Text("ok", "green") if check.ok else Text("missed", "bold red")
         table.add_row(check.name, f"{check.value:.4g}", f"{check.limit:g}", verdict)
     for figure in result.beside:
         table.add_row(figure.name, f"{figure.value:.4g}", "", "[dim]beside[/]", style="dim")

@@ -15,7 +15,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import DeviceError, DiskFullError, InputError, OutputError
 
-HEAVY = {"mitsuba", "drjit", "torch", "cv2", "scipy", "sklearn", "dask", "matplotlib"}
+HEAVY = {"mitsuba", "drjit", "torch", "cv2", "scipy", "sklearn", "dask", "matplotlib", "numba"}
 
 
 @dataclass(frozen=True)

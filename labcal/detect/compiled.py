@@ -1,0 +1,36 @@
+"""Loops over pixels, rays and grid nodes that NumPy cannot express, compiled by Numba."""
+
+import inspect
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+from numba import njit
+
+Function = TypeVar("Function", bound=Callable[..., object])
+_REASSOCIATED = {"reassoc", "contract", "nsz", "arcp"}
+"""What a sum needs to be taken four at a time; NaN and infinity keep their meaning."""
+
+
+def compiled(function: Function) -> Function:
+    """Return a function as machine code: compiled for its arguments' types when it is first called.
+
+    The code is kept on disk, beside the package or in the user's cache folder, so that this is waited for
+    once. Numba sees a change of the function's own file only: keep what calls each other in one file.
+    On one type of processor the same input gives the same bytes.
+
+    Parameters
+    ----------
+    function : callable
+        Of numbers and arrays only. Checks of annotations while testing are taken off it: they belong to the
+        function that calls it.
+    """
+    plain = inspect.unwrap(function)
+    try:
+        return cast("Function", _compiler(keep=True)(plain))
+    except RuntimeError:  # no folder to keep it in can be written to
+        return cast("Function", _compiler(keep=False)(plain))
+
+
+def _compiler(*, keep: bool) -> Callable[[Callable[..., object]], object]:
+    """Return Numba's decorator."""
+    return njit(cache=keep, nogil=True, error_model="numpy", fastmath=_REASSOCIATED)

@@ -1,0 +1,92 @@
+"""Where a grid may begin: a spot with neighbours one step along both axes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.detect.outlines import Outlines, matrix_root
+from labcal.targets.grid import DotGrid
+
+_NEAREST = 24  # spots looked at around a seed: two rings of neighbours
+_SHAPE_TOLERANCE = 0.35  # cosine of the angle, and logarithm of the ratio of the steps
+SEED_MISS = 0.15  # of a step
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A spot with the neighbours one step along both axes, and how badly the cross fits."""
+
+    middle: int
+    along: tuple[int, int]
+    misfit: float
+
+
+def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Seed | None:
+    """Return the smallest cross around spot i whose arms are square to each other on the board.
+
+    The dot's own ellipse says how the board is foreshortened there, so the angle and the ratio of the steps
+    are known without the pose.
+
+    Parameters
+    ----------
+    i : int
+    outlines : Outlines
+    target : DotGrid
+    near : ndarray of int
+        The spots about as large as spot i, itself left out.
+    """
+    distance = np.linalg.norm(outlines.centre[near] - outlines.centre[i], axis=1)
+    near = near[np.argsort(distance, kind="stable")[:_NEAREST]]
+    if len(near) < 7:  # noqa: PLR2004 - a cross and three of its corners
+        return None
+    flatten = np.linalg.inv(matrix_root(outlines.shape[i]))
+    arms = (outlines.centre[near] - outlines.centre[i]) @ flatten.T
+    length = np.linalg.norm(arms, axis=1)
+    balanced = _nearest_miss(-arms, arms) < SEED_MISS * length
+    present, near, arms, length = arms, near[balanced], arms[balanced], length[balanced]
+    if len(arms) < 4:  # noqa: PLR2004 - the arms of a cross
+        return None
+    cosine = np.abs(arms @ arms.T) / np.outer(length, length)
+    ratio = np.log(length[:, None] / length[None, :])
+    expected = np.log(target.pitch_x_mm / target.pitch_y_mm)
+    square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
+    opposite = _nearest_miss(-arms, present) / length
+    corners = [
+        _nearest_miss((first * arms[:, None] + second * arms[None, :]).reshape(-1, 2), present).reshape(
+            square.shape
+        )
+        / np.minimum(length[:, None], length[None, :])
+        for first in (1, -1)
+        for second in (1, -1)
+    ]
+    third_best = np.sort(np.stack(corners), axis=0)[2]  # one corner may be missing
+    misfit = np.maximum(np.maximum(opposite[:, None], opposite[None, :]), third_best)
+    fits = square & (misfit < SEED_MISS)
+    if not fits.any():
+        return None
+    area = np.where(fits, np.outer(length, length), np.inf)
+    # Several pairs span the same smallest cell; the one that fits best is taken.
+    smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)
+    first, second = np.unravel_index(int(smallest.argmin()), smallest.shape)
+    if _is_coarse(arms[first], arms[second], present):
+        return None
+    u, v = (outlines.centre[near[k]] - outlines.centre[i] for k in (first, second))
+    if u[0] * v[1] - u[1] * v[0] > 0:  # y is down in the picture and up on the board
+        first, second = second, first
+    return Seed(i, (int(near[first]), int(near[second])), float(smallest.min()))
+
+
+def _is_coarse(u: np.ndarray, v: np.ndarray, present: np.ndarray) -> bool:
+    """Tell whether spots lie half-way in the cells: for want of a neighbour the seed skips every other."""
+    limit = SEED_MISS * min(float(np.linalg.norm(u)), float(np.linalg.norm(v)))
+    corners = np.array([u + v, u - v, -u + v, -u - v]) / 2
+    across = np.array([a / 2 + k * v for a in (u, -u) for k in (-1, 0, 1)])
+    along = np.array([b / 2 + k * u for b in (v, -v) for k in (-1, 0, 1)])
+    return any(int((_nearest_miss(halves, present) < limit).sum()) > 1 for halves in (corners, across, along))
+
+
+def _nearest_miss(wanted: np.ndarray, present: np.ndarray) -> np.ndarray:
+    """Return the distance of each wanted place to the nearest present spot."""
+    squares = (wanted**2).sum(1)[:, None] + (present**2).sum(1)[None, :] - 2 * wanted @ present.T
+    nearest: np.ndarray = np.sqrt(np.maximum(squares.min(axis=1), 0))
+    return nearest
