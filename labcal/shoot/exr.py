@@ -2,7 +2,9 @@
 
 import errno
 import os
+import sys
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +34,8 @@ def read_exr(path: Path) -> np.ndarray:
             first, last = (np.asarray(corner, dtype=np.int64) for corner in exr.header()["dataWindow"])
         width, height = np.maximum(last - first + 1, 0).tolist()
         require_sensible_size(path, (width, height), path.stat().st_size)
-        with OpenEXR.File(str(path)) as exr:
+        # What the library has to say about a damaged file is no result, so not for stdout.
+        with redirect_stdout(sys.stderr), OpenEXR.File(str(path)) as exr:
             channels = exr.channels()
             wanted = next((name for name in ("RGB", "RGBA", "Y") if name in channels), next(iter(channels)))
             pixels = np.asarray(channels[wanted].pixels, dtype=np.float32)

@@ -58,18 +58,14 @@ class WatchedProcess:
     def measure(self, path: Path) -> Watched:
         """Measure one picture and return what came of it, whatever that is."""
         pipe = self._pipe or self._start()
-        pipe.send(str(path))
-        if not pipe.poll(self.seconds):
-            self._end()
-            return Watched("hang", f"not done after {self.seconds:g} s", 0.0)
         try:
+            pipe.send(str(path))
+            if not pipe.poll(self.seconds):
+                self._end()
+                return Watched("hang", f"not done after {self.seconds:g} s", 0.0)
             found: Watched = pipe.recv()
-        except EOFError:
-            process = self._process
-            if process is not None:
-                process.join()
-            status = None if process is None else process.exitcode
-            self._end()
+        except (EOFError, OSError):  # the other end is gone
+            status = self._end()
             return Watched("crash", f"the process ended with {status}", 0.0)
         return found
 
@@ -85,14 +81,18 @@ class WatchedProcess:
         self._pipe.recv()  # it says when it is ready
         return self._pipe
 
-    def _end(self) -> None:
-        """End the process, whatever it does."""
+    def _end(self) -> int | None:
+        """End the process, whatever it does, and return its exit status."""
+        status = None
         if self._pipe is not None:
             self._pipe.close()
         if self._process is not None:
+            self._process.join(timeout=1.0)
             self._process.kill()
             self._process.join()
+            status = self._process.exitcode
         self._pipe, self._process = None, None
+        return status
 
 
 def _work(pipe: Connection, target: DotGrid, memory_bytes: int) -> None:
