@@ -8,8 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from labcal.experiments.bench_detect.findings import Bench, Findings
-from labcal.experiments.bench_detect.hostile_files import TARGET, hostile_file
-from labcal.experiments.bench_detect.watched import Watched, WatchedProcess
+from labcal.experiments.bench_detect.hostile_files import TARGET, dots_picture, hostile_file
+from labcal.experiments.bench_detect.watched import Limits, Watched, WatchedProcess
 from labcal.report.bench import Figure, at_most
 from labcal.run.machine import usable_cores
 from labcal.run.outputs import write_file
@@ -83,7 +83,7 @@ def _some(numbers: range, seed: int, folders: tuple[Path, Path], progress: Progr
     """Measure some of the inputs in one process after another."""
     home, kept = folders
     outcomes = []
-    with WatchedProcess(TARGET, MEMORY_BYTES, SECONDS) as process:
+    with WatchedProcess(TARGET, dots_picture(), Limits(MEMORY_BYTES, SECONDS)) as process:
         for number in numbers:
             path = hostile_file(number, seed, home)
             found = process.measure(path)

@@ -77,7 +77,7 @@ def _no_file(path: Path, which: int) -> None:
 
 
 @cache
-def _dots() -> np.ndarray:
+def dots_picture() -> np.ndarray:
     """Draw the target, uint8."""
     x_min, y_min, x_max, y_max = TARGET.extent_mm
     picture = np.full((int((y_max - y_min) * PX_PER_MM), int((x_max - x_min) * PX_PER_MM)), 210, np.uint8)
@@ -94,8 +94,8 @@ def _dots() -> np.ndarray:
 
 def _scene(random: Random) -> np.ndarray:
     """Return the target with noise."""
-    noise = random.normal(0.0, 3.0, _dots().shape)
-    return np.clip(_dots() + noise, 0, 255).astype(np.uint8)
+    noise = random.normal(0.0, 3.0, dots_picture().shape)
+    return np.clip(dots_picture() + noise, 0, 255).astype(np.uint8)
 
 
 def encoded(picture: np.ndarray, ending: str) -> bytes:
@@ -161,7 +161,7 @@ def _tiny(random: Random) -> Made:
 def _empty_scene(random: Random) -> Made:
     """Return black, white, grey or one dot."""
     ending = _ending(random)
-    picture = np.full(_dots().shape, int(random.choice([0, 128, 255])), dtype=np.uint8)
+    picture = np.full(dots_picture().shape, int(random.choice([0, 128, 255])), dtype=np.uint8)
     if random.uniform() < 0.3:  # noqa: PLR2004 -- some of them
         cv2.circle(picture, (90, 70), int(random.integers(1, 60)), int(random.integers(256)), -1)
     return ending, encoded(picture, ending)
@@ -228,7 +228,7 @@ def _size_patched(random: Random) -> Made:
     """Let the header of a small file declare a huge picture."""
     ending, data = _whole(random)
     width, height = (int(random.choice(HUGE)) for _ in range(2))
-    old = struct.pack(">II", *_dots().shape[::-1])
+    old = struct.pack(">II", *dots_picture().shape[::-1])
     damaged = bytearray(data)
     if ending == ".png":
         damaged[16:24] = struct.pack(">II", width, height)
@@ -239,7 +239,7 @@ def _size_patched(random: Random) -> Made:
     elif ending == ".bmp":
         damaged[18:26] = struct.pack("<ii", width, height)
     else:  # TIFF's and OpenEXR's sizes are somewhere in the file, in little endian
-        for side, new in zip(_dots().shape[::-1], (width, height), strict=True):
+        for side, new in zip(dots_picture().shape[::-1], (width, height), strict=True):
             for form, less in (("<I", 0), ("<H", 0), ("<I", 1)):
                 before = struct.pack(form, side - less)
                 after = struct.pack(form, min(new, 65_535 if form == "<H" else new) - less)

@@ -9,6 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Literal
 
+import numpy as np
+
 from labcal.targets.grid import DotGrid
 
 Ending = Literal["result", "reason", "error", "crash", "hang", "memory"]
@@ -28,6 +30,16 @@ class Watched:
     """The most that the process has needed so far beyond what it needs when idle."""
 
 
+@dataclass(frozen=True)
+class Limits:
+    """What one picture may take."""
+
+    memory_bytes: int
+    """Beyond what the process has when idle; more is refused to it by the system, where that can be set."""
+    seconds: float
+    """After these the process is ended."""
+
+
 class WatchedProcess:
     """One process that measures pictures, started when it is needed.
 
@@ -35,15 +47,13 @@ class WatchedProcess:
     ----------
     target : DotGrid
         What the pictures show.
-    memory_bytes : int
-        How much memory it may take beyond what it has when idle; more is refused to it by the system, where
-        that can be set.
-    seconds : float
-        How long one picture may take before the process is ended.
+    first : ndarray of uint8
+        A picture of it, which is measured as the process starts: what is compiled then counts as start.
+    limits : Limits
     """
 
-    def __init__(self, target: DotGrid, memory_bytes: int, seconds: float) -> None:
-        self.target, self.memory_bytes, self.seconds = target, memory_bytes, seconds
+    def __init__(self, target: DotGrid, first: np.ndarray, limits: Limits) -> None:
+        self.target, self.first, self.limits = target, first, limits
         self._process: multiprocessing.process.BaseProcess | None = None
         self._pipe: Connection | None = None
 
@@ -60,9 +70,9 @@ class WatchedProcess:
         pipe = self._pipe or self._start()
         try:
             pipe.send(str(path))
-            if not pipe.poll(self.seconds):
+            if not pipe.poll(self.limits.seconds):
                 self._end()
-                return Watched("hang", f"not done after {self.seconds:g} s", 0.0)
+                return Watched("hang", f"not done after {self.limits.seconds:g} s", 0.0)
             found: Watched = pipe.recv()
         except (EOFError, OSError):  # the other end is gone
             status = self._end()
@@ -74,7 +84,7 @@ class WatchedProcess:
         spawn = multiprocessing.get_context("spawn")
         self._pipe, theirs = spawn.Pipe()
         self._process = spawn.Process(
-            target=_work, args=(theirs, self.target, self.memory_bytes), daemon=True
+            target=_work, args=(theirs, self.target, self.first, self.limits.memory_bytes), daemon=True
         )
         self._process.start()
         theirs.close()
@@ -95,15 +105,17 @@ class WatchedProcess:
         return status
 
 
-def _work(pipe: Connection, target: DotGrid, memory_bytes: int) -> None:
+def _work(pipe: Connection, target: DotGrid, first: np.ndarray, memory_bytes: int) -> None:
     """Measure pictures until the other end closes."""
     import cv2  # noqa: PLC0415 -- a spawned process imports what it needs itself
 
     from labcal.correspond.measure import measure_picture  # noqa: PLC0415
     from labcal.correspond.sources import Source  # noqa: PLC0415
+    from labcal.detect.detector import detect_dots  # noqa: PLC0415
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # the decoders' own words about damaged files
     cv2.setNumThreads(1)
+    detect_dots(first, target)
     idle = _peak_bytes()
     _limit_memory(memory_bytes)
     pipe.send(None)

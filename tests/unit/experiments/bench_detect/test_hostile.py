@@ -6,8 +6,8 @@ import pytest
 from labcal.correspond.measure import measure_picture
 from labcal.correspond.sources import Source
 from labcal.experiments.bench_detect import hostile_files
-from labcal.experiments.bench_detect.hostile_files import KINDS, TARGET, hostile_file
-from labcal.experiments.bench_detect.watched import WatchedProcess
+from labcal.experiments.bench_detect.hostile_files import KINDS, TARGET, dots_picture, hostile_file
+from labcal.experiments.bench_detect.watched import Limits, WatchedProcess
 
 
 @pytest.fixture(autouse=True)
@@ -47,9 +47,9 @@ def test_values_that_are_no_picture_are_a_reason(tmp_path: Path) -> None:
 def test_a_watched_process_is_replaced_when_it_hangs_or_dies(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     path.write_bytes(hostile_files.encoded(np.zeros((40, 40), np.uint8), ".png"))
-    with WatchedProcess(TARGET, 2**30, 0.0) as process:
+    with WatchedProcess(TARGET, dots_picture(), Limits(2**30, 0.0)) as process:
         assert process.measure(path).ending == "hang"
-        process.seconds = 60.0
+        process.limits = Limits(2**30, 60.0)
         assert process.measure(path).ending == "reason"
         assert process._process is not None
         process._process.kill()
