@@ -8,7 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from labcal.experiments.bench_detect.findings import Bench, Findings
-from labcal.experiments.bench_detect.hostile_files import TARGET, dots_picture, hostile_file
+from labcal.experiments.bench_detect.hostile_encoding import TARGET, dots_picture
+from labcal.experiments.bench_detect.hostile_files import hostile_file
 from labcal.experiments.bench_detect.watched import Limits, Watched, WatchedProcess
 from labcal.report.bench import Figure, at_most
 from labcal.run.machine import usable_cores

@@ -4,7 +4,6 @@ import os
 import struct
 import zlib
 from collections.abc import Callable
-from functools import cache
 from io import BytesIO
 from pathlib import Path
 
@@ -12,23 +11,9 @@ import cv2
 import numpy as np
 from PIL import Image
 
+from labcal.experiments.bench_detect.hostile_encoding import dots_picture, encoded, noisy_picture, zeros_png
 from labcal.rng import generator
-from labcal.targets.grid import DotGrid, Rings
 
-TARGET = DotGrid(
-    name="hostile",
-    cols=6,
-    rows=5,
-    pitch_x_mm=10.0,
-    pitch_y_mm=10.0,
-    dot_diameter_mm=5.0,
-    ring_outer_diameter_mm=5.0,
-    ring_inner_diameter_mm=2.2,
-    rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
-    margin_mm=10.0,
-)
-"""What the undamaged pictures show."""
-PX_PER_MM = 3.0
 ENDINGS = (".png", ".jpg", ".tif", ".bmp", ".exr")
 SIDES = (1, 2, 3, 5, 17, 1000)
 """Of pictures without room for anything."""
@@ -76,50 +61,10 @@ def _no_file(path: Path, which: int) -> None:
         path.symlink_to(path.with_name("nowhere.png"))
 
 
-@cache
-def dots_picture() -> np.ndarray:
-    """Draw the target, uint8."""
-    x_min, y_min, x_max, y_max = TARGET.extent_mm
-    picture = np.full((int((y_max - y_min) * PX_PER_MM), int((x_max - x_min) * PX_PER_MM)), 210, np.uint8)
-    for index, point in zip(TARGET.indices().tolist(), TARGET.points(), strict=True):
-        x, y = (PX_PER_MM * (point[:2] - [x_min, y_min]) * 16).astype(int).tolist()
-        y = 16 * picture.shape[0] - y
-        radii = [(0.5 * TARGET.dot_diameter_mm, 40)]
-        if tuple(index) in TARGET.ring_indices:
-            radii.append((0.5 * TARGET.ring_inner_diameter_mm, 210))
-        for radius, grey in radii:
-            cv2.circle(picture, (x, y), round(16 * PX_PER_MM * radius), grey, -1, cv2.LINE_AA, 4)
-    return picture
-
-
-def _scene(random: Random) -> np.ndarray:
-    """Return the target with noise."""
-    noise = random.normal(0.0, 3.0, dots_picture().shape)
-    return np.clip(dots_picture() + noise, 0, 255).astype(np.uint8)
-
-
-def encoded(picture: np.ndarray, ending: str) -> bytes:
-    """Return a file of a picture; OpenEXR holds it as floats."""
-    if ending == ".exr":
-        return _exr(np.ascontiguousarray(picture, dtype=np.float32))
-    return bytes(cv2.imencode(ending, picture)[1])
-
-
-def _exr(picture: np.ndarray) -> bytes:
-    """Return an OpenEXR file."""
-    from tempfile import TemporaryDirectory  # noqa: PLC0415 -- the library writes to paths only
-
-    from labcal.shoot.exr import write_exr  # noqa: PLC0415
-
-    with TemporaryDirectory() as home:
-        write_exr(Path(home) / "a.exr", picture, {})
-        return (Path(home) / "a.exr").read_bytes()
-
-
 def _whole(random: Random) -> Made:
     """Return an undamaged picture of the target."""
     ending = _ending(random)
-    return ending, encoded(_scene(random), ending)
+    return ending, encoded(noisy_picture(random), ending)
 
 
 def _ending(random: Random) -> str:
@@ -178,7 +123,7 @@ def _noise(random: Random) -> Made:
 
 def _deep(random: Random) -> Made:
     """Return 16 bits, floats or signed values, also values that are no numbers."""
-    grey = _scene(random)
+    grey = noisy_picture(random)
     values: list[tuple[str, np.ndarray]] = [
         (".png", grey.astype(np.uint16) * 257),
         (".tif", grey.astype(np.uint16) * 17),
@@ -195,10 +140,10 @@ def _deep(random: Random) -> Made:
 
 def _by_pillow(random: Random) -> Made:
     """Return palettes, alpha, CMYK, single bits, orientations, several pictures in one file, animations."""
-    grey = Image.fromarray(_scene(random))
+    grey = Image.fromarray(noisy_picture(random))
     turned = Image.Exif()
     turned[0x0112] = int(random.integers(1, 9))
-    more = [Image.fromarray(_scene(random)) for _ in range(2)]
+    more = [Image.fromarray(noisy_picture(random)) for _ in range(2)]
     forms: list[tuple[str, Callable[[BytesIO], None]]] = [
         (".png", lambda file: grey.convert("RGBA").save(file, "png")),
         (".png", lambda file: grey.convert("LA").save(file, "png")),
@@ -247,23 +192,10 @@ def _size_patched(random: Random) -> Made:
     return ending, bytes(damaged)
 
 
-@cache
-def _bomb(size: tuple[int, int], load: int) -> bytes:
-    """Return a PNG file of zeros that carries a load of some bytes beside."""
-    width, height = size
-    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    packed = zlib.compress(bytes((width + 1) * height))
-    parts = [b"\x89PNG\r\n\x1a\n"]
-    for name, content in ((b"IHDR", header), (b"loAd", bytes(load)), (b"IDAT", packed), (b"IEND", b"")):
-        check = zlib.crc32(name + content)
-        parts.append(struct.pack(">I", len(content)) + name + content + struct.pack(">I", check))
-    return b"".join(parts)
-
-
 def _bombs(random: Random) -> Made:
     """Return a small file that unpacks to much."""
     which = int(random.integers(len(BOMBS) + len(STUFFED)))
-    return ".png", _bomb((*BOMBS, *STUFFED)[which], STUFFING if which >= len(BOMBS) else 0)
+    return ".png", zeros_png((*BOMBS, *STUFFED)[which], STUFFING if which >= len(BOMBS) else 0)
 
 
 def _no_picture(random: Random) -> Made:
@@ -280,7 +212,7 @@ def _no_picture(random: Random) -> Made:
         b"BM" + random.bytes(300),
         b"\x76\x2f\x31\x01" + random.bytes(300),
         random.bytes(int(random.integers(1, 5000))),
-        encoded(_scene(random), _ending(random)),
+        encoded(noisy_picture(random), _ending(random)),
     ]
     return _ending(random), contents[int(random.integers(len(contents)))]
 

@@ -6,7 +6,8 @@ import pytest
 from labcal.correspond.measure import measure_picture
 from labcal.correspond.sources import Source
 from labcal.experiments.bench_detect import hostile_files
-from labcal.experiments.bench_detect.hostile_files import KINDS, TARGET, dots_picture, hostile_file
+from labcal.experiments.bench_detect.hostile_encoding import TARGET, dots_picture, encoded
+from labcal.experiments.bench_detect.hostile_files import KINDS, hostile_file
 from labcal.experiments.bench_detect.watched import Limits, WatchedProcess
 
 
@@ -40,13 +41,13 @@ def test_values_that_are_no_picture_are_a_reason(tmp_path: Path) -> None:
         ("nan", np.full((40, 40), np.nan, np.float32)),
     ):
         path = tmp_path / f"{name}.tif"
-        path.write_bytes(hostile_files.encoded(values, ".tif"))
+        path.write_bytes(encoded(values, ".tif"))
         assert measure_picture(Source("view", "camera", str(path), None), TARGET).reason is not None
 
 
 def test_a_watched_process_is_replaced_when_it_hangs_or_dies(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
-    path.write_bytes(hostile_files.encoded(np.zeros((40, 40), np.uint8), ".png"))
+    path.write_bytes(encoded(np.zeros((40, 40), np.uint8), ".png"))
     with WatchedProcess(TARGET, dots_picture(), Limits(2**30, 0.0)) as process:
         assert process.measure(path).ending == "hang"
         process.limits = Limits(2**30, 60.0)
