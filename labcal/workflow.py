@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
@@ -28,14 +29,17 @@ from labcal.run.progress import NoProgress, Progress
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.truth import has_truth
+from labcal.solve.centre_bias import centred
+from labcal.solve.centred_training import centred_training
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
 from labcal.solve.reconstruction import reconstruct_points as reconstruct
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
 
 __all__ = [
     "calibrate",
+    "centred_training",
     "detect",
     "epipolar_rms",
     "evaluate",
@@ -53,7 +57,7 @@ def render(scene: str, folder: Path, settings: RenderSettings | None = None) -> 
 
 
 def measure(
-    sources: Sequence[Source], target: DotGrid, workers: int = 1, progress: Progress | None = None
+    sources: Sequence[Source], target: AnyTarget, workers: int = 1, progress: Progress | None = None
 ) -> list[Measurement]:
     """Find the dots in pictures; a picture that cannot be used is a result with a reason."""
     with open_executor(workers) as executor:
@@ -71,10 +75,15 @@ def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> 
     return detections_of(measure(shoot_sources(shoot), shoot.target, workers, progress))
 
 
-def fit(data: TrainingData, estimator: PointEstimator) -> FittedModel:
-    """Teach a method the dots of the training views, whose places the stage tells."""
+def fit(
+    data: TrainingData, estimator: PointEstimator, resected: tuple[Camera, ...] | None = None
+) -> FittedModel:
+    """Teach a method the dots of the training views, whose places the stage tells.
+
+    `resected` are the cameras of :func:`centred_training`, where it gave the data.
+    """
     box = TrainingBox.of(data.X, data.Y)
-    return FittedModel(estimator.fit(data.X, data.Y), data.cameras, data.image_sizes, box)
+    return FittedModel(estimator.fit(data.X, data.Y), data.cameras, data.image_sizes, box, resected)
 
 
 def evaluate(
@@ -89,13 +98,18 @@ def evaluate(
     return errors_of_lengths(points, shoot.target)
 
 
-def epipolar_rms(rig: Rig, detections: Detections) -> float:
-    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera."""
+def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:
+    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
+
+    The bias of centroids is taken off first where the target is given.
+    """
     first, *others = rig.cameras
     distances = [np.empty(0)]
     for other in others:
-        matches = match(detections, (first, other))
         pair = (rig.camera(first), rig.camera(other))
+        matches = match(detections, (first, other))
+        if target is not None:
+            matches, _ = centred(pair, matches, target)
         distances.append(epipolar_distances(*pair, matches.q[:, 0], matches.q[:, 1]))
     all_distances = np.concatenate(distances)
     known = all_distances[np.isfinite(all_distances)]

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import Mask, Matrix3, Pixels, PointJacobians, Points, Pose
-from labcal.cameras.dual import DualMathematics, constants, variables
+from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.lens import LENGTH, PRESCRIPTION, Lens, lens_by_name
 from labcal.cameras.mathematics import NUMPY, Number, NumpyMathematics
 from labcal.cameras.optics import INTRINSICS, Optics
@@ -78,8 +78,8 @@ class Camera:
     def __post_init__(self) -> None:
         if (self.lens == PRESCRIPTION) != (self.prescription is not None):
             raise InputError(
-                f"A camera with the lens '{PRESCRIPTION}' needs a prescription, and no other has one; "
-                f"the lens is '{self.lens}'."
+                f"A camera has a prescription if its lens is '{PRESCRIPTION}', and only then; here the lens "
+                f"is '{self.lens}'. Set lens to '{PRESCRIPTION}', or leave out the prescription."
             )
         model = self.model
         fx, fy, cx, cy = self.intrinsics
@@ -92,7 +92,8 @@ class Camera:
             raise InputError(f"dist must hold at least {LENGTH} finite coefficients; pad it with zeros.")
         if np.any(self.dist[model.coefficients :] != 0.0):
             raise InputError(
-                f"The lens model '{self.lens}' has {model.coefficients} coefficients; the rest must be 0."
+                f"The lens model '{self.lens}' has {model.coefficients} coefficients; the rest of dist must "
+                "be 0. Shorten dist, or choose another lens."
             )
         if self.prescription is not None and fx != fy:
             raise InputError("A lens prescription images round things round: fx and fy must be equal.")
@@ -195,7 +196,7 @@ class Camera:
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x, y, z = variables(X, Y, Z)
             found = self.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
-        local = _slopes(found.u.slopes, found.v.slopes, np.shape(X))
+        local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
         jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
         return jacobian
 
@@ -203,18 +204,27 @@ class Camera:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""
         free = self.model.coefficients
         X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
-        varied = variables(*self.intrinsics, *self._padded_dist[:free])
+        varied = variables(*self.intrinsics, *self.padded_dist[:free])
         directions = INTRINSICS + free
-        fixed = constants(self._padded_dist[free:], directions)
+        fixed = constants(self.padded_dist[free:], directions)
         m = DualMathematics(NUMPY)
-        formula = self.model.formula(m, (*varied[INTRINSICS:], *fixed))
-        rest = constants(self._lens_numbers[len(formula) :], directions)
-        glass = constants(self._window_numbers, directions)
-        numbers = (*varied[:INTRINSICS], *glass, *formula, *rest)
+        numbers = self.dual_numbers(m, varied[:INTRINSICS], (*varied[INTRINSICS:], *fixed))
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x, y, z = constants((X, Y, Z), directions)
             found = self.optics.project(m, numbers, (x, y, z))
-        return _slopes(found.u.slopes, found.v.slopes, np.shape(X))
+        return slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
+
+    def dual_numbers(
+        self, m: DualMathematics, intrinsics: tuple[Dual, ...], dist: tuple[Dual, ...]
+    ) -> tuple[Dual, ...]:
+        """Return :attr:`numbers` for derivatives by intrinsics and all of :attr:`padded_dist`.
+
+        What only serves the way back, from pixels to rays, does not vary.
+        """
+        directions = len(intrinsics[0].slopes)
+        formula = self.model.formula(m, dist)
+        rest = constants(self._lens_numbers[len(formula) :], directions)
+        return (*intrinsics, *constants(self._window_numbers, directions), *formula, *rest)
 
     def in_picture(self, q: Pixels) -> Mask:
         """Return whether pixels lie on the picture, which reaches half a pixel beyond the outer centres."""
@@ -236,7 +246,7 @@ class Camera:
             q = q[lost][0]
             raise InputError(
                 f"The lens of camera '{name}' ({self.lens}) folds within its picture: pixel "
-                f"({q[0]:.0f}, {q[1]:.0f}) sees no direction. {self._mend}"
+                f"({q[0]:.1f}, {q[1]:.1f}) sees no direction. {self._mend}"
             )
 
     @property
@@ -247,7 +257,7 @@ class Camera:
         return "Weaken the distortion, or add coefficients that let it grow outwards."
 
     @property
-    def _padded_dist(self) -> tuple[float, ...]:
+    def padded_dist(self) -> tuple[float, ...]:
         """The coefficients, with zeros up to as many as any model has."""
         return (*(float(k) for k in self.dist), *(0.0,) * max(0, _MOST_COEFFICIENTS - len(self.dist)))
 
@@ -257,7 +267,7 @@ class Camera:
 
     @cached_property
     def _lens_numbers(self) -> tuple[float, ...]:
-        return self.model.numbers(NUMPY, self._padded_dist, self.reach)
+        return self.model.numbers(NUMPY, self.padded_dist, self.reach)
 
     def _lattice(self) -> tuple[np.ndarray, np.ndarray]:
         """Return u and v of a lattice over the picture up to its very edges."""
@@ -267,7 +277,7 @@ class Camera:
         return across.ravel(), down.ravel()
 
 
-def _slopes(of_u: tuple[Number, ...], of_v: tuple[Number, ...], shape: tuple[int, ...]) -> np.ndarray:
-    """Return slopes of both coordinates as one array, shape (..., 2, directions)."""
+def slopes_of(of_u: tuple[Number, ...], of_v: tuple[Number, ...], shape: tuple[int, ...]) -> np.ndarray:
+    """Return the slopes of both coordinates as one array, shape (..., 2, directions)."""
     rows = [np.stack([np.broadcast_to(slope, shape) for slope in of], axis=-1) for of in (of_u, of_v)]
     return np.stack(rows, axis=-2)

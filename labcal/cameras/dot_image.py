@@ -5,7 +5,7 @@ and Kotowski 1999); lens distortion moves it further. Here both follow from the 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -61,11 +61,15 @@ def dot_images(camera: Camera, T_world_target: Pose, centres: Points, radii: np.
     centres : ndarray, shape (n, 3)
         Centres of the dots in the target's frame, mm; the discs lie parallel to its x-y plane.
     radii : ndarray, shape (n,)
-        Radii of the outer outlines, mm.
+        Radii of the outer outlines, mm; 0 for a place without extent, a corner: its centroid is its centre.
     """
-    return outlined_images(
+    images = outlined_images(
         lambda p: camera.project(transform(T_world_target, p)), centres, flat_outlines(centres, radii)
     )
+    if radii.all():
+        return images
+    centroid = np.where((radii == 0.0)[:, None], images.centre, images.centroid)
+    return replace(images, centroid=centroid)
 
 
 def outlined_images(

@@ -1,7 +1,7 @@
 """``labcal calibrate``: cameras from a hand-held target."""
 
 from argparse import Namespace
-from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.options import add_output, add_workers
@@ -10,7 +10,10 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.solve.handheld import HandheldCalibration
+    from labcal.solve.freed_dots import FreedDots
+    from labcal.solve.handheld import HandheldSettings
+
+DEFAULT_LENS = "brown5"
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -23,85 +26,99 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
-    parser.add_argument("--lens", default="brown5", metavar="MODEL", help="lens model (default %(default)s)")
+    parser.add_argument(
+        "--lens", metavar="MODEL", help=f"lens model (default {DEFAULT_LENS}, or that of --start)"
+    )
     add_output(parser, "rig.json", "cameras to write")
+    parser.add_argument(
+        "--free-dots",
+        action="store_true",
+        help="estimate where each dot is on the print, too, and write it to RIG-dots.json",
+    )
+    parser.add_argument("--start", type=Path, metavar="rig.json", help="cameras to start from")
+    parser.add_argument(
+        "--fix-intrinsics", action="store_true", help="keep the lenses of --start; find only the poses"
+    )
+    parser.add_argument(
+        "--overlay", type=Path, metavar="FILE.png", help="with --free-dots: how far dots are off, as arrows"
+    )
     add_workers(parser)
-
-
-@dataclass(frozen=True)
-class CameraResult:
-    """One camera in the JSON document of ``labcal calibrate``."""
-
-    rms_px: float
-    """Of this camera calibrated alone."""
-    rms_in_rig_px: float
-    K: list[list[float]]
-    lens: str
-    dist: list[float]
-    views: int
-    dots: int
-
-
-@dataclass(frozen=True)
-class CalibrateResult:
-    """The JSON document of ``labcal calibrate``."""
-
-    cameras: dict[str, CameraResult]
-    rms_px: float
-    epipolar_rms_px: float
-    skipped: list[str]
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import write_rig
+    from labcal.cli.calibrate_result import calibrate_result, calibrate_table
     from labcal.cli.detect import choose_target
     from labcal.cli.inputs import read_or_detect
+    from labcal.errors import InputError
+    from labcal.optim.solution import StopReason
     from labcal.run.outputs import refuse_existing
-    from labcal.solve.handheld import calibrate_handheld, require_handheld_lens
-    from labcal.workflow import epipolar_rms
+    from labcal.workflow import calibrate, epipolar_rms
 
-    refuse_existing(arguments.output, force=arguments.force)
-    require_handheld_lens(arguments.lens)
+    outputs = [arguments.output]
+    if arguments.free_dots:
+        outputs.append(_dots_path(arguments.output))
+    if arguments.overlay is not None:
+        if not arguments.free_dots:
+            raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
+        outputs.append(arguments.overlay)
+    for path in outputs:
+        refuse_existing(path, force=arguments.force)
+    settings = _settings(arguments)
+    lens = arguments.lens or _lens_of(settings)
     target = choose_target(arguments.target, [arguments.source])
     detections = read_or_detect(arguments.source, target, arguments.workers, session)
-    found = calibrate_handheld(detections, target, arguments.lens)
+    found = calibrate(detections, target, lens, settings)
     write_rig(arguments.output, found.rig, force=arguments.force)
+    if found.freed is not None:
+        _write_dots(arguments, found.freed)
     for reason in found.skipped:
         session.warn(f"left out {reason}")
-    result = _result(found, epipolar_rms(found.rig, detections))
-    session.emit(result, _table(result))
+    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
+        session.warn(f"the adjustment has not come to its end: {found.reason.value}")
+    result = calibrate_result(found, epipolar_rms(found.rig, detections, target))
+    session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
 
 
-def _result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateResult:
-    cameras = {
-        name: CameraResult(
-            rms_px=found.fits[name].rms_px,
-            rms_in_rig_px=found.fits[name].rms_in_rig_px,
-            K=[list(row) for row in record.K],
-            lens=record.lens,
-            dist=list(record.dist),
-            views=len(found.fits[name].views),
-            dots=found.fits[name].dots,
-        )
-        for name, record in found.rig.cameras.items()
-    }
-    return CalibrateResult(cameras, found.rms_px, epipolar_rms_px, list(found.skipped))
+def _settings(arguments: Namespace) -> "HandheldSettings":
+    """Return how to calibrate, and refuse a lens model or a rig that is of no use before any dot is found."""
+    from labcal.cameras.rig import read_rig
+    from labcal.errors import InputError
+    from labcal.solve.adjustment.state import Lenses
+    from labcal.solve.handheld import HandheldSettings, require_handheld_lens
+
+    if arguments.lens is not None:
+        require_handheld_lens(arguments.lens)
+    if arguments.fix_intrinsics and arguments.start is None:
+        raise InputError("--fix-intrinsics keeps the lenses of a rig. Name it: --start rig.json.")
+    return HandheldSettings(
+        lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
+        start=None if arguments.start is None else read_rig(arguments.start),
+        free_dots=arguments.free_dots,
+    )
 
 
-def _table(result: CalibrateResult) -> object:
-    from rich.table import Table
+def _lens_of(settings: "HandheldSettings") -> str:
+    """Return the lens model where none is named: that of the rig to start from, if all are alike."""
+    if settings.start is None:
+        return DEFAULT_LENS
+    lenses = {record.lens for record in settings.start.cameras.values()}
+    return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS
 
-    caption = f"rig: RMS {result.rms_px:.4f} px"
-    if len(result.cameras) > 1:
-        caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
-    table = Table("camera", "RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
-    table.caption = caption
-    for name, camera in result.cameras.items():
-        (fx, _, cx), (_, fy, cy), _ = camera.K
-        lens = f"{camera.lens} " + " ".join(f"{k:.5g}" for k in camera.dist)
-        rms = f"{camera.rms_px:.4f}, {camera.rms_in_rig_px:.4f}"
-        counts = (str(camera.views), str(camera.dots))
-        table.add_row(name, rms, f"{fx:.2f}, {fy:.2f}", f"{cx:.2f}, {cy:.2f}", lens, *counts)
-    return table
+
+def _dots_path(output: Path) -> Path:
+    return output.with_name(f"{output.stem}-dots.json")
+
+
+def _write_dots(arguments: Namespace, freed: "FreedDots") -> None:
+    """Write the places of the dots and, where wanted, the picture of them."""
+    from labcal.report.displacement_picture import draw_displacements
+    from labcal.run.outputs import write_file
+    from labcal.targets.places import DotPlaces, write_places
+
+    places = DotPlaces.of(freed.target, freed.place, freed.own_covariance, freed.pictures, freed.freed)
+    write_places(_dots_path(arguments.output), places, force=arguments.force)
+    if arguments.overlay is not None:
+        write_file(arguments.overlay, draw_displacements(freed), force=arguments.force)

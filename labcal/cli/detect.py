@@ -13,7 +13,7 @@ from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement
-    from labcal.targets.grid import DotGrid
+    from labcal.targets.catalogue import AnyTarget
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -49,6 +49,8 @@ class PictureResult:
     reason: str | None
     dots: int
     expected: int
+    numberings: int | None
+    """How many numberings fit as well, this one included: 1 where the dots are known for certain."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if arguments.overlay is not None:
         _write_overlays(arguments.overlay, measurements, target, force=arguments.force)
     result = _result(measurements, target)
+    if any((image.numberings or 1) > 1 for image in result.images):
+        session.warn(
+            f"'{target.name}' looks the same when it is turned: all cameras of a view agree on its dots, but "
+            "views may differ by such a turn. This does not matter to 'labcal calibrate'"
+        )
     if result.indexed == 0:
         session.emit(result, _table(result))
         session.warn(f"no picture has dots with ids, so {arguments.output} was not written")
@@ -89,7 +96,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     return ExitStatus.PARTIAL if result.refused else ExitStatus.DONE
 
 
-def choose_target(name: str | None, pictures: Sequence[str]) -> "DotGrid":
+def choose_target(name: str | None, pictures: Sequence[str]) -> "AnyTarget":
     """Return the target named, or that of the shoot.
 
     Raises
@@ -112,7 +119,7 @@ def choose_target(name: str | None, pictures: Sequence[str]) -> "DotGrid":
     )
 
 
-def _result(measurements: "list[Measurement]", target: "DotGrid") -> DetectResult:
+def _result(measurements: "list[Measurement]", target: "AnyTarget") -> DetectResult:
     images = [
         PictureResult(
             image=found.source.image,
@@ -120,6 +127,7 @@ def _result(measurements: "list[Measurement]", target: "DotGrid") -> DetectResul
             reason=found.reason,
             dots=0 if found.dots is None else int(found.dots.ok.sum()),
             expected=target.count,
+            numberings=None if found.dots is None or not found.indexed else 1 + len(found.dots.others),
         )
         for found in measurements
     ]
@@ -139,7 +147,7 @@ def _table(result: DetectResult) -> object:
 
 
 def _write_overlays(
-    folder: Path, measurements: "list[Measurement]", target: "DotGrid", *, force: bool
+    folder: Path, measurements: "list[Measurement]", target: "AnyTarget", *, force: bool
 ) -> None:
     from labcal.report.overlay import draw_overlay
     from labcal.run.outputs import unfinished_folder

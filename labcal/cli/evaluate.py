@@ -77,7 +77,7 @@ def _against_truth(errors: "TruthErrors") -> object:
         ("RMS", errors.rmse_mm),
         ("95th percentile", errors.p95_mm),
         ("greatest", errors.max_mm),
-        ("limit of triangulation (RMS)", errors.limit_mm),
+        ("limit of triangulation from two pictures alone (RMS)", errors.limit_mm),
     ):
         if not isnan(value):  # the limit, without detections
             table.add_row(name, f"{value:.4f}")

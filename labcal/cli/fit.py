@@ -12,6 +12,7 @@ from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.correspond.training import TrainingData
+    from labcal.solve.centre_bias import CentreBias
     from labcal.solve.fitted_model import FittedModel
 
 
@@ -58,6 +59,10 @@ class FitResult:
     """The JSON document of ``labcal fit``."""
 
     models: list[MethodResult]
+    centre_bias_px: "CentreBias | None"
+    """Centroid minus centre, which was taken off the training dots; null where it was not."""
+    centre_bias_kept: str | None
+    """Why it was not."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -68,7 +73,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.outputs import refuse_existing
     from labcal.shoot.dataset import open_shoot
     from labcal.solve.registry import make_estimator
-    from labcal.workflow import fit, training_data
+    from labcal.workflow import centred_training, fit, training_data
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):
@@ -83,13 +88,16 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         if arguments.detections is not None
         else read_or_detect(str(arguments.shoot), None, arguments.workers, session)
     )
-    data = training_data(shoot, detections)
+    training = centred_training(training_data(shoot, detections), shoot.target, shoot.nominal_poses())
+    data = training.data
+    if training.reason is not None:
+        session.say(f"centroids are taken as they are: {training.reason}")
     results, fitted = [], []
     for path, estimator in zip(paths, estimators, strict=True):
         if "random_state" in estimator.get_params():
             estimator.set_params(random_state=arguments.seed)
         try:
-            model = fit(data, estimator)
+            model = fit(data, estimator, training.cameras)
         except InputError as error:
             if len(names) == 1:
                 raise
@@ -99,7 +107,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         fitted.append((path, model))
         results.append(_fitted(model, data, path))
     _save_all(fitted, force=arguments.force)
-    result = FitResult(results)
+    result = FitResult(results, training.bias, training.reason)
     session.emit(result, _table(result))
     failed = sum(model.error is not None for model in results)
     if failed == len(results):
@@ -150,7 +158,11 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
 def _table(result: FitResult) -> object:
     from rich.table import Table
 
-    table = Table("method", "dots", "RMS on the trained dots [mm]", "epochs", "model")
+    caption = None
+    if result.centre_bias_px is not None:
+        bias = result.centre_bias_px
+        caption = f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
+    table = Table("method", "dots", "RMS on the trained dots [mm]", "epochs", "model", caption=caption)
     for model in result.models:
         epochs = "" if model.epochs is None else f"{model.epochs} ({model.stop_reason})"
         fate = model.error or str(model.file)

@@ -7,10 +7,10 @@ from labcal.cli.session import Session
 
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
-    from labcal.targets.grid import DotGrid
+    from labcal.targets.catalogue import AnyTarget
 
 
-def read_or_detect(source: str, target: "DotGrid | None", workers: int, session: Session) -> "Detections":
+def read_or_detect(source: str, target: "AnyTarget | None", workers: int, session: Session) -> "Detections":
     """Return the dots in a table, or find them in the pictures of a shoot.
 
     A shoot brings its own target where none is given. Pictures without ids are told as warnings.

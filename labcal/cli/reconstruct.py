@@ -3,11 +3,16 @@
 from argparse import Namespace
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labcal.cli.options import add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+
+if TYPE_CHECKING:
+    from labcal.solve.centre_bias import CentreBias
+    from labcal.targets.target import Target
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -22,6 +27,9 @@ def add_parser(commands: CommandGroup) -> None:
         "model", type=Path, metavar="MODEL-or-rig.json", help="from 'labcal fit' or 'labcal calibrate'"
     )
     parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
+    parser.add_argument(
+        "--target", metavar="NAME", help="what the dots are of, so that centroids give centres; a shoot tells"
+    )
     add_output(parser, "points.csv", "table of points to write")
     add_workers(parser)
 
@@ -33,23 +41,47 @@ class ReconstructResult:
     file: str
     n: int
     flags: dict[str, int]
+    centre_bias_px: "CentreBias | None"
+    """Centroid minus centre, which was taken off; null where it was not."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
     from collections import Counter
 
+    from labcal.cameras.rig import Rig
     from labcal.cli.inputs import read_or_detect
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, write_file
-    from labcal.solve.reconstruction import load_reconstructor, reconstruct_points
+    from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
 
     refuse_existing(arguments.output, force=arguments.force)
     model = load_reconstructor(arguments.model)
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
-    points = reconstruct_points(model, detections)
+    target = _target(arguments)
+    found = reconstruct_centres(model, detections, target)
+    points = found.points
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
-    session.emit(ReconstructResult(str(arguments.output), len(points), flags), f"{arguments.output}: {told}.")
+    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias)
+    if found.bias is not None:
+        told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
+    elif target is None and (isinstance(model, Rig) or model.resected is not None):
+        session.warn(
+            "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
+            "--target NAME"
+        )
+    session.emit(result, f"{arguments.output}: {told}.")
     return ExitStatus.DONE
+
+
+def _target(arguments: Namespace) -> "Target | None":
+    """Return the target that is named, or the shoot's, or None."""
+    from labcal.shoot.dataset import is_shoot, open_shoot
+    from labcal.targets.catalogue import load_target
+
+    if arguments.target is not None:
+        return load_target(arguments.target)
+    source = Path(arguments.source)
+    return open_shoot(source).target if is_shoot(source) else None

@@ -10,7 +10,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.targets.grid import DotGrid
+    from labcal.targets.catalogue import AnyTarget
 
 _NAME_HELP = "name of a target, or path of a YAML file"
 
@@ -44,7 +44,7 @@ def add_parser(commands: CommandGroup) -> None:
 class TargetList:
     """The JSON document of ``labcal target list``."""
 
-    targets: "list[DotGrid]"
+    targets: "list[AnyTarget]"
 
 
 @dataclass(frozen=True)
@@ -66,12 +66,19 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
 
     targets = [load_target(name) for name in target_names()]
     table = Table("target", "dots", "pitch [mm]", "dot [mm]", "what it is")
-    for grid in targets:
-        pitch = f"{grid.pitch_x_mm:.6g} x {grid.pitch_y_mm:.6g}"
-        dots = f"{grid.cols} x {grid.rows}"
-        table.add_row(grid.name, dots, pitch, f"{grid.dot_diameter_mm:g}", grid.description)
+    for target in targets:
+        table.add_row(target.name, f"{target.cols} x {target.rows}", *_sizes(target), target.description)
     session.emit(TargetList(targets), table)
     return ExitStatus.DONE
+
+
+def _sizes(target: "AnyTarget") -> tuple[str, str]:
+    """Return pitch and diameter for the table; a corner has none."""
+    from labcal.targets.grid import DotGrid
+
+    if isinstance(target, DotGrid):
+        return f"{target.pitch_x_mm:.6g} x {target.pitch_y_mm:.6g}", f"{target.dot_diameter_mm:g}"
+    return f"{target.square_mm:.6g} x {target.square_mm:.6g}", "corner"
 
 
 def run_show(arguments: Namespace, session: Session) -> ExitStatus:
@@ -80,14 +87,15 @@ def run_show(arguments: Namespace, session: Session) -> ExitStatus:
 
     from labcal.targets.catalogue import load_target
 
-    grid = load_target(arguments.target)
+    target = load_target(arguments.target)
     table = Table("key", "value")
-    for key, value in grid.model_dump(mode="json").items():
-        shown = (
-            ", ".join(f"{name} {place}" for name, place in value.items()) if key == "rings" else str(value)
+    for key, value in target.model_dump(mode="json").items():
+        parts = value.items() if isinstance(value, dict) else ()
+        shown = ", ".join(f"{name} {place}" for name, place in parts) or (
+            "none" if value is None else str(value)
         )
         table.add_row(key, shown)
-    session.emit(grid, table)
+    session.emit(target, table)
     return ExitStatus.DONE
 
 
@@ -96,10 +104,10 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.targets.artwork import export_artwork
     from labcal.targets.catalogue import load_target
 
-    grid = load_target(arguments.target)
-    artwork = export_artwork(grid, arguments.output, dpi=arguments.dpi, force=arguments.force)
+    target = load_target(arguments.target)
+    artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force)
     result = ExportedTarget(
-        target=grid.name,
+        target=target.name,
         file=str(arguments.output),
         width_mm=artwork.width_mm,
         height_mm=artwork.height_mm,

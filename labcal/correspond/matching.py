@@ -10,7 +10,7 @@ from labcal.arrays import Points, Pose
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
-from labcal.targets.grid import DotGrid
+from labcal.targets.target import Target
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def match(detections: Detections, cameras: Sequence[str]) -> Matches:
     )
 
 
-def require_on_target(detections: Detections, target: DotGrid) -> None:
+def require_on_target(detections: Detections, target: Target) -> None:
     """Raise where dots flagged ``ok`` are beyond the target, so that it is not the one in the pictures.
 
     Raises
@@ -102,13 +102,13 @@ def require_on_target(detections: Detections, target: DotGrid) -> None:
         )
 
 
-def stage_points(matches: Matches, target: DotGrid, T_world_target: Mapping[str, Pose]) -> Points:
+def stage_points(matches: Matches, target: Target, T_world_target: Mapping[str, Pose]) -> Points:
     """Return where the matched dots are in the world, from the target's pose in each view.
 
     Parameters
     ----------
     matches : Matches
-    target : DotGrid
+    target : Target
     T_world_target : mapping of str to ndarray of shape (4, 4)
         Pose of the target by view, mm.
 

@@ -8,12 +8,13 @@ import cv2
 
 from labcal.correspond.detections import Detections, gather
 from labcal.correspond.sources import Source
+from labcal.correspond.way_up import settle_way_up
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.errors import InputError, InputTypeError
 from labcal.run.progress import Progress
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Measurement:
         return self.reason is None
 
 
-def measure_picture(source: Source, target: DotGrid) -> Measurement:
+def measure_picture(source: Source, target: AnyTarget) -> Measurement:
     """Read and measure one picture; a file that cannot be read, or not be used, is a result with a reason."""
     try:
         dots = detect_dots(source.read(), target)
@@ -44,9 +45,13 @@ def measure_picture(source: Source, target: DotGrid) -> Measurement:
         if error.code != cv2.Error.StsNoMem:
             raise
         return Measurement(source, None, _too_large(source))
-    return Measurement(
-        source, dots, None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
-    )
+    return _measurement(source, dots)
+
+
+def _measurement(source: Source, dots: PictureDots) -> Measurement:
+    """Return what was found, with a reason where the picture is refused."""
+    reason = None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
+    return Measurement(source, dots, reason)
 
 
 def _too_large(source: Source) -> str:
@@ -54,15 +59,24 @@ def _too_large(source: Source) -> str:
 
 
 def measure_pictures(
-    sources: Sequence[Source], target: DotGrid, executor: Executor, progress: Progress
+    sources: Sequence[Source], target: AnyTarget, executor: Executor, progress: Progress
 ) -> list[Measurement]:
-    """Measure pictures, in the order of `sources` whatever the order of work."""
+    """Measure pictures, in the order of `sources` whatever the order of work.
+
+    Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.way_up`).
+    """
     progress.start("detecting dots", len(sources))
     found = []
     for measurement in executor.map(measure_picture, sources, [target] * len(sources)):
         found.append(measurement)
         progress.advance()
-    return found
+    readable = [measurement for measurement in found if measurement.dots is not None]
+    pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
+    settled = iter(settle_way_up([measurement.source for measurement in readable], pictures, target))
+    return [
+        measurement if measurement.dots is None else _measurement(measurement.source, next(settled))
+        for measurement in found
+    ]
 
 
 def detections_of(measurements: Sequence[Measurement]) -> Detections:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from labcal.arrays import Points
 from labcal.correspond.detections import Detections
@@ -22,6 +22,8 @@ class TrainingData:
     """Width and height of each camera's pictures, px."""
     view: np.ndarray
     """(n,) of str"""
+    index: Int64[np.ndarray, "n 2"]
+    """(col, row) of the dots."""
     X: Float64[np.ndarray, "n columns"]
     """Columns x1 y1 x2 y2 ..., px."""
     Y: Points
@@ -34,8 +36,8 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
     Raises
     ------
     InputError
-        The target was hand-held, a dot is not on the target, or no dot of a training view was measured by all
-        cameras.
+        The target was hand-held, it looks the same when it is turned, a dot is not on it, or no dot of a
+        training view was measured by all cameras.
     """
     poses = shoot.nominal_poses()
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in poses]
@@ -43,6 +45,11 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
         raise InputError(
             f"The target in {shoot.folder} was hand-held: no training view tells where it was, so there is "
             "nothing to fit to. Use 'labcal calibrate', or shoot the target on a stage."
+        )
+    if shoot.target.lookalikes(shoot.target.indices()[:1]):
+        raise InputError(
+            f"The target '{shoot.target.name}' looks the same when it is turned, so nothing tells which of "
+            "its dots is where on the stage. Use one with rings, or hold it and use 'labcal calibrate'."
         )
     require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)
@@ -55,6 +62,7 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
         cameras=shoot.cameras,
         image_sizes=tuple(detections.picture_size(name) for name in shoot.cameras),
         view=matches.view,
+        index=matches.index,
         X=matches.X,
         Y=stage_points(matches, shoot.target, poses),
     )

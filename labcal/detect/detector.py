@@ -6,16 +6,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
+from labcal.detect.charuco import detect_charuco
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import EdgeFits, fit_edges
 from labcal.detect.flags import DotFlag, Refusal
-from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
+from labcal.detect.flattening import NONE, Flattening, fisheyes
+from labcal.detect.grey import AnyPicture, GreyPicture, clipping, grey_picture
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.lost import lost_dots
+from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
+from labcal.detect.plain import goes_on, with_lookalikes
+from labcal.detect.prediction import Predictor
 from labcal.detect.probe import with_missed
-from labcal.detect.rings import Numbering, number_lattice
 from labcal.detect.smoothness import is_smooth
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
 
 _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
@@ -25,6 +31,11 @@ _DEPARTURE = (2.5, 0.012)
 _COARSE = 700  # px: the longer side of the level where the search begins
 _RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes are all larger
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
+_BLURRED = 0.6  # of the minor axis
+_ODD, _ODD_PX = 0.2, 0.5  # in the logarithm of an axis, and px
+_CLIPPED = 0.1
+_COMPLETE = 0.97  # of the spots that are as large as dots
+_CLIPPED_PICTURE = 0.5
 _ALIKE = 0.5  # in the logarithm of the radius
 
 
@@ -40,8 +51,8 @@ class _Dot:
     covariance: np.ndarray | None = None
 
 
-def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
-    """Find the target's dots in one picture.
+def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
+    """Find the target's dots, or the corners of a ChArUco board, in one picture.
 
     The target's polarity is tried first. Where that gives no ids the other one is tried, and taken only if it
     does.
@@ -50,7 +61,7 @@ def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
     ----------
     image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
         uint8, uint16 or float; colour in any order.
-    target : DotGrid
+    target : AnyTarget
         What to look for.
 
     Returns
@@ -64,6 +75,8 @@ def detect_dots(image: AnyPicture, target: DotGrid) -> PictureDots:
         `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
     """
     grey = grey_picture(image)
+    if isinstance(target, CharucoBoard):
+        return detect_charuco(grey, target)
     other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
     first = _detect(grey, target, target.polarity)
     if first.indexed:
@@ -79,18 +92,19 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
         grey = grey.max() - grey
     seen = _search(grey, target)
     if isinstance(seen.grid, Refusal):
-        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, seen.grid)
+        refusal = _cause(seen.grid, grey, seen.whole)
+        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, refusal)
     lattice, numbering = seen.grid
     lattice, outlines = with_missed(grey, lattice, numbering, seen.whole, target)
+    lost = lost_dots(lattice, outlines, seen.blobs, size, lambda node: target.holds(*numbering.index(node)))
+    if target.rings is None and goes_on(lost, numbering, target):
+        return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, Refusal.AMBIGUOUS)
     dots = _measured(grey, lattice, numbering, outlines, target)
-    dots += [
-        _Dot(numbering.index(lost.node), lost.flag, lost.seen_at, lost.outline)
-        for lost in lost_dots(lattice, outlines, seen.blobs, size)
-    ]
+    dots += [_Dot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
     named = set(lattice.spots.values())
     typical = float(np.median(outlines.radius[sorted(named)]))
     dots += [dot for dot in _unnamed(outlines.joined(seen.cut), named) if _alike(dot, typical)]
-    return _collect(_one_an_id(dots), size, polarity, None)
+    return with_lookalikes(_collect(_one_an_id(dots), size, polarity, None), target)
 
 
 @dataclass(frozen=True)
@@ -102,7 +116,7 @@ class _Seen:
     """Outlines in the frame, to which the lattice refers."""
     cut: Outlines
     """Outlines that reach beyond it."""
-    grid: tuple[Lattice, Numbering] | Refusal
+    grid: tuple[Lattice, AnyNumbering] | Refusal
 
 
 def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
@@ -115,9 +129,8 @@ def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
         outlines = trace_outlines(grey, blobs, target)
         inside = _inside_frame(outlines, (grey.shape[1], grey.shape[0]))
         whole = outlines.select(inside)
-        seen = _Seen(
-            blobs, whole, outlines.select(~inside), _choose(find_lattices(whole, target), whole, target)
-        )
+        grid = _find_grid(whole, target, (grey.shape[1], grey.shape[0]))
+        seen = _Seen(blobs, whole, outlines.select(~inside), grid)
         if finest == 0:
             return seen
         if not isinstance(seen.grid, Refusal):
@@ -128,6 +141,19 @@ def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
         found.insert(0, blobs_of(levels[finest]))
 
 
+def _cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines) -> Refusal:
+    """Return what is behind there being no dots or no grid, where the picture tells."""
+    if refusal not in (Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_GRID):
+        return refusal
+    low, high = clipping(grey)
+    clipped = np.count_nonzero(grey <= low) + np.count_nonzero(grey >= high)
+    if low < high and clipped > _CLIPPED_PICTURE * grey.size:
+        return Refusal.SATURATED
+    minor = np.sqrt(np.linalg.eigvalsh(outlines.shape)[:, 0])
+    blurred = len(minor) >= _FEWEST_DOTS and np.median(outlines.blur / minor) > _BLURRED
+    return Refusal.BLURRED if blurred else refusal
+
+
 def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
     """Tell which outlines lie in the frame as a whole."""
     extent = np.sqrt(np.diagonal(outlines.shape, axis1=1, axis2=2))
@@ -136,51 +162,93 @@ def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
     return inside
 
 
-def _choose(
-    lattices: list[Lattice], outlines: Outlines, target: DotGrid
-) -> tuple[Lattice, Numbering] | Refusal:
-    """Return the one lattice that carries the target's rings."""
+def _find_grid(
+    outlines: Outlines, target: DotGrid, size: tuple[int, int]
+) -> tuple[Lattice, AnyNumbering] | Refusal:
+    """Return the lattice that can be numbered, with the lens that shows most of it."""
+    best = _choose(outlines, target, NONE)
+    if len(outlines.centre) < _FEWEST_DOTS or _is_complete(best, outlines):
+        return best
+    for lens in fisheyes(size):
+        other = _choose(outlines, target, lens)
+        if not isinstance(other, Refusal) and (isinstance(best, Refusal) or len(other[0]) > len(best[0])):
+            best = other
+            if _is_complete(best, outlines):
+                break
+    return best
+
+
+def _is_complete(grid: tuple[Lattice, AnyNumbering] | Refusal, outlines: Outlines) -> bool:
+    """Tell whether a grid holds nearly every spot that is as large as its dots."""
+    if isinstance(grid, Refusal):
+        return False
+    radius = outlines.radius
+    known = radius[list(grid[0].spots.values())]
+    alike = (radius > 0.8 * known.min()) & (radius < 1.2 * known.max())
+    return len(known) >= _COMPLETE * int(alike.sum())
+
+
+def _choose(outlines: Outlines, target: DotGrid, lens: Flattening) -> tuple[Lattice, AnyNumbering] | Refusal:
+    """Return the one lattice that can be numbered in the picture of a lens."""
     if len(outlines.centre) == 0:
         return Refusal.NO_DOTS
     if len(outlines.centre) < _FEWEST_DOTS:
         return Refusal.TOO_FEW_DOTS
+    lattices, outlines = find_lattices(outlines, target, lens), lens.outlines(outlines)
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]
-    named = [(lattice, outcome) for lattice, outcome in outcomes if isinstance(outcome, Numbering)]
-    if len(named) > 1 or any(outcome is Refusal.AMBIGUOUS_RINGS for _, outcome in outcomes):
-        return Refusal.AMBIGUOUS_RINGS
-    if not named:
-        refusals = [outcome for _, outcome in outcomes if isinstance(outcome, Refusal)]
-        return Refusal.MIRRORED if Refusal.MIRRORED in refusals else Refusal.NO_RINGS
+    named = [(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
+    refusal = why_unnamed([outcome for _, outcome in outcomes], target)
+    if refusal is not None:
+        return refusal
     return named[0] if is_smooth(named[0][0], outlines.centre) else Refusal.GRID_INCONSISTENT
 
 
 def _measured(
-    grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
+    grey: GreyPicture, lattice: Lattice, numbering: AnyNumbering, outlines: Outlines, target: DotGrid
 ) -> list[_Dot]:
     """Return the dots of the lattice, fitted."""
-    hole = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    hole = target.hole_share
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
     spots = outlines.select(np.array([spot for _, spot in named]))
     holes = np.array([hole if index in target.ring_indices else 0.0 for index, _ in named])
     fits = fit_edges(grey, spots, holes, clear_reach(target))
     usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
-    clean = fits.ok & (fits.departure <= _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius)
-    return [
-        _named_dot(number, index, fits, target)
-        if clean[number]
-        else _Dot(index, DotFlag.BAD_FIT, spots.centre[number], spots.shape[number])
-        for number, (index, _) in enumerate(named)
-    ]
+    rough = fits.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius
+    rough |= _odd_shapes(lattice, outlines, fits, holes > 0, target)
+    minor = np.sqrt(np.linalg.eigvalsh(spots.shape)[:, 0])
+    dots = []
+    for number, (index, _) in enumerate(named):
+        seen_at, outline = spots.centre[number], spots.shape[number]
+        if spots.blur[number] > _BLURRED * minor[number]:
+            dots.append(_Dot(index, DotFlag.BLURRED, seen_at, outline))
+        elif fits.ok[number] and fits.clipped[number] > _CLIPPED:
+            dots.append(_Dot(index, DotFlag.SATURATED, seen_at, outline))
+        elif not fits.ok[number] or rough[number]:
+            dots.append(_Dot(index, DotFlag.BAD_FIT, seen_at, outline))
+        else:
+            flag = DotFlag.OK if target.holds(*index) else DotFlag.BEYOND_GRID
+            centre = fits.centre[number]
+            dots.append(_Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number]))
+    return dots
 
 
-def _named_dot(number: int, index: tuple[int, int], fits: EdgeFits, target: DotGrid) -> _Dot:
-    """Return a measured dot."""
-    inside = 0 <= index[0] < target.cols and 0 <= index[1] < target.rows
-    flag = DotFlag.OK if inside else DotFlag.BEYOND_GRID
-    centre = fits.centre[number]
-    return _Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number])
+def _odd_shapes(
+    lattice: Lattice, outlines: Outlines, fits: EdgeFits, ring: np.ndarray, target: DotGrid
+) -> np.ndarray:
+    """Tell which fitted outlines are another ellipse than the grid's steps make of a dot: hidden in part."""
+    spots = list(lattice.spots.values())
+    shape = outlines.shape.copy()
+    shape[spots] = np.where(fits.ok[:, None, None], fits.shape, shape[spots])
+    found = Predictor(lattice, replace(outlines, shape=shape)).shapes_in_steps()
+    found[ring] /= target.ring_size**2
+    usual = np.nanmedian(found, axis=0)
+    axes = np.sqrt(np.linalg.eigvals(np.linalg.solve(usual, np.nan_to_num(found, nan=1.0))).real)
+    minor = np.sqrt(np.linalg.eigvalsh(shape[spots])[:, 0])
+    odd: np.ndarray = np.isfinite(found[:, 0, 0])
+    odd &= np.abs(np.log(axes)).max(axis=1) > _ODD + _ODD_PX / minor
+    return odd
 
 
 def _unnamed(outlines: Outlines, named: set[int]) -> list[_Dot]:

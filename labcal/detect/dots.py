@@ -1,6 +1,6 @@
 """What detection finds in one picture: dots with positions, covariances, ids and flags."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Int
@@ -38,7 +38,11 @@ class PictureDots:
     seen_at : ndarray, shape (n, 2)
         Roughly where the dot is, px, also where it is not measured. For drawing only.
     outline : ndarray, shape (n, 2, 2)
-        Matrix S of the outer outline ``(q - c)' inv(S) (q - c) = 1``, px squared; NaN for cut dots.
+        Matrix S of the outer outline ``(q - c)' inv(S) (q - c) = 1``, px squared; NaN for cut dots and
+        corners.
+    others : tuple of ndarray of int, each of shape (n, 2)
+        `index` under every other numbering that fits the picture as well: one of a plain grid that looks the
+        same after half a turn, three of a square one; empty where the picture settles it.
     """
 
     size: tuple[int, int]
@@ -51,11 +55,37 @@ class PictureDots:
     flag: tuple[DotFlag, ...]
     seen_at: Pixels
     outline: PixelCovariances
+    others: tuple[Int[np.ndarray, "n 2"], ...] = ()
 
     @property
     def indexed(self) -> bool:
         """Whether dots of this picture have ids."""
         return self.refusal is None
+
+    def renumbered(self, which: int) -> "PictureDots":
+        """Return the dots under one of the other numberings, by its number in `others`."""
+        index, others = self.others[which], (self.index, *self.others[:which], *self.others[which + 1 :])
+        order = np.lexsort((np.where(self.has_id, index[:, 0], 0), index[:, 1], ~self.has_id))
+        order[self.has_id.sum() :] = np.flatnonzero(~self.has_id)
+        return PictureDots(
+            self.size, self.polarity, self.refusal, index[order], self.has_id[order], self.position[order],
+            self.covariance[order], tuple(self.flag[i] for i in order), self.seen_at[order],
+            self.outline[order], tuple(other[order] for other in others),
+        )  # fmt: skip
+
+    def refused(self, refusal: Refusal) -> "PictureDots":
+        """Return the dots without ids and positions, for a reason."""
+        n = len(self.flag)
+        return replace(
+            self,
+            refusal=refusal,
+            others=(),
+            index=np.zeros((n, 2), dtype=np.int64),
+            has_id=np.zeros(n, dtype=bool),
+            position=np.full((n, 2), np.nan),
+            covariance=np.full((n, 2, 2), np.nan),
+            flag=(DotFlag.NO_ID,) * n,
+        )
 
     @property
     def ok(self) -> Mask:

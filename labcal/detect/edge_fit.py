@@ -6,8 +6,18 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
-from labcal.detect.edge_kernel import COLUMNS, COVARIANCE, DEPARTURE, LAGS, SHADING, STATE, SUMS, fit_all
-from labcal.detect.grey import GreyPicture
+from labcal.detect.edge_kernel import (
+    CLIPPED,
+    COLUMNS,
+    COVARIANCE,
+    DEPARTURE,
+    LAGS,
+    SHADING,
+    STATE,
+    SUMS,
+    fit_all,
+)
+from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.noise import noise_factor
 from labcal.detect.outlines import Outlines, matrix_root
 
@@ -38,6 +48,8 @@ class EdgeFits:
         Root mean square distance of the outline from the ellipse over twelve sectors, px.
     shading : ndarray, shape (n, 6)
         Level of the board beside the edge and its slopes along the flattened x and y, then those of the dot.
+    clipped : ndarray, shape (n,)
+        How one-sidedly the picture clips the board beside the edge, or the dot, 0 to 1.
     noise_factor : float
         What tied noise made of the covariances.
     """
@@ -49,6 +61,7 @@ class EdgeFits:
     blur: Float64[np.ndarray, " n"]
     departure: Float64[np.ndarray, " n"]
     shading: Float64[np.ndarray, "n 6"]
+    clipped: Float64[np.ndarray, " n"]
     noise_factor: float
 
 
@@ -78,7 +91,7 @@ def fit_edges(grey: GreyPicture, spots: Outlines, hole: Float64[np.ndarray, " n"
     table[:, 5] = np.clip(spots.blur, _LEAST_BLUR, _MOST_BLUR * spots.radius)
     sums = np.zeros((LAGS, SUMS))
     every = max(1, -(-count // _SCATTERS))
-    ok = fit_all(grey, table, hole, reach, every, sums)
+    ok = fit_all(grey, table, hole, (reach, *clipping(grey)), every, sums)
     table[~ok] = np.nan
     factor = noise_factor(sums, int(ok[::every].sum()))
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
@@ -90,5 +103,6 @@ def fit_edges(grey: GreyPicture, spots: Outlines, hole: Float64[np.ndarray, " n"
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
         shading=table[:, STATE : STATE + SHADING],
+        clipped=table[:, CLIPPED],
         noise_factor=factor,
     )

@@ -14,8 +14,9 @@ from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 
 PARAMETERS, STATE, SHADING = 12, 6, 6
-COVARIANCE, DEPARTURE, VARIANCE, COLUMNS = 12, 15, 16, 17
-"""Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise."""
+COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, COLUMNS = 12, 15, 16, 17, 18
+"""Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
+and how one-sidedly the board or the dot is clipped (0 to 1)."""
 _CHUNK = 2048
 """Pixels that are linearised together."""
 _ROWS, _RESIDUAL, _BLURS_AWAY, _ALONG, _PLANES = 3, 15, 16, 17, 18
@@ -329,6 +330,32 @@ def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray) -> int:
 
 
 @compiled
+def _clipped(state: np.ndarray, pixels: np.ndarray, found: np.ndarray, low: float, high: float) -> float:
+    """Return how one-sidedly the board beside the edge, or the dot, is clipped: 0 not at all, at most 1.
+
+    An edge that is cut off all around keeps its centre; one that is cut off on one side does not.
+    """
+    sums, counts, cut_off = np.zeros((2, 2)), np.zeros(2), np.zeros(2)
+    for k in range(pixels.shape[1]):
+        if abs(found[1, k]) <= _CLUTTER_BLURS:
+            continue
+        inside = int(found[1, k] < 0.0)
+        counts[inside] += 1.0
+        if (pixels[2, k] <= low) if inside else (pixels[2, k] >= high):
+            dx, dy = pixels[0, k] - state[0], pixels[1, k] - state[1]
+            u, v = state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+            share = 1.0 / max(sqrt(u * u + v * v), _TINY)
+            sums[inside, 0] += u * share
+            sums[inside, 1] += v * share
+            cut_off[inside] += 1.0
+    # What noise cuts off lies to all sides, as far as chance has it.
+    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - 3.0 * sqrt(cut_off[0])) / max(counts[0], 1.0)
+    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - 3.0 * sqrt(cut_off[1])) / max(counts[1], 1.0)
+    one_sided: float = max(board, dot)
+    return one_sided
+
+
+@compiled
 def _add_scatter(pixels: np.ndarray, found: np.ndarray, sums: np.ndarray) -> None:
     """Add what one dot's residuals tell of the noise to `sums`, shape (LAGS, SUMS).
 
@@ -355,18 +382,24 @@ def _add_scatter(pixels: np.ndarray, found: np.ndarray, sums: np.ndarray) -> Non
 
 @compiled
 def fit_all(
-    grey: np.ndarray, table: np.ndarray, hole: np.ndarray, reach: float, every: int, sums: np.ndarray
+    grey: np.ndarray,
+    table: np.ndarray,
+    hole: np.ndarray,
+    limits: tuple[float, float, float],
+    every: int,
+    sums: np.ndarray,
 ) -> np.ndarray:
     """Fit dot after dot, from the states in `table` and into its rows; return which settled.
 
-    Into `sums` goes what every so-manieth dot tells of the noise.
+    The limits are the reach (radii), and the grey values at which the picture is clipped. Into `sums` goes
+    what every so-manieth dot tells of the noise.
     """
     ok = np.zeros(len(table), dtype=np.bool_)
     chunk, system = np.empty(_PLANES * _CHUNK), np.empty((PARAMETERS + 1, PARAMETERS))
     for number in range(len(table)):
         row, start = table[number], table[number].copy()
         radius = 1.0 / sqrt(start[2] * start[4] - start[3] * start[3])
-        pixels, found = _fit_one(grey, row, (hole[number], reach), chunk, system)
+        pixels, found = _fit_one(grey, row, (hole[number], limits[0]), chunk, system)
         moved = sqrt((row[0] - start[0]) ** 2 + (row[1] - start[1]) ** 2)
         if pixels.shape[1] == 0 or moved > 0.5 * radius or not _judge(row, pixels, found):
             continue
@@ -375,6 +408,7 @@ def fit_all(
             unit[i] = row[VARIANCE]
             solve(system, unit)
             row[COVARIANCE + 2 * i], row[COVARIANCE + 1] = unit[i], unit[1 - i]
+        row[CLIPPED] = _clipped(row, pixels, found, limits[1], limits[2])
         ok[number] = True
         if number % every == 0:
             _add_scatter(pixels, found, sums)

@@ -12,6 +12,12 @@ class DotFlag(StrEnum):
     """Measured, with an id, but printed beyond the declared grid."""
     CUT = "cut"
     """Cut by the frame: its centre of area is not in the picture, so it is not measured."""
+    HIDDEN = "hidden"
+    """Its place is in the picture, but there is no whole dot to be seen there: not measured."""
+    SATURATED = "saturated"
+    """Part of the board around it, or of the dot, is burnt out or black, which moves its edge."""
+    BLURRED = "blurred"
+    """Its edge is as wide as the dot: not measured."""
     BAD_FIT = "bad-fit"
     """In its place, but its outline is no clean ellipse (hidden in part, smeared): not measured."""
     NO_ID = "no-id"
@@ -23,6 +29,10 @@ class Refusal(StrEnum):
 
     NO_DOTS = "no-dots"
     """Nothing in the picture looks like a dot."""
+    SATURATED = "saturated"
+    """Half of the picture is burnt out or black, and there is no grid in the rest."""
+    BLURRED = "blurred"
+    """There are spots, but their edges are as wide as they are."""
     TOO_FEW_DOTS = "too-few-dots"
     """Fewer dots than the three rings and their neighbours need."""
     NO_GRID = "no-grid"
@@ -31,6 +41,12 @@ class Refusal(StrEnum):
     """There is a grid, but not the three rings in it at the target's steps."""
     AMBIGUOUS_RINGS = "ambiguous-rings"
     """The rings fit the target at more than one place."""
+    AMBIGUOUS = "ambiguous"
+    """The dots are all alike, and the grid fits the target at more than one place, or not exactly."""
+    NO_MARKERS = "no-markers"
+    """No marker of the target's dictionary is seen."""
+    OTHER_BOARD = "other-board"
+    """Markers are seen, but not where the target has them."""
     MIRRORED = "mirrored"
     """The rings fit the target only as in a mirror."""
     GRID_INCONSISTENT = "grid-inconsistent"
@@ -41,6 +57,14 @@ _ADVICE = {
     Refusal.NO_DOTS: (
         "No dots were found. Check that the target is in the picture, in focus and neither black nor "
         "burnt out; a dot should be at least 6 px across."
+    ),
+    Refusal.SATURATED: (
+        "Half of the picture is burnt out or black, and the rest shows no grid. Change the exposure time or "
+        "the light, so that the bare board is at three quarters of the range."
+    ),
+    Refusal.BLURRED: (
+        "Spots were found, but their edges are as wide as they are. Focus on the target, and let it be still "
+        "while the shutter is open."
     ),
     Refusal.TOO_FEW_DOTS: "Too few dots were found. Move the target so that more of it is in the frame.",
     Refusal.NO_GRID: (
@@ -54,6 +78,19 @@ _ADVICE = {
     Refusal.AMBIGUOUS_RINGS: (
         "The rings fit the target at more than one place. Show one target only, and remove what looks like a "
         "further ring (a reflection, a hole in a dot)."
+    ),
+    Refusal.AMBIGUOUS: (
+        "The dots are all alike, and it cannot be told which is which. Show the whole grid, with nothing "
+        "hidden at its edges and all cameras the same way up; check that the target named has as many "
+        "columns and rows as the print; or use a target with rings, of which a part is enough."
+    ),
+    Refusal.NO_MARKERS: (
+        "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
+        "that a marker is at least 15 px across, and that the target names the board's dictionary."
+    ),
+    Refusal.OTHER_BOARD: (
+        "Markers were found, but not in the places that the target gives them. Check its squares along x and "
+        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6."
     ),
     Refusal.MIRRORED: (
         "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "

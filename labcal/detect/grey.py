@@ -8,6 +8,7 @@ from labcal.errors import InputError, InputTypeError
 AnyPicture = Shaped[np.ndarray, "*shape"]
 """(h, w), or (h, w, 3 or 4), of uint8, uint16 or float; other kinds are refused with a message."""
 
+_CLIPPED_SHARE = 0.002
 GreyPicture = Float32[np.ndarray, "h w"]
 """Grey values in the unit of the picture they came from."""
 
@@ -43,3 +44,16 @@ def grey_picture(image: AnyPicture) -> GreyPicture:
     if not np.isfinite(grey).all():
         raise InputError("The picture holds values that are not finite. Replace NaN and infinity first.")
     return grey
+
+
+def clipping(grey: GreyPicture) -> tuple[float, float]:
+    """Return the grey values at and beyond which a picture is clipped, infinite where it is not.
+
+    A picture is clipped where many pixels share its least or its largest value.
+    """
+    if grey.size == 0:
+        return -np.inf, np.inf
+    low, high = float(grey.min()), float(grey.max())
+    few = _CLIPPED_SHARE * grey.size
+    black, burnt = np.count_nonzero(grey == low) > few, np.count_nonzero(grey == high) > few
+    return (low if black else -np.inf), (high if burnt else np.inf)

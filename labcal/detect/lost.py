@@ -1,5 +1,6 @@
 """Dots that are in the picture, and whose place in the grid is known, but that cannot be measured."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,11 +8,13 @@ import numpy as np
 from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines, mean_radius
+from labcal.detect.outlines import Outlines, inside_frame, mean_radius
+from labcal.detect.prediction import Predictor
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected
 _CUT_MISS = 0.35  # radii between a cut spot's box and the part of the predicted outline that is in the frame
+_SURE = 8  # neighbours that tell where a hidden dot must be
 _SIZE_TOLERANCE = 0.5  # in the logarithm of the radius
 
 
@@ -25,8 +28,14 @@ class LostDot:
     outline: np.ndarray
 
 
-def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[int, int]) -> list[LostDot]:
-    """Return the nodes beside the lattice that the frame cuts, or whose spot has no clean outline.
+def lost_dots(
+    lattice: Lattice,
+    outlines: Outlines,
+    blobs: Blobs,
+    size: tuple[int, int],
+    declared: Callable[[Node], bool],
+) -> list[LostDot]:
+    """Return the nodes beside the lattice that the frame cuts, that are hidden, or have no clean outline.
 
     Parameters
     ----------
@@ -36,24 +45,26 @@ def lost_dots(lattice: Lattice, outlines: Outlines, blobs: Blobs, size: tuple[in
         The rough spots of the picture, cut ones among them.
     size : tuple of int
         Width and height of the picture, px.
+    declared : callable
+        Tells whether a node belongs to the declared grid: only such ones can be hidden.
     """
-    beside = {(a + i, b + j) for a, b in lattice.spots for i in (-1, 0, 1) for j in (-1, 0, 1)}
-    taken, all_radii = outlines.centre[list(lattice.spots.values())], outlines.radius
+    span = (-1, 0, 1)
+    beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span}
+    taken = outlines.centre[list(lattice.spots.values())]
     rough = Blobs(blobs.centre[~blobs.cut], blobs.shape[~blobs.cut], blobs.cut[~blobs.cut])
     rough_radii = mean_radius(rough.shape)
     lost = []
-    for node in sorted(beside - lattice.spots.keys()):
-        prediction = lattice.predict(node, outlines.centre)
-        if prediction is None:
-            continue
-        near = lattice.around(node)
-        shape = np.median(outlines.shape[near], axis=0)
-        dot = _cut(node, prediction.position, shape, blobs, size)
+    expected = Predictor(lattice, outlines).predict(sorted(beside - lattice.spots.keys()))
+    for node, prediction in expected.items():
+        radius = float(np.linalg.det(prediction.outline)) ** 0.25
+        dot = _cut(node, prediction.position, prediction.outline, blobs, size)
         if dot is None:
-            dot = _unclean(node, prediction.position, float(np.median(all_radii[near])), rough, rough_radii)
-        if dot is None:
-            continue
-        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > float(np.median(all_radii[near])):
+            dot = _unclean(node, prediction.position, radius, rough, rough_radii)
+        if dot is None and declared(node) and prediction.neighbours >= _SURE:
+            position, outline = prediction.position, prediction.outline
+            if inside_frame(position, outline, size[::-1]):
+                dot = LostDot(node, DotFlag.HIDDEN, position, np.full((2, 2), np.nan))
+        if dot is not None and np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
             lost.append(dot)
     return lost
 

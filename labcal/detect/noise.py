@@ -10,7 +10,7 @@ _FEWEST = 500
 """Pixels: fewer tell nothing."""
 
 
-def noise_factor(sums: np.ndarray, dots: int) -> float:
+def noise_factor(sums: np.ndarray, dots: int, shadings: float = _SHADINGS) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
     Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation, pooled
@@ -24,12 +24,14 @@ def noise_factor(sums: np.ndarray, dots: int) -> float:
         of the fits' gradients.
     dots : int
         How many dots are in it.
+    shadings : float
+        How many of a fit's parameters are spent on the flat parts.
     """
     count, energy, weight = sums[REACH]
     if count < _FEWEST or energy <= 0:
         return 1.0
     # Residuals of a fit are tied a little even where the noise is not.
-    spent = _SHADINGS * dots / count
+    spent = shadings * dots / count
     correlation = sums[:, 1] / np.maximum(sums[:, 0], 1.0) / (energy / count) + spent
     correlation[REACH] = 1.0
     times = np.full(LAGS, 2.0)  # a pair up is the pair down the other way round

@@ -65,8 +65,8 @@ def mean_radius(shape: PixelCovariances) -> Float64[np.ndarray, " n"]:
 
 def clear_reach(target: DotGrid) -> float:
     """Return how far from a dot's centre, in radii, nothing but board surrounds it."""
-    radius = max(target.dot_diameter_mm, target.ring_outer_diameter_mm) / 2
-    gap = min(target.pitch_x_mm, target.pitch_y_mm) / radius - 2
+    radius = target.largest_diameter_mm / 2
+    gap = min(target.cell_mm) / radius - 2
     return 1 + 0.7 * gap
 
 
@@ -89,7 +89,7 @@ def trace_from(
     Rays are cast twice, the second time from the ellipse that the first time gave.
     """
     reach = min(_LONGEST_RAY, clear_reach(target))
-    hole_radius = target.ring_inner_diameter_mm / target.ring_outer_diameter_mm
+    hole_radius = target.hole_share
     which = np.arange(len(centre) if min(grey.shape) > 1 else 0)
     centre, shape = centre[which], shape[which]
     for step_px in _STEPS_PX:
@@ -109,3 +109,10 @@ def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
     scale = np.sqrt(trace + 2 * root)
     result: np.ndarray = (matrix + root[..., None, None] * np.eye(2)) / scale[..., None, None]
     return result
+
+
+def inside_frame(centre: np.ndarray, outline: np.ndarray, size: tuple[int, ...]) -> bool:
+    """Tell whether an outline lies in a picture of some height and width as a whole."""
+    extent = np.sqrt(np.diagonal(outline))
+    last = np.array(size[1::-1]) - 1.0
+    return bool((centre - extent > 0.0).all() and (centre + extent < last).all())

@@ -3,9 +3,10 @@
 import numpy as np
 
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice import Lattice, Node, typical_outline
-from labcal.detect.outlines import Outlines, mean_radius, trace_from
-from labcal.detect.rings import Numbering
+from labcal.detect.lattice import Lattice, Node
+from labcal.detect.numbering import AnyNumbering
+from labcal.detect.outlines import Outlines, inside_frame, mean_radius, trace_from
+from labcal.detect.prediction import Predictor
 from labcal.targets.grid import DotGrid
 
 _MISS = 0.12  # of a step between an outline and where it is expected
@@ -14,7 +15,7 @@ _ROUNDS = 20  # each goes a node farther
 
 
 def with_missed(
-    grey: GreyPicture, lattice: Lattice, numbering: Numbering, outlines: Outlines, target: DotGrid
+    grey: GreyPicture, lattice: Lattice, numbering: AnyNumbering, outlines: Outlines, target: DotGrid
 ) -> tuple[Lattice, Outlines]:
     """Return the lattice with further dots of the declared grid, and all outlines.
 
@@ -22,7 +23,7 @@ def with_missed(
     ----------
     grey : ndarray, shape (h, w)
     lattice : Lattice
-    numbering : Numbering
+    numbering : AnyNumbering
         Of the lattice.
     outlines : Outlines
         To which the lattice's spots refer; further ones are added at the end.
@@ -31,16 +32,15 @@ def with_missed(
     tried: set[Node] = set()
     for _ in range(_ROUNDS):
         nodes = [node for node in _beside(lattice, numbering, target) if node not in tried]
-        expected = [(node, found) for node in nodes if (found := lattice.predict(node, outlines.centre))]
+        expected = list(Predictor(lattice, outlines).predict(nodes).items())
+        expected = [pair for pair in expected if inside_frame(pair[1].position, pair[1].outline, grey.shape)]
         tried.update(nodes)
         if not expected:
             break
         centre = np.array([found.position for _, found in expected])
-        shape = np.array([typical_outline(lattice, node, outlines) for node, _ in expected])
-        inside = _inside(centre, shape, grey.shape)
-        expected = [pair for pair, keep in zip(expected, inside, strict=True) if keep]
-        seen, which = trace_from(grey, centre[inside], shape[inside], target)
-        size = np.abs(np.log(seen.radius / mean_radius(shape[inside][which])))
+        shape = np.array([found.outline for _, found in expected])
+        seen, which = trace_from(grey, centre, shape, target)
+        size = np.abs(np.log(seen.radius / mean_radius(shape[which])))
         known = outlines.centre[list(lattice.spots.values())]
         spots = dict(lattice.spots)
         for number, pick in enumerate(which):
@@ -51,25 +51,12 @@ def with_missed(
                 outlines = outlines.joined(seen.select(np.array([number])))
         if len(spots) == len(lattice):
             break
-        lattice = Lattice(spots)
+        lattice = Lattice(spots, lattice.flattening)
     return lattice, outlines
 
 
-def _beside(lattice: Lattice, numbering: Numbering, target: DotGrid) -> list[Node]:
+def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid) -> list[Node]:
     """Return the empty nodes of the declared grid next to the lattice's."""
     span = (-1, 0, 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()
-    within = []
-    for node in sorted(beside):
-        col, row = numbering.index(node)
-        if 0 <= col < target.cols and 0 <= row < target.rows:
-            within.append(node)
-    return within
-
-
-def _inside(centre: np.ndarray, shape: np.ndarray, size: tuple[int, ...]) -> np.ndarray:
-    """Tell which outlines lie in the frame as a whole."""
-    extent = np.sqrt(np.diagonal(shape, axis1=1, axis2=2))
-    last = np.array(size[::-1]) - 1.0
-    inside: np.ndarray = ((centre - extent > 0.0) & (centre + extent < last)).all(axis=1)
-    return inside
+    return [node for node in sorted(beside) if target.holds(*numbering.index(node))]

@@ -7,14 +7,16 @@ import numpy as np
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, matrix_root
-from labcal.targets.grid import DotGrid
+from labcal.detect.seeds import RING_HOLE
+from labcal.targets.grid import DotGrid, Rings
 
-_HOLE = 0.3  # of the step from dot to board: the middle of a ring is at least so bright
+_NO_HOLE = 0.15  # and of a full dot at most so bright
 _PITCH_TOLERANCE = 0.3  # in the logarithm of pitch_x over pitch_y
 
-_TURNS = tuple(
+TURNS = tuple(
     np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
 )
+"""The quarter turns of a grid seen from its front."""
 _MIRROR = np.array([[0, 1], [1, 0]])
 
 
@@ -33,46 +35,82 @@ class Numbering:
 
 def ring_nodes(lattice: Lattice, outlines: Outlines) -> set[Node]:
     """Return the nodes whose dot is bright in the middle."""
-    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > _HOLE}
+    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > RING_HOLE}
 
 
-def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Numbering | Refusal:
+def number_by_rings(
+    lattice: Lattice, outlines: Outlines, target: DotGrid, rings: Rings
+) -> Numbering | Refusal:
     """Find the one numbering that puts the target's three rings on rings of the lattice.
 
     Of the eight symmetries of a grid only the four quarter turns are possible, since a board is seen from its
-    front. All three rings must be seen.
+    front. Two rings do where the third is hidden, if every other way to number the grid by them would put a
+    ring where a full dot is seen.
 
     Returns
     -------
     Numbering or Refusal
         `NO_RINGS`, `MIRRORED` or `AMBIGUOUS_RINGS` where there is no numbering or more than one.
     """
-    rings = ring_nodes(lattice, outlines)
-    matches = [match for turn in _TURNS for match in _matches(turn, rings, target)]
-    matches = [match for match in matches if _pitches_agree(match.turn, lattice, outlines, target)]
+    seen = ring_nodes(lattice, outlines)
+    matches = [match for turn in TURNS for match in _matches(turn, seen, rings)]
+    matches = [match for match in matches if pitches_agree(match.turn, lattice, outlines, target)]
     if len(matches) == 1:
         return matches[0]
     if matches:
         return Refusal.AMBIGUOUS_RINGS
-    if any(_matches(turn @ _MIRROR, rings, target) for turn in _TURNS):
+    if any(_matches(turn @ _MIRROR, seen, rings) for turn in TURNS):
         return Refusal.MIRRORED
-    return Refusal.NO_RINGS
+    two = [match for turn in TURNS for match in _matches_of_two(turn, seen, lattice, target)]
+    full = {node for node, spot in lattice.spots.items() if outlines.hole[spot] < _NO_HOLE}
+    two = [match for match in two if _is_free_of_contradiction(match, seen, full, target)]
+    two = [match for match in two if pitches_agree(match.turn, lattice, outlines, target)]
+    return two[0] if len(two) == 1 else Refusal.NO_RINGS
 
 
-def _matches(turn: np.ndarray, rings: set[Node], target: DotGrid) -> list[Numbering]:
+def _matches(turn: np.ndarray, seen: set[Node], rings: Rings) -> list[Numbering]:
     """Return the numberings of one turn under which the target's rings are rings of the lattice."""
     back = turn.T  # orthogonal, so its inverse
-    x_leg = back @ np.array([target.rings.x_steps, 0])
-    y_leg = back @ np.array([0, target.rings.y_steps])
+    x_leg = back @ np.array([rings.x_steps, 0])
+    y_leg = back @ np.array([0, rings.y_steps])
     return [
-        Numbering(turn, np.array(target.rings.origin) - turn @ np.array(origin))
-        for origin in sorted(rings)
-        if (origin[0] + int(x_leg[0]), origin[1] + int(x_leg[1])) in rings
-        and (origin[0] + int(y_leg[0]), origin[1] + int(y_leg[1])) in rings
+        Numbering(turn, np.array(rings.origin) - turn @ np.array(origin))
+        for origin in sorted(seen)
+        if (origin[0] + int(x_leg[0]), origin[1] + int(x_leg[1])) in seen
+        and (origin[0] + int(y_leg[0]), origin[1] + int(y_leg[1])) in seen
     ]
 
 
-def _pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
+def _matches_of_two(turn: np.ndarray, seen: set[Node], lattice: Lattice, target: DotGrid) -> list[Numbering]:
+    """Return the numberings of one turn under which two of the target's rings are rings of the lattice."""
+    places = [np.array(ring) for ring in target.ring_indices]
+    found: dict[tuple[int, int], Numbering] = {}
+    for node in sorted(seen):
+        for place in places:
+            numbering = Numbering(turn, place - turn @ np.array(node))
+            there = sum(ring in seen for ring in _ring_places(numbering, target))
+            inside = all(target.holds(*numbering.index(other)) for other in lattice.spots)
+            if there == 2 and inside:  # noqa: PLR2004 - two of three
+                found[(int(numbering.shift[0]), int(numbering.shift[1]))] = numbering
+    return list(found.values())
+
+
+def _ring_places(numbering: Numbering, target: DotGrid) -> list[Node]:
+    """Return the nodes of the target's three rings."""
+    back = numbering.turn.T
+    nodes = [back @ (np.array(ring) - numbering.shift) for ring in target.ring_indices]
+    return [(int(node[0]), int(node[1])) for node in nodes]
+
+
+def _is_free_of_contradiction(
+    numbering: Numbering, seen: set[Node], full: set[Node], target: DotGrid
+) -> bool:
+    """Tell whether no ring is seen elsewhere, and no full dot where a ring should be."""
+    places = set(_ring_places(numbering, target))
+    return seen <= places and not (places & full)
+
+
+def pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
     """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio."""
     flatten = np.linalg.inv(matrix_root(outlines.shape))
     lengths: list[np.ndarray] = []

@@ -10,22 +10,29 @@ from labcal.targets.grid import DotGrid
 _NEAREST = 24  # spots looked at around a seed: two rings of neighbours
 _SHAPE_TOLERANCE = 0.35  # cosine of the angle, and logarithm of the ratio of the steps
 SEED_MISS = 0.15  # of a step
+_FEWEST = 7  # spots: a cross and three of its corners
+RING_HOLE = 0.3  # of the step from dot to board: the middle of a ring is at least so bright
 
 
 @dataclass(frozen=True)
 class Seed:
-    """A spot with the neighbours one step along both axes, and how badly the cross fits."""
+    """A spot with those around it, by their steps along both axes, and how badly the cross fits."""
 
-    middle: int
-    along: tuple[int, int]
+    spots: dict[tuple[int, int], int]
     misfit: float
+
+    @property
+    def middle(self) -> int:
+        """The spot that the seed is about."""
+        return self.spots[0, 0]
 
 
 def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Seed | None:
     """Return the smallest cross around spot i whose arms are square to each other on the board.
 
-    The dot's own ellipse says how the board is foreshortened there, so the angle and the ratio of the steps
-    are known without the pose.
+    The dots' own ellipses say how the board is foreshortened there, so the angle and the ratio of the steps
+    are known without the pose. A step is measured by the geometric mean of the ellipses at its ends, which
+    is right for any perspective along the step.
 
     Parameters
     ----------
@@ -37,18 +44,21 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     """
     distance = np.linalg.norm(outlines.centre[near] - outlines.centre[i], axis=1)
     near = near[np.argsort(distance, kind="stable")[:_NEAREST]]
-    if len(near) < 7:  # noqa: PLR2004 - a cross and three of its corners
+    if len(near) < _FEWEST:
         return None
-    flatten = np.linalg.inv(matrix_root(outlines.shape[i]))
-    arms = (outlines.centre[near] - outlines.centre[i]) @ flatten.T
-    length = np.linalg.norm(arms, axis=1)
-    balanced = _nearest_miss(-arms, arms) < SEED_MISS * length
-    present, near, arms, length = arms, near[balanced], arms[balanced], length[balanced]
+    flatten = np.linalg.inv(matrix_root(outlines.shape[np.append(near, i)]))
+    ring = outlines.hole[np.append(near, i)] > RING_HOLE
+    flatten[ring] *= target.ring_size
+    steps = outlines.centre[near] - outlines.centre[i]
+    present = np.einsum("nij,nj->ni", _geometric_mean(flatten[:-1], flatten[-1]), steps)
+    length = np.linalg.norm(present, axis=1)
+    balanced = _nearest_miss(-present, present) < SEED_MISS * length
+    kept, arms, length = near[balanced], present[balanced], length[balanced]
     if len(arms) < 4:  # noqa: PLR2004 - the arms of a cross
         return None
     cosine = np.abs(arms @ arms.T) / np.outer(length, length)
     ratio = np.log(length[:, None] / length[None, :])
-    expected = np.log(target.pitch_x_mm / target.pitch_y_mm)
+    expected = np.log(target.cell_mm[0] / target.cell_mm[1])
     square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
     opposite = _nearest_miss(-arms, present) / length
     corners = [
@@ -70,10 +80,32 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     first, second = np.unravel_index(int(smallest.argmin()), smallest.shape)
     if _is_coarse(arms[first], arms[second], present):
         return None
-    u, v = (outlines.centre[near[k]] - outlines.centre[i] for k in (first, second))
+    u, v = (outlines.centre[kept[k]] - outlines.centre[i] for k in (first, second))
     if u[0] * v[1] - u[1] * v[0] > 0:  # y is down in the picture and up on the board
         first, second = second, first
-    return Seed(i, (int(near[first]), int(near[second])), float(smallest.min()))
+    return Seed(_around(i, near, (arms[first], arms[second]), present), float(smallest.min()))
+
+
+def _geometric_mean(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Return the geometric means of positive symmetric 2 x 2 matrices (Bhatia 2007, chapter 4)."""
+    alpha, beta = (np.sqrt(np.linalg.det(M))[..., None, None] for M in (A, B))
+    total = A / alpha + B / beta
+    mean: np.ndarray = np.sqrt(alpha * beta / np.linalg.det(total)[..., None, None]) * total
+    return mean
+
+
+def _around(
+    i: int, near: np.ndarray, arms: tuple[np.ndarray, np.ndarray], present: np.ndarray
+) -> dict[tuple[int, int], int]:
+    """Return the spots of a cross and its corners, by their steps."""
+    spots = {(0, 0): i}
+    limit = SEED_MISS * min(float(np.linalg.norm(arm)) for arm in arms)
+    for a, b in ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
+        miss = np.linalg.norm(present - (a * arms[0] + b * arms[1]), axis=1)
+        nearest = int(miss.argmin())
+        if miss[nearest] < limit and int(near[nearest]) not in spots.values():
+            spots[a, b] = int(near[nearest])
+    return spots
 
 
 def _is_coarse(u: np.ndarray, v: np.ndarray, present: np.ndarray) -> bool:

@@ -7,7 +7,7 @@ from scipy.spatial.distance import pdist
 
 from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
-from labcal.targets.grid import DotGrid
+from labcal.targets.target import Target
 
 
 @dataclass(frozen=True)
@@ -33,13 +33,13 @@ class LengthErrors:
     """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
 
 
-def errors_of_lengths(points: ReconstructedPoints, target: DotGrid) -> LengthErrors:
+def errors_of_lengths(points: ReconstructedPoints, target: Target) -> LengthErrors:
     """Compare the distance of every two dots of a view with their distance on the target.
 
     Parameters
     ----------
     points : ReconstructedPoints
-    target : DotGrid
+    target : Target
         Its dots are taken as exactly placed.
 
     Raises

@@ -42,7 +42,12 @@ def make_gallery(folder: Path, seed: int, progress: Progress, *, force: bool = F
     """
     names = scene_names()
     progress.start("gallery", len(names))
-    lines = ["# The scenes that labcal ships", "", "Made by `labcal scene gallery -o docs/gallery`.", ""]
+    lines = [
+        "# The scenes that labcal ships",
+        "",
+        "Made by `labcal scene gallery -o docs/gallery --force`.",
+        "",
+    ]
     with unfinished_folder(folder, f"gallery {seed}", force=force) as working:
         for name in names:
             scene = load_scene(name)

@@ -15,10 +15,10 @@ class Linearization(Protocol[Produced_co]):
 
     @property
     def gradient_norm(self) -> float:
-        """Return the largest absolute component of J'r."""
+        """Return the largest absolute component of J'r, or another norm of it that the problem prefers."""
 
     def stepped(self, mu: float) -> Produced_co | None:
-        """Return the parameters after the step that solves (J'J + mu I) step = -J'r.
+        """Return the parameters after the step that solves (J'J + mu I) step = -J'r, in the problem's units.
 
         How the system is solved is the problem's own affair: dense, or by elimination of views. None means
         that it was not numerically positive definite at this damping.

@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.render.variant import Jit
 from labcal.scene.print import TruePrint
-from labcal.targets.grid import Polarity
+from labcal.targets.grid import Layout, Polarity
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,8 @@ class Ink:
         """Return where the print is the darker of its two colours."""
         target = self.made.target
         x, y = self.designed(uv)
-        col = dr.clip(dr.round(x / target.pitch_x_mm), 0, target.cols - 1)
-        row = dr.clip(dr.round(y / target.pitch_y_mm), 0, target.rows - 1)
-        dx, dy = x - col * target.pitch_x_mm, y - row * target.pitch_y_mm
+        col, row, shift = self._nearest(x, y)
+        dx, dy = x - shift - col * target.pitch_x_mm, y - row * target.pitch_y_mm
         if self.made.is_displaced:
             number = dr.uint32_array_t(x)(row * target.cols + col)
             dx -= dr.gather(type(x), self.offset_x, number)
@@ -44,10 +43,25 @@ class Ink:
         ring = dr.mask_t(x)(False)
         for ring_col, ring_row in target.ring_indices:
             ring |= (col == ring_col) & (row == ring_row)
-        outer = dr.select(ring, target.ring_outer_diameter_mm, target.dot_diameter_mm)
-        inner = dr.select(ring, target.ring_inner_diameter_mm, 0.0)
+        outer = dr.select(ring, target.ring_outer_diameter_mm or 0.0, target.dot_diameter_mm)
+        inner = dr.select(ring, target.ring_inner_diameter_mm or 0.0, 0.0)
         inked = (4.0 * r2 <= outer * outer) & (4.0 * r2 >= inner * inner)
         return inked if target.polarity is Polarity.BLACK_ON_WHITE else ~inked
+
+    def _nearest(self, x: Jit, y: Jit) -> tuple[Jit, Jit, Jit]:
+        """Return column and row of the dot nearest to a place of the design, and its row's shift in mm."""
+        target = self.made.target
+        if target.layout is Layout.SYMMETRIC:
+            col = dr.clip(dr.round(x / target.pitch_x_mm), 0, target.cols - 1)
+            row = dr.clip(dr.round(y / target.pitch_y_mm), 0, target.rows - 1)
+            return col, row, 0.0
+        # The dots' square grid stands on its corner: steps to the upper right and to the upper left.
+        across, up = x / target.pitch_x_mm, 0.5 * y / target.pitch_y_mm
+        right, left = dr.round(up + across), dr.round(up - across)
+        row = dr.clip(right + left, 0, target.rows - 1)
+        odd = row - 2.0 * dr.floor(0.5 * row)
+        col = dr.clip(0.5 * (right - left - odd), 0, target.cols - 1)
+        return dr.round(col), row, 0.5 * target.pitch_x_mm * odd
 
     def evenness(self, uv: Jit) -> Jit:
         """Return the factor by which the paper is darker or lighter in places, or 1 for even paper."""

@@ -7,7 +7,8 @@ from jaxtyping import UInt8
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.detect.grey import AnyPicture, grey_picture
-from labcal.targets.grid import DotGrid
+from labcal.targets.grid import DotGrid, GridIndex
+from labcal.targets.target import Target
 
 Colour = tuple[int, int, int]
 
@@ -16,16 +17,22 @@ _COLOURS: dict[DotFlag, Colour] = {
     DotFlag.OK: (40, 200, 60),
     DotFlag.BEYOND_GRID: (60, 150, 255),
     DotFlag.CUT: (255, 150, 0),
+    DotFlag.HIDDEN: (150, 150, 150),
+    DotFlag.SATURATED: (255, 255, 0),
+    DotFlag.BLURRED: (180, 90, 255),
     DotFlag.BAD_FIT: (255, 40, 40),
     DotFlag.NO_ID: (255, 60, 220),
 }
 _AXES: tuple[Colour, Colour] = ((255, 60, 60), (255, 220, 0))
+_UNCERTAINTY: Colour = (0, 230, 230)
+_ELLIPSE = 0.4  # of a dot's radius, wanted of the ellipse of its standard deviation
+_TIMES = [m * 10**k for k in range(6) for m in (1, 2, 5)]
 _SUBPIXEL = 4  # bits of cv2's fixed-point coordinates
 _LABEL_ROOM = 5.0  # label heights between labelled dots
 
 
-def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8[np.ndarray, "h w 3"]:
-    """Draw outlines, centres, ids, the rings' axes and the flags of unused dots over a picture.
+def draw_overlay(image: AnyPicture, dots: PictureDots, target: Target) -> UInt8[np.ndarray, "h w 3"]:
+    """Draw outlines, centres, ids, the target's axes and the flags of unused dots over a picture.
 
     Parameters
     ----------
@@ -33,8 +40,8 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8
         The picture the dots were found in.
     dots : PictureDots
         What was found.
-    target : DotGrid
-        Whose rings give the axes.
+    target : Target
+        Whose rings, or else whose outermost dots, give the axes.
 
     Returns
     -------
@@ -55,6 +62,7 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: DotGrid) -> UInt8
     thick = max(1, round(max(canvas.shape) / 1000))
     for i, flag in enumerate(dots.flag):
         _draw_dot(canvas, dots, i, _COLOURS[flag], thick)
+    _draw_uncertainty(canvas, dots, thick)
     _draw_axes(canvas, dots, target, 2 * thick)
     _draw_labels(canvas, dots, thick)
     if dots.refusal is not None:
@@ -100,22 +108,48 @@ def _draw_dot(canvas: np.ndarray, dots: PictureDots, i: int, colour: Colour, thi
         cv2.line(canvas, *ends, colour, thick, cv2.LINE_AA, _SUBPIXEL)
 
 
-def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: DotGrid, thick: int) -> None:
-    """Draw arrows from the origin ring to the x and the y ring."""
+def _draw_uncertainty(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:
+    """Draw the standard deviations of the positions as ellipses, magnified so that they can be seen."""
+    measured = np.isfinite(dots.covariance).all(axis=(1, 2)) & np.isfinite(dots.outline).all(axis=(1, 2))
+    if not measured.any():
+        return
+    variances, axes = np.linalg.eigh(dots.covariance[measured])
+    sigmas = np.sqrt(np.maximum(variances, 0.0))
+    radius = float(np.median(np.linalg.det(dots.outline[measured]) ** 0.25))
+    wanted = _ELLIPSE * radius / max(float(np.percentile(sigmas[:, 1], 75)), 1e-9)
+    times = int(max((k for k in _TIMES if k <= wanted), default=1))
+    for q, (minor, major), axis in zip(dots.position[measured], times * sigmas, axes, strict=True):
+        angle = float(np.degrees(np.arctan2(axis[1, 1], axis[0, 1])))
+        size = _fixed(np.array([major, minor]))
+        cv2.ellipse(canvas, _fixed(q), size, angle, 0, 360, _UNCERTAINTY, thick, cv2.LINE_AA, shift=_SUBPIXEL)
+    place = (10 * thick, canvas.shape[0] - 10 * thick)
+    _text(canvas, f"ellipses: standard deviation x {times}", place, 0.5 * thick, _UNCERTAINTY)
+
+
+def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: Target, thick: int) -> None:
+    """Draw arrows from the origin ring to the x and the y ring, or from corner to corner of the grid."""
     places = {
         tuple(index): q
         for index, q, known in zip(dots.index.tolist(), dots.seen_at, dots.has_id, strict=True)
         if known
     }
-    origin = places.get(target.rings.origin)
-    for ring, name, colour in zip((target.rings.x, target.rings.y), "xy", _AXES, strict=True):
-        end = places.get(ring)
+    start, *ends = _axis_ends(target)
+    origin = places.get(start)
+    for index, name, colour in zip(ends, "xy", _AXES, strict=True):
+        end = places.get(index)
         if origin is None or end is None:
             continue
         cv2.arrowedLine(canvas, _fixed(origin), _fixed(end), colour, thick, cv2.LINE_AA, _SUBPIXEL, 0.03)
         along = (end - origin) / max(float(np.linalg.norm(end - origin)), 1.0)
         beyond = end + 18 * thick * along
         _text(canvas, name, (int(beyond[0]), int(beyond[1])), 0.5 * thick, colour)
+
+
+def _axis_ends(target: Target) -> tuple[GridIndex, ...]:
+    """Return (col, row) of where the axes begin, of x's end and of y's end."""
+    if isinstance(target, DotGrid) and target.rings is not None:
+        return target.ring_indices
+    return ((0, 0), (target.cols - 1, 0), (0, target.rows - 1))
 
 
 def _draw_labels(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:

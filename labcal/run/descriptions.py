@@ -1,5 +1,6 @@
 """Descriptions in YAML, found by name among those shipped or by the path of one's own file."""
 
+import re
 from difflib import get_close_matches
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -8,6 +9,7 @@ from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.known_keys import keys_at
@@ -36,22 +38,56 @@ def explain_validation(error: ValidationError, model: type[BaseModel] | None = N
 
     Where `model` is given, the nearest key that it has at that place is offered for an unknown one.
     """
+    faults = error.errors(include_url=False)
     lines = []
-    for fault in error.errors(include_url=False):
+    for fault in faults:
+        within = [other for other in faults if other["loc"][: len(fault["loc"])] == fault["loc"]]
+        if fault["type"] == "too_short" and len(within) > 1:
+            continue  # it only counts what those within it left over
         where = ".".join(str(part) for part in fault["loc"]) or "the whole"
-        what = (
-            "this key is not known; " + _mend(fault["loc"], model)
-            if fault["type"] == "extra_forbidden"
-            else fault["msg"].removeprefix("Value error, ").rstrip(".")
-        )
-        lines.append(f"{where}: {what}")
+        lines.append(f"{where}: {_plainly(fault, model)}")
     return "; ".join(lines)
+
+
+def _plainly(fault: ErrorDetails, model: type[BaseModel] | None) -> str:
+    """Return what is wrong at one place, and how to mend it."""
+    context, given = fault.get("ctx", {}), fault["input"]
+    match fault["type"]:
+        case "extra_forbidden":
+            return "this key is not known; " + _mend(fault["loc"], model)
+        case "missing":
+            return "this key is missing"
+        case "literal_error" | "enum":
+            return _not_among(given, str(context["expected"]))
+        case "union_tag_invalid":
+            return _not_among(context["tag"], str(context["expected_tags"]))
+    for name, words in _BOUNDS.items():
+        if fault["type"] == name:
+            return f"{given!r} should be {words} {next(iter(context.values()))}"
+    return fault["msg"].removeprefix("Value error, ").rstrip(".")
+
+
+_BOUNDS = {
+    "greater_than": "more than",
+    "greater_than_equal": "at least",
+    "less_than": "less than",
+    "less_than_equal": "at most",
+}
+
+
+def _not_among(given: object, expected: str) -> str:
+    """Return that a word is none of those expected, with the nearest of them."""
+    nearest = get_close_matches(str(given), re.findall(r"'([^']*)'", expected), n=1, cutoff=0.5)
+    mend = f" (did you mean '{nearest[0]}'?)" if nearest else ""
+    return f"'{given}' is none of {expected}{mend}"
 
 
 def _mend(place: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
     """Return what to do about an unknown key."""
     known = [] if model is None else keys_at(model, place[:-1])
-    nearest = get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)
+    if place[-1] in known:
+        return "another kind has it, this one does not, so remove it"
+    nearest = get_close_matches(str(place[-1]), known, n=1, cutoff=0.6)
     return f"the nearest one is '{nearest[0]}'" if nearest else "remove it or check its spelling"
 
 
@@ -91,7 +127,8 @@ def description_content(kind: str, folder: str, name: str) -> dict[str, Any]:
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"The {kind} file {name} cannot be read: {error}") from error
+            why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            raise InputError(f"The {kind} file {name} cannot be read: {why}.") from error
         return parse_yaml(text, str(path))
     raise UnknownNameError(kind, name, description_names(folder))
 

@@ -35,9 +35,9 @@ def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
     InputError
         A picture is larger than 400 megapixels; a lens folds within its picture; a print does not fit on its
         board; a camera, a lamp or the target is under the floor or behind the wall, or a camera or a lamp
-        inside something solid; in some view the target is behind a camera, turned away from it, or a ring is
-        hidden or not wholly in its picture; no lamp shines on the target; the scene's mistake cannot be made;
-        or the target moves too fast.
+        inside something solid; in some view the target is behind a camera, turned away from it, or a ring (a
+        dot, where there are no rings) is hidden or not wholly in its picture; no lamp shines on the target;
+        the scene's mistake cannot be made; or the target moves too fast.
     """
     for name, description in scene.cameras.items():
         width, height = description.size
@@ -56,7 +56,7 @@ def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
         require_room(scene, view, cameras)
     for take in planned_takes(as_meant, views, seed).takes:
         _check_place(as_meant, take)
-        _check_rings(as_meant, made, take)
+        _check_key(as_meant, made, take)
     if not (brightest_board(scene, views) > 0.0).all():
         raise InputError(f"No lamp of the scene '{scene.name}' shines on the target. Turn one towards it.")
     built = built_scene(scene)
@@ -77,15 +77,16 @@ def _check_place(scene: Scene, take: Take) -> None:
         raise InputError(f"{where} camera '{name}' sees the back of the target. Move the camera above it.")
 
 
-def _check_rings(scene: Scene, made: TruePrint, take: Take) -> None:
-    """Raise unless the camera sees the three rings, if it needs to."""
+def _check_key(scene: Scene, made: TruePrint, take: Take) -> None:
+    """Raise unless the camera sees what the dots are numbered by, if it needs to: rings, else all dots."""
     if isinstance(scene.placement, Handheld) and not scene.placement.all_rings:
         return
     dots = true_dots(scene, made, take)
-    for col, row in scene.target.ring_indices:
+    kind = "dot" if scene.target.rings is None else "ring"
+    for col, row in scene.target.key_indices:
         number = row * scene.target.cols + col
         if not dots.visible[number]:
-            ring = f"In view '{take.view}' of the scene '{scene.name}' the ring at ({col}, {row})"
+            ring = f"In view '{take.view}' of the scene '{scene.name}' the {kind} at ({col}, {row})"
             name, eye = take.taken_by, take.device.centre
             body = what_hides(scene, made, take.track.T_world_target, eye, number)
             if body is not None:

@@ -47,15 +47,15 @@ class Shape:
     """(n, 3), of all dots."""
     dots: Float64[np.ndarray, "n few 3"]
     """On the outlines of all dots."""
-    rings: Float64[np.ndarray, "3 many 3"]
-    """On the outlines of the rings, of which nothing may be missed."""
+    key: Float64[np.ndarray, "key many 3"]
+    """On the outlines of the rings, of which nothing may be missed; of all dots where there are no rings."""
 
     @classmethod
     def of(cls, target: DotGrid) -> "Shape":
         """Return the shape of a target."""
         outlines = flat_outlines(target.points(), 0.5 * target.outer_diameters_mm())
-        rings = [row * target.cols + col for col, row in target.ring_indices]
-        return cls(target.points(), outlines[:, ::EVERY], outlines[rings])
+        key = [row * target.cols + col for col, row in target.key_indices]
+        return cls(target.points(), outlines[:, ::EVERY], outlines[key])
 
 
 def handheld_poses(scene: Scene, seed: int) -> list[Pose]:
@@ -146,7 +146,7 @@ def _seen(camera: Camera, T_world_target: Pose, shape: Shape, placement: Handhel
     """Return the centres of the dots that the camera sees whole; nothing where these are not enough."""
     if float((camera.centre - T_world_target[:3, 3]) @ T_world_target[:3, 2]) <= 0.0:
         return None
-    if placement.all_rings and not _inside(camera, T_world_target, shape.rings).all():
+    if placement.all_rings and not _inside(camera, T_world_target, shape.key).all():
         return None
     visible = _inside(camera, T_world_target, shape.dots).all(axis=-1)
     if visible.mean() < placement.visible_share:

@@ -55,7 +55,14 @@ class Scene(BaseModel):
     @field_validator("target", mode="before")
     @classmethod
     def _target_by_name(cls, value: object) -> object:
-        return load_target(value) if isinstance(value, str) else value
+        target = load_target(value) if isinstance(value, str) else value
+        kind = target.get("kind") if isinstance(target, dict) else getattr(target, "kind", None)
+        if kind is not None:
+            raise ValueError(
+                f"the laboratory prints grids of dots only, and the target is of the kind '{kind}': name "
+                "another one, such as plain-11x8"
+            )
+        return target
 
     @field_validator("mistake", mode="before")
     @classmethod

@@ -172,7 +172,7 @@ class Handheld(BaseModel):
     visible_share: Annotated[float, Field(gt=0, le=1)] = 0.6
     """Share of the dots that every camera must see whole."""
     all_rings: bool = True
-    """Whether every camera must see all three rings whole."""
+    """Whether every camera must see all three rings whole; all dots, where there are no rings."""
 
     @model_validator(mode="after")
     def _has_views(self) -> "Handheld":

@@ -12,7 +12,7 @@ from labcal.errors import InputError
 from labcal.rng import generator
 from labcal.scene.board import Board
 from labcal.scene.surface import Surface
-from labcal.targets.grid import DotGrid
+from labcal.targets.grid import DotGrid, Layout
 
 WAVES = 8
 """Plane waves that make up the unevenness of the paper."""
@@ -98,8 +98,11 @@ class TruePrint:
     def _require_room(self) -> None:
         """Raise unless every dot stays within its cell of the grid and on the board."""
         target = self.target
-        room = 0.5 * np.array([target.pitch_x_mm, target.pitch_y_mm])
-        reach = np.abs(self.dot_offsets()) + 0.5 * target.outer_diameters_mm()[:, None]
+        room = 0.5 * np.array(target.cell_mm)
+        offsets = self.dot_offsets()
+        if target.layout is Layout.ASYMMETRIC:  # cells stand on their corners
+            offsets = offsets @ np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0)
+        reach = np.abs(offsets) + 0.5 * target.outer_diameters_mm()[:, None]
         if (reach >= room).any():
             dot = target.indices()[np.argmax((reach / room).max(axis=1))]
             raise InputError(

@@ -10,7 +10,7 @@ from labcal.errors import InputError
 from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
 
 MANIFEST = "shoot.json"
 
@@ -23,7 +23,7 @@ class Shoot:
     manifest: Manifest
 
     @property
-    def target(self) -> DotGrid:
+    def target(self) -> AnyTarget:
         """The target that was shot."""
         return self.manifest.target
 

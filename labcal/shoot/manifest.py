@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.cameras.record import Matrix4Record
 from labcal.run.names import Name
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
 
 RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
 
@@ -48,7 +48,7 @@ class Manifest(BaseModel):
 
     format: Literal["labcal-shoot"] = "labcal-shoot"
     format_version: Literal[1] = 1
-    target: DotGrid
+    target: AnyTarget
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
     views: tuple[ViewEntry, ...]
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.solve.estimator import PointEstimator
 
@@ -57,6 +58,8 @@ class FittedModel:
         Width and height of each camera's pictures, px.
     box : TrainingBox
         What it was trained on.
+    resected : tuple of Camera, optional
+        Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
 
     Raises
     ------
@@ -68,6 +71,7 @@ class FittedModel:
     cameras: tuple[str, ...]
     image_sizes: tuple[tuple[int, int], ...]
     box: TrainingBox
+    resected: tuple[Camera, ...] | None = None
 
     def __post_init__(self) -> None:
         """Refuse parts that do not belong together."""
@@ -76,6 +80,11 @@ class FittedModel:
             raise InputError(
                 f"A model of {inputs} columns needs {inputs / 2:g} cameras with a picture size each, but got "
                 f"{len(self.cameras)} names and {len(self.image_sizes)} sizes."
+            )
+        if self.resected is not None and len(self.resected) != len(self.cameras):
+            raise InputError(
+                f"A model of {len(self.cameras)} cameras has {len(self.resected)} resected ones. "
+                "Fit it again."
             )
         if len(set(self.cameras)) < len(self.cameras):
             raise InputError(

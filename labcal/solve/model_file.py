@@ -11,6 +11,7 @@ import safetensors.numpy
 from pydantic import ValidationError
 from safetensors import SafetensorError, safe_open
 
+from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 from labcal.run.descriptions import explain_validation
 from labcal.run.outputs import write_file
@@ -93,6 +94,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
         image_sizes=model.image_sizes,
         planar=model.box.planar,
         digest="",
+        resected=None if model.resected is None else tuple(map(CameraRecord.of, model.resected)),
     ).signed(arrays)
     write_file(path, safetensors.numpy.save(arrays, {METADATA_KEY: header.text()}), force=force)
 
@@ -135,7 +137,8 @@ def load_model(path: Path) -> FittedModel:
         )
     box = _box(path, header, arrays)
     estimator = _estimator(path, header, arrays)
-    return FittedModel(estimator, header.cameras, header.image_sizes, box)
+    resected = None if header.resected is None else tuple(record.camera() for record in header.resected)
+    return FittedModel(estimator, header.cameras, header.image_sizes, box, resected)
 
 
 def _header(path: Path, text: str | None) -> ModelHeader:

@@ -7,6 +7,8 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from labcal.cameras.record import CameraRecord
+
 VERSION = 1
 """Version of the format that this program writes, and the newest that it reads."""
 
@@ -35,6 +37,8 @@ class ModelHeader(BaseModel):
         Width and height, px, of each camera.
     planar : bool
         Whether all points were trained at one Z; for readers other than this program.
+    resected : tuple of CameraRecord, optional
+        The cameras that tell what a centroid is off its dot's centre; left out where there are none.
     digest : str
         SHA-256 over this header, with an empty digest, and all arrays.
     """
@@ -52,10 +56,11 @@ class ModelHeader(BaseModel):
     image_sizes: tuple[tuple[int, int], ...]
     planar: bool
     digest: str
+    resected: tuple[CameraRecord, ...] | None = None
 
     def text(self) -> str:
         """Return the header as JSON, always the same for the same content."""
-        return json.dumps(self.model_dump(), sort_keys=True, allow_nan=False)
+        return json.dumps(self.model_dump(exclude_none=True), sort_keys=True, allow_nan=False)
 
     def signed(self, arrays: dict[str, np.ndarray]) -> "ModelHeader":
         """Return the header with the digest of itself and these arrays."""

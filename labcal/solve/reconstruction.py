@@ -1,5 +1,6 @@
 """Points in space from matched dots, by a fitted method or by a rig."""
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,10 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
+from labcal.solve.centre_bias import CentreBias, centred, shifts_of_matches
 from labcal.solve.fitted_model import FittedModel
 from labcal.solve.model_file import ModelKind, load_model, model_kind
+from labcal.targets.target import Target
 
 
 def load_reconstructor(path: Path) -> FittedModel | Rig:
@@ -25,7 +28,25 @@ def load_reconstructor(path: Path) -> FittedModel | Rig:
     return read_rig(path) if model_kind(path) is ModelKind.RIG else load_model(path)
 
 
-def reconstruct_points(model: FittedModel | Rig, detections: Detections) -> ReconstructedPoints:
+@dataclass(frozen=True)
+class Reconstruction:
+    """Points, and what was taken off the centroids that they come from."""
+
+    points: ReconstructedPoints
+    bias: CentreBias | None
+    """None where nothing was."""
+
+
+def reconstruct_points(
+    model: FittedModel | Rig, detections: Detections, target: Target | None = None
+) -> ReconstructedPoints:
+    """Return the points of :func:`reconstruct_centres`; without a target, of the centroids as they are."""
+    return reconstruct_centres(model, detections, target).points
+
+
+def reconstruct_centres(
+    model: FittedModel | Rig, detections: Detections, target: Target | None
+) -> Reconstruction:
     """Return the points of all dots that every camera of the model measured.
 
     Parameters
@@ -34,6 +55,10 @@ def reconstruct_points(model: FittedModel | Rig, detections: Detections) -> Reco
         A fitted method gives points in the stage's world and states no covariance; a rig triangulates, with
         covariances from the pixels', in its own world.
     detections : Detections
+    target : Target, optional
+        Where given, what centroids are off the images of centres is taken off: by the rig, or by the cameras
+        that a fitted method has where it was taught centres. The target's pose comes from the points that the
+        centroids give.
 
     Raises
     ------
@@ -46,9 +71,9 @@ def reconstruct_points(model: FittedModel | Rig, detections: Detections) -> Reco
         raise InputError(f"No dot was measured by all of the cameras {', '.join(cameras)} in the same view.")
     if isinstance(model, Rig):
         _require_sizes(detections, {name: record.size for name, record in model.cameras.items()})
-        return _by_rig(model, matches)
+        return _by_rig(model, matches, target)
     _require_sizes(detections, dict(zip(cameras, model.image_sizes, strict=True)))
-    return _by_method(model, matches)
+    return _by_method(model, matches, target)
 
 
 def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) -> None:
@@ -61,16 +86,26 @@ def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) ->
             )
 
 
-def _by_rig(rig: Rig, matches: Matches) -> ReconstructedPoints:
+def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction:
     if len(rig.cameras) == 1:
         raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
-    found = triangulate([rig.camera(name) for name in matches.cameras], matches.q, matches.covariance)
+    cameras, bias = [rig.camera(name) for name in matches.cameras], None
+    if target is not None:
+        matches, bias = centred(cameras, matches, target)
+    found = triangulate(cameras, matches.q, matches.covariance)
     flag = np.where(found.ok, PointFlag.OK.value, PointFlag.NO_SOLUTION.value)
-    return ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag)
+    return Reconstruction(
+        ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag), bias
+    )
 
 
-def _by_method(model: FittedModel, matches: Matches) -> ReconstructedPoints:
+def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> Reconstruction:
+    bias = None
+    if target is not None and model.resected is not None:
+        roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
+        shift = shifts_of_matches(model.resected, matches, roughly, target)
+        matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
     point = np.ascontiguousarray(model.estimator.predict(matches.X)[:, :3])
     flag = np.where(model.box.holds(point), PointFlag.OK.value, PointFlag.EXTRAPOLATED.value)
     covariance = np.full((len(point), 3, 3), np.nan)
-    return ReconstructedPoints(matches.view, matches.index, point, covariance, flag)
+    return Reconstruction(ReconstructedPoints(matches.view, matches.index, point, covariance, flag), bias)

@@ -20,7 +20,9 @@ from matplotlib.path import Path as Outline
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.machine import memory_bytes
 from labcal.run.outputs import refuse_existing, write_file
+from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
+from labcal.targets.shapes import printed_outlines
 from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out
 
 MM_PER_INCH = 25.4
@@ -57,12 +59,14 @@ class Artwork:
     dpi: int | None
 
 
-def export_artwork(grid: DotGrid, path: FilePath, *, dpi: int | None = None, force: bool = False) -> Artwork:
+def export_artwork(
+    target: AnyTarget, path: FilePath, *, dpi: int | None = None, force: bool = False
+) -> Artwork:
     """Write a target as a file to print; the ending of the name says which format.
 
     Parameters
     ----------
-    grid : DotGrid
+    target : AnyTarget
         The target.
     path : pathlib.Path
         The file, ending in ``.svg``, ``.pdf`` or ``.png``.
@@ -83,18 +87,18 @@ def export_artwork(grid: DotGrid, path: FilePath, *, dpi: int | None = None, for
     if kind not in set(ArtworkFormat):
         raise UnknownNameError("artwork format (the ending of the file's name)", kind, ArtworkFormat)
     refuse_existing(path, force=force)
-    artwork = draw_artwork(grid, ArtworkFormat(kind), dpi=dpi)
+    artwork = draw_artwork(target, ArtworkFormat(kind), dpi=dpi)
     write_file(path, artwork.content, force=force)
     return artwork
 
 
-def draw_artwork(grid: DotGrid, kind: ArtworkFormat, *, dpi: int | None = None) -> Artwork:
+def draw_artwork(target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = None) -> Artwork:
     """Return a target as the content of a file; see :func:`export_artwork`."""
     if kind is not ArtworkFormat.PNG and dpi is not None:
         raise InputError(
             f"A resolution (dpi) means nothing to {kind.upper()}, which has no pixels; leave it out."
         )
-    sheet = lay_out(grid)
+    sheet = lay_out(target)
     used_dpi = _resolution(sheet, dpi) if kind is ArtworkFormat.PNG else None
     width, height = _paper_size(sheet, used_dpi)
     resolution = used_dpi or POINTS_PER_INCH
@@ -107,7 +111,7 @@ def draw_artwork(grid: DotGrid, kind: ArtworkFormat, *, dpi: int | None = None) 
         axes.set_axis_off()
         axes.set_xlim(sheet.paper.x_min, sheet.paper.x_min + width)
         axes.set_ylim(sheet.paper.y_max - height, sheet.paper.y_max)
-        _draw_board(axes, grid, sheet)
+        _draw_board(axes, target, sheet)
         _draw_ruler(axes, sheet)
         _draw_captions(axes, sheet)
         buffer = io.BytesIO()
@@ -151,41 +155,22 @@ def _resolution(sheet: Sheet, dpi: int | None) -> int:
     return wanted
 
 
-def _draw_board(axes: Axes, grid: DotGrid, sheet: Sheet) -> None:
-    """Draw the dots on their ground, and marks outside the board's corners to cut along."""
+def _draw_board(axes: Axes, target: AnyTarget, sheet: Sheet) -> None:
+    """Draw the print on its ground, and marks outside the board's corners to cut along."""
     board = sheet.board
     dots = "black"
-    if grid.polarity is Polarity.WHITE_ON_BLACK:
+    if isinstance(target, DotGrid) and target.polarity is Polarity.WHITE_ON_BLACK:
         dots = "white"
         ground = RectanglePatch(
             (board.x_min, board.y_min), board.width, board.height, facecolor="black", linewidth=0, snap=False
         )
         axes.add_patch(ground)
-    axes.add_patch(PathPatch(dot_outlines(grid), facecolor=dots, linewidth=0, snap=False, gid="dots"))
+    axes.add_patch(PathPatch(printed_outlines(target), facecolor=dots, linewidth=0, snap=False, gid="dots"))
     near, far = 1.0, 4.0
     for x, outward in ((board.x_min, -1), (board.x_max, 1)):
         for y, upward in ((board.y_min, -1), (board.y_max, 1)):
             _line(axes, (x + near * outward, x + far * outward), (y, y))
             _line(axes, (x, x), (y + near * upward, y + far * upward))
-
-
-def dot_outlines(grid: DotGrid) -> Outline:
-    """Return the outlines of all dots as one path, in millimetres in the target's frame.
-
-    The hole of a ring runs the other way round, so that filling leaves it empty. A circle is matplotlib's,
-    eight cubic curves, true to 1e-5 of the radius.
-    """
-    circle = Outline.unit_circle()
-    vertices = np.asarray(circle.vertices)
-    # The last vertex belongs to "close" and has no place of its own.
-    reversed_vertices = np.concatenate([vertices[-2::-1], vertices[-1:]])
-    centres = grid.points()[:, :2]
-    radii = grid.outer_diameters_mm() / 2
-    outer = centres[:, None] + radii[:, None, None] * vertices
-    holes = [centres[row * grid.cols + col] for col, row in grid.ring_indices]
-    inner = np.stack(holes)[:, None] + grid.ring_inner_diameter_mm / 2 * reversed_vertices
-    circles = np.concatenate([outer, inner])
-    return Outline(circles.reshape(-1, 2), np.tile(np.asarray(circle.codes), len(circles)))
 
 
 def _draw_ruler(axes: Axes, sheet: Sheet) -> None:

@@ -1,9 +1,26 @@
 """Targets by name, or from a YAML file of one's own."""
 
-from labcal.run.descriptions import description_names, read_description
+from typing import Annotated
+
+from pydantic import Discriminator, Tag
+
+from labcal.run.descriptions import description_content, description_names, validate_description
+from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid
 
 FOLDER = "calib_targets"
+
+
+def _kind(value: object) -> str:
+    """Return which kind of target a description or an object is; grids of dots need not say so."""
+    is_charuco = isinstance(value, CharucoBoard) or (isinstance(value, dict) and "kind" in value)
+    return "charuco" if is_charuco else "dots"
+
+
+AnyTarget = Annotated[
+    Annotated[DotGrid, Tag("dots")] | Annotated[CharucoBoard, Tag("charuco")], Discriminator(_kind)
+]
+"""A target as it stands in a file: a ChArUco board has a `kind`, a grid of dots has none."""
 
 
 def target_names() -> list[str]:
@@ -11,7 +28,7 @@ def target_names() -> list[str]:
     return description_names(FOLDER)
 
 
-def load_target(name: str) -> DotGrid:
+def load_target(name: str) -> AnyTarget:
     """Return the target of that name.
 
     Parameters
@@ -26,4 +43,7 @@ def load_target(name: str) -> DotGrid:
     InputError
         The description cannot be read, or a key or value in it is not allowed.
     """
-    return read_description(DotGrid, "target", FOLDER, name)
+    content = description_content("target", FOLDER, name)
+    if _kind(content) == "charuco":
+        return validate_description(CharucoBoard, "target", name, content)
+    return validate_description(DotGrid, "target", name, content)

@@ -1,5 +1,6 @@
-"""The dot grid: where the dots are, how large, and which three of them are rings."""
+"""The dot grid: where the dots are, how large, and which of them, if any, are rings."""
 
+import math
 from enum import StrEnum
 from typing import Annotated
 
@@ -18,6 +19,15 @@ class Polarity(StrEnum):
 
     BLACK_ON_WHITE = "black-on-white"
     WHITE_ON_BLACK = "white-on-black"
+
+
+class Layout(StrEnum):
+    """How the rows lie to each other."""
+
+    SYMMETRIC = "symmetric"
+    """Column above column."""
+    ASYMMETRIC = "asymmetric"
+    """Every row with an odd number is shifted right by half a pitch, as in OpenCV's asymmetric grids."""
 
 
 class Rings(BaseModel):
@@ -52,38 +62,65 @@ class Rings(BaseModel):
 
 
 class DotGrid(BaseModel):
-    """A flat target with a rectangular grid of dots, three of them rings.
+    """A flat target with a grid of dots, three of them rings, or none.
 
     Dots are numbered (col, row) from 0, x to the right, y up, z out of the board; the centre of dot
     (0, 0) is the origin of the target's frame. Lengths are in millimetres.
+
+    In an asymmetric grid `pitch_x_mm` is from dot to dot of a row, and `pitch_y_mm`, from row to row, is half
+    of it, so that the dots also form a square grid that stands on its corner. With OpenCV's spacing s these
+    are 2 s and s.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
     description: str = ""
+    layout: Layout = Layout.SYMMETRIC
     cols: Annotated[int, Field(ge=2, le=1000)]
     rows: Annotated[int, Field(ge=2, le=1000)]
     pitch_x_mm: Length
     pitch_y_mm: Length
     dot_diameter_mm: Length
-    ring_outer_diameter_mm: Length
-    ring_inner_diameter_mm: Length
+    ring_outer_diameter_mm: Length | None = None
+    ring_inner_diameter_mm: Length | None = None
     polarity: Polarity = Polarity.BLACK_ON_WHITE
-    rings: Rings
+    rings: Rings | None
+    """None, which has to be said, where all dots are alike."""
     margin_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     """Bare board around the centres of the outermost dots."""
 
     @model_validator(mode="after")
     def _fits_together(self) -> "DotGrid":
-        if self.ring_inner_diameter_mm >= self.ring_outer_diameter_mm:
-            raise ValueError("ring_inner_diameter_mm must be smaller than ring_outer_diameter_mm")
-        if max(self.dot_diameter_mm, self.ring_outer_diameter_mm) >= min(self.pitch_x_mm, self.pitch_y_mm):
+        self._check_rings()
+        if self.layout is Layout.ASYMMETRIC and not math.isclose(self.pitch_x_mm, 2.0 * self.pitch_y_mm):
+            raise ValueError(
+                "the rows of an asymmetric grid are half a pitch_x_mm apart: pitch_y_mm should be "
+                f"{self.pitch_x_mm / 2.0:g}"
+            )
+        if self.largest_diameter_mm >= min(self.cell_mm):
             raise ValueError("dots and rings must be smaller than the pitch, or they touch")
+        return self
+
+    def _check_rings(self) -> None:
+        """Raise where the rings and their diameters do not belong together."""
+        outer, inner = self.ring_outer_diameter_mm, self.ring_inner_diameter_mm
+        if self.rings is None:
+            if outer is not None or inner is not None:
+                raise ValueError(
+                    "ring_outer_diameter_mm and ring_inner_diameter_mm mean nothing without rings: leave "
+                    "them out, or say where the rings are"
+                )
+            return
+        if self.layout is Layout.ASYMMETRIC:
+            raise ValueError("an asymmetric grid has no rings: set rings to null")
+        if outer is None or inner is None:
+            raise ValueError("rings need ring_outer_diameter_mm and ring_inner_diameter_mm")
+        if inner >= outer:
+            raise ValueError("ring_inner_diameter_mm must be smaller than ring_outer_diameter_mm")
         for ring in (self.rings.origin, self.rings.x, self.rings.y):
             if ring[0] >= self.cols or ring[1] >= self.rows:
                 raise ValueError(f"the ring at {ring} lies outside the {self.cols} x {self.rows} grid")
-        return self
 
     @property
     def count(self) -> int:
@@ -91,16 +128,54 @@ class DotGrid(BaseModel):
         return self.cols * self.rows
 
     @property
+    def largest_diameter_mm(self) -> float:
+        """Diameter of the largest dot or ring."""
+        return max(self.dot_diameter_mm, self.ring_outer_diameter_mm or 0.0)
+
+    @property
+    def ring_size(self) -> float:
+        """Diameter of the rings over that of the dots; 1 where there are no rings."""
+        return (self.ring_outer_diameter_mm or self.dot_diameter_mm) / self.dot_diameter_mm
+
+    @property
+    def hole_share(self) -> float:
+        """Diameter of the rings' holes over that of the rings; a half where there are no rings."""
+        if self.ring_outer_diameter_mm is None or self.ring_inner_diameter_mm is None:
+            return 0.5
+        return self.ring_inner_diameter_mm / self.ring_outer_diameter_mm
+
+    @property
+    def cell_mm(self) -> tuple[float, float]:
+        """The steps between nearest dots, square to each other; diagonal in an asymmetric grid."""
+        if self.layout is Layout.ASYMMETRIC:
+            return (math.sqrt(2.0) * self.pitch_y_mm, math.sqrt(2.0) * self.pitch_y_mm)
+        return (self.pitch_x_mm, self.pitch_y_mm)
+
+    @property
     def extent_mm(self) -> tuple[float, float, float, float]:
         """The board's edges ``(x_min, y_min, x_max, y_max)`` in the target's frame."""
-        x = (self.cols - 1) * self.pitch_x_mm + self.margin_mm
+        x = (self.cols - 1) * self.pitch_x_mm + self._row_shift_mm + self.margin_mm
         y = (self.rows - 1) * self.pitch_y_mm + self.margin_mm
         return (-self.margin_mm, -self.margin_mm, x, y)
 
     @property
-    def ring_indices(self) -> tuple[GridIndex, GridIndex, GridIndex]:
-        """The (col, row) of the origin, x and y rings."""
-        return (self.rings.origin, self.rings.x, self.rings.y)
+    def _row_shift_mm(self) -> float:
+        """How far rows with an odd number are shifted to the right."""
+        return 0.5 * self.pitch_x_mm if self.layout is Layout.ASYMMETRIC else 0.0
+
+    @property
+    def ring_indices(self) -> tuple[GridIndex, ...]:
+        """The (col, row) of the origin, x and y rings; none where all dots are alike."""
+        return () if self.rings is None else (self.rings.origin, self.rings.x, self.rings.y)
+
+    @property
+    def key_indices(self) -> tuple[GridIndex, ...]:
+        """The (col, row) of the dots that must be seen to number the others: the rings, else all dots."""
+        return self.ring_indices or tuple((col, row) for row in range(self.rows) for col in range(self.cols))
+
+    def holds(self, col: int, row: int) -> bool:
+        """Tell whether the declared grid has a dot of this index."""
+        return 0 <= col < self.cols and 0 <= row < self.rows
 
     def indices(self) -> DotIndices:
         """Return (col, row) of every dot, row by row from dot (0, 0), shape (count, 2), integer."""
@@ -121,8 +196,10 @@ class DotGrid(BaseModel):
             Millimetres, with z = 0.
         """
         wanted = self.indices() if indices is None else indices
-        pitch = np.array([self.pitch_x_mm, self.pitch_y_mm])
-        return np.concatenate([wanted * pitch, np.zeros((len(wanted), 1))], axis=-1)
+        places = np.zeros((len(wanted), 3))
+        places[:, :2] = wanted * np.array([self.pitch_x_mm, self.pitch_y_mm])
+        places[:, 0] += self._row_shift_mm * (wanted[:, 1] % 2)
+        return places
 
     def outer_diameters_mm(self) -> Lengths:
         """Return the diameter in mm of every dot's outer outline, in the order of :meth:`indices`."""
@@ -130,3 +207,32 @@ class DotGrid(BaseModel):
         for col, row in self.ring_indices:
             diameters[row * self.cols + col] = self.ring_outer_diameter_mm
         return diameters
+
+    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+        """Return what dots would be called if the whole target were turned so that it looks the same.
+
+        With rings it never does. All dots alike, a symmetric grid looks the same after half a turn, and a
+        square one after a quarter. An asymmetric one does after half a turn where it has an even number of
+        rows; with an odd number the first and the last row are both unshifted, and half a turn would shift
+        both, so that each way up is told from the other. No quarter turn takes it to itself: of a square that
+        holds it, one diagonal ends on dots and the other does not.
+
+        Parameters
+        ----------
+        indices : ndarray of int, shape (n, 2)
+            (col, row), also beyond the grid.
+
+        Returns
+        -------
+        tuple of ndarray
+            Nothing, one array, or three; each (n, 2).
+        """
+        if self.rings is not None or (self.layout is Layout.ASYMMETRIC and self.rows % 2 == 1):
+            return ()
+        last = np.array([self.cols - 1, self.rows - 1])
+        half = last - indices
+        is_square = self.cols == self.rows and math.isclose(self.pitch_x_mm, self.pitch_y_mm)
+        if self.layout is Layout.ASYMMETRIC or not is_square:
+            return (half,)
+        quarter = np.stack([last[1] - indices[:, 1], indices[:, 0]], axis=-1)
+        return (quarter, half, last - quarter)

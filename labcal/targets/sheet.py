@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.grid import DotGrid, Layout
 
 RULER_MM = 100.0
 """Length of the printed ruler, between the middles of its end lines."""
@@ -49,7 +50,7 @@ class Caption:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is on the paper, in the target's frame: millimetres, x right, y up, (0, 0) the dot (0, 0).
+    """What is on the paper, in the target's frame: millimetres, x right, y up, from dot (0, 0).
 
     Parameters
     ----------
@@ -70,14 +71,10 @@ class Sheet:
     captions: tuple[Caption, ...]
 
 
-def lay_out(grid: DotGrid) -> Sheet:
+def lay_out(target: AnyTarget) -> Sheet:
     """Return the sheet for a target; the board stands in the middle, the ruler and the captions below it."""
-    board = _board(grid)
-    lines = (
-        f"{grid.name}: {grid.cols} x {grid.rows} dots, {grid.polarity}",
-        f"pitch {grid.pitch_x_mm:.6g} mm x {grid.pitch_y_mm:.6g} mm, dots {grid.dot_diameter_mm:.6g} mm",
-        "print at 100 %, check the ruler; dot (0, 0) is at the lower left",
-    )
+    board = _board(target)
+    lines = _lines(target)
     text_width = _CAPTION_WIDTH_PER_LETTER * max(len(line) for line in lines)
     # Figures stand out by a few millimetres beyond both ends of the ruler, within the border.
     width = max(board.width, RULER_MM, text_width) + 2 * _BORDER
@@ -95,9 +92,28 @@ def lay_out(grid: DotGrid) -> Sheet:
     return Sheet(paper, board, (left, ruler_top), captions)
 
 
-def _board(grid: DotGrid) -> Rectangle:
+def _lines(target: AnyTarget) -> tuple[str, str, str]:
+    """Return the captions: what it is, how large, and how to print it."""
+    how = "print at 100 %, check the ruler; {} (0, 0) is at the lower left"
+    if isinstance(target, DotGrid):
+        dots = "dots in shifted rows" if target.layout is Layout.ASYMMETRIC else "dots"
+        pitch = f"{target.pitch_x_mm:.6g} mm x {target.pitch_y_mm:.6g} mm"
+        return (
+            f"{target.name}: {target.cols} x {target.rows} {dots}, {target.polarity}",
+            f"pitch {pitch}, dots {target.dot_diameter_mm:.6g} mm",
+            how.format("dot"),
+        )
+    pattern = f"{target.dictionary}, {target.pattern} pattern"
+    return (
+        f"{target.name}: {target.squares[0]} x {target.squares[1]} squares, {pattern}",
+        f"squares {target.square_mm:.6g} mm, markers {target.marker_mm:.6g} mm",
+        how.format("corner"),
+    )
+
+
+def _board(target: AnyTarget) -> Rectangle:
     """Return the target's extent, with a rim of half a radius at least around the outermost dots."""
-    radius = max(grid.dot_diameter_mm, grid.ring_outer_diameter_mm) / 2
-    grow = max(0.0, 1.5 * radius - grid.margin_mm)
-    x_min, y_min, x_max, y_max = grid.extent_mm
+    rim = 0.75 * target.largest_diameter_mm if isinstance(target, DotGrid) else 0.0
+    grow = max(0.0, rim - target.margin_mm)
+    x_min, y_min, x_max, y_max = target.extent_mm
     return Rectangle(x_min - grow, y_min - grow, x_max + grow, y_max + grow)

@@ -60,7 +60,7 @@ def copy(stage: Path, tmp_path: Path) -> Path:
         (["render", "webcam-plane", "-o", "x", "--set", "noise"], "key=value"),
         (
             ["render", "webcam-plane", "-o", "x", "--set", "photometry.read_noise_e=-1"],
-            "photometry.read_noise_e: Input should be greater than or equal to 0",
+            "should be at least 0",
         ),
         (["render", "webcam-plane", "-o", "x", "--set", "target=paper-13x11"], "Did you mean 'paper-13x10'?"),
         (

@@ -1,12 +1,14 @@
 """Dots as exactly known cameras see them, without a picture."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 
 import cv2
 import numpy as np
 import pytest
 
 from labcal.cameras.camera import Camera
+from labcal.cameras.dot_image import dot_images
 from labcal.correspond.detections import Detections
 from labcal.targets.grid import DotGrid
 
@@ -41,6 +43,38 @@ def _see(cameras: Mapping[str, Camera], target: DotGrid, poses: Mapping[str, np.
 def see() -> See:
     """Return what makes detections of a target at poses (by view) in cameras (by name)."""
     return _see
+
+
+def _centroids(cameras: Mapping[str, Camera], grid: DotGrid, poses: Mapping[str, np.ndarray]) -> Detections:
+    """Return what a perfect detector measures, centres of area, with a variance of 1e-4 px squared."""
+    parts = []
+    for view, T in poses.items():
+        for name, camera in cameras.items():
+            found = dot_images(camera, T, grid.points(), 0.5 * grid.outer_diameters_mm())
+            whole = found.ok & camera.in_picture(found.outline).all(axis=1)
+            n = grid.count
+            parts.append(
+                Detections(
+                    view=np.full(n, view),
+                    camera=np.full(n, name),
+                    image=np.full(n, "none.png"),
+                    size=np.tile(np.array(camera.size, dtype=np.int64), (n, 1)),
+                    index=grid.indices().astype(np.int64),
+                    has_id=np.ones(n, dtype=bool),
+                    position=found.centroid,
+                    covariance=np.tile(1e-4 * np.eye(2), (n, 1, 1)),
+                    flag=np.where(whole, "ok", "cut"),
+                )
+            )
+    return Detections(
+        *(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Detections))
+    )
+
+
+@pytest.fixture
+def centroids() -> See:
+    """Return what makes detections of centres of area, of the dots that are wholly in the picture."""
+    return _centroids
 
 
 @pytest.fixture

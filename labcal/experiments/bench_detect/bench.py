@@ -5,6 +5,7 @@ from pathlib import Path
 
 from labcal.errors import UnknownNameError
 from labcal.experiments.bench_detect.accuracy import accuracy_findings
+from labcal.experiments.bench_detect.bias import bias_checks
 from labcal.experiments.bench_detect.findings import Bench, Findings
 from labcal.experiments.bench_detect.hostile import hostile_findings
 from labcal.experiments.bench_detect.real import real_findings
@@ -20,6 +21,7 @@ GROUPS: dict[str, Callable[[Bench], Findings]] = {
     "suite": suite_findings,
     "accuracy": accuracy_findings,
     "real": real_findings,
+    "bias": lambda bench: Findings(bias_checks(bench.seed), []),
     "speed": speed_findings,
     "hostile": hostile_findings,
 }

@@ -1,6 +1,7 @@
 """Pictures that this project did not make, where they are at hand: photographs and renderings."""
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,15 +9,13 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
 from labcal.experiments.bench_detect.findings import Bench, Findings
+from labcal.experiments.bench_detect.freed import photo_checks, rendered_checks
 from labcal.report.bench import Check, at_most
 from labcal.run.progress import Progress
-from labcal.solve.handheld import calibrate_handheld
-from labcal.targets.catalogue import load_target
-from labcal.targets.grid import DotGrid
+from labcal.targets.catalogue import AnyTarget, load_target
 
 VARIABLE = "LABCAL_REAL_DATA"
 """Environment variable with the folder that holds the sets."""
-LENS = "brown-k1k2"
 PAIR = {"_0": "left", "_1": "right"}
 
 
@@ -29,14 +28,14 @@ class RealSet:
     endings: dict[str, str]
     """Camera by ending of the name; empty for one camera."""
     pictures: int
-    rms_px: float
-    """Limit of the reprojection error with a flat and perfect board."""
+    checks: Callable[[str, Detections, AnyTarget], list[Check]]
+    """What their dots are asked, by the name of the set."""
 
 
 SETS = (
-    RealSet("photos", "rings-10x8", PAIR, 14, 0.54),
-    RealSet("rendered_black", "rings-14x10", PAIR, 20, 0.009),
-    RealSet("rendered_white", "rings-14x10", {}, 5, 0.009),
+    RealSet("photos", "rings-10x8", PAIR, 14, photo_checks),
+    RealSet("rendered_black", "rings-14x10", PAIR, 20, rendered_checks),
+    RealSet("rendered_white", "rings-14x10", {}, 5, rendered_checks),
 )
 
 
@@ -54,11 +53,11 @@ def real_findings(bench: Bench) -> Findings:
         target = load_target(one.target)
         lost, found = _measured(one, Path(home), target, bench.progress)
         checks.append(at_most(f"{one.folder}: pictures not indexed, of {one.pictures}", lost, 0))
-        checks += set_checks(one, found, target)
+        checks += one.checks(one.folder, found, target)
     return Findings(checks, [])
 
 
-def _measured(one: RealSet, home: Path, target: DotGrid, progress: Progress) -> tuple[int, Detections]:
+def _measured(one: RealSet, home: Path, target: AnyTarget, progress: Progress) -> tuple[int, Detections]:
     """Return how many pictures of a set are missing or not indexed, and the dots of the others."""
     measurements = []
     for source in find_sources([str(home / one.folder)], one.endings):
@@ -66,12 +65,3 @@ def _measured(one: RealSet, home: Path, target: DotGrid, progress: Progress) -> 
         progress.advance()
     indexed = sum(found.indexed for found in measurements)
     return one.pictures - indexed, detections_of(measurements)
-
-
-def set_checks(one: RealSet, found: Detections, target: DotGrid) -> list[Check]:
-    """Return the reprojection error of every camera, calibrated alone with a flat and perfect board."""
-    fits = calibrate_handheld(found, target, LENS).fits
-    return [
-        at_most(f"{one.folder}: RMS of camera {camera} alone, px", fit.rms_px, one.rms_px)
-        for camera, fit in fits.items()
-    ]

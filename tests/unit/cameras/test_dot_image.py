@@ -89,3 +89,10 @@ def test_a_dot_that_is_imaged_in_part_is_none() -> None:
     assert np.isnan(found.centroid[1:]).all()
     assert np.isnan(found.outline[1:]).all()
     assert np.isfinite(found.centre[1]).all()  # its middle is still in front
+
+
+def test_a_place_without_extent_is_its_own_centroid() -> None:
+    camera = Camera(K, "brown5", np.array([-0.3, 0.1, 1e-3, -1e-3, 0.0]), np.eye(4), (640, 480))
+    found = dot_images(camera, tilted(40.0), CENTRES, RADII * [1.0, 0.0, 1.0, 0.0])
+    assert np.array_equal(found.centroid[[1, 3]], found.centre[[1, 3]])
+    assert (found.centroid[[0, 2]] != found.centre[[0, 2]]).any(axis=1).all()

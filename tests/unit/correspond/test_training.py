@@ -56,3 +56,15 @@ def test_what_teaches_nothing_is_refused(see: See, pair: Cameras, grid: DotGrid,
         training_data(shoot(grid, poses), exact.where(exact.camera == "left"))
     with pytest.raises(InputError, match="Name the target"):
         training_data(shoot(grid, poses), replace(exact, index=exact.index + 1))
+
+
+def test_a_target_that_looks_the_same_when_turned_teaches_nothing_on_a_stage(
+    see: See, pair: Cameras, grid: DotGrid, poses: Poses
+) -> None:
+    nothing = {"rings": None, "ring_outer_diameter_mm": None, "ring_inner_diameter_mm": None}
+    plain = DotGrid.model_validate(grid.model_dump() | nothing)
+    with pytest.raises(InputError, match=r"'small' looks the same when it is turned.*rings"):
+        training_data(shoot(plain, poses), see(pair, plain, poses))
+    changes = {"layout": "asymmetric", "rows": 5, "pitch_y_mm": 10.0}
+    leaning = DotGrid.model_validate(plain.model_dump() | changes)
+    assert len(training_data(shoot(leaning, poses), see(pair, leaning, poses)).X) == 6 * 25

@@ -95,8 +95,10 @@ class Board:
         front = xyz[:, 2] > 0
         x, y = (xyz[:, :2] / np.where(front, xyz[:, 2], 1)[:, None]).T
         tg = self.target
-        col, row = np.round(x / tg.pitch_x_mm), np.round(y / tg.pitch_y_mm)
-        off = np.hypot(x - col * tg.pitch_x_mm, y - row * tg.pitch_y_mm)
+        row = np.round(y / tg.pitch_y_mm)
+        shift = (row % 2) * tg.pitch_x_mm / 2 if tg.layout == "asymmetric" else 0.0
+        col = np.round((x - shift) / tg.pitch_x_mm)
+        off = np.hypot(x - shift - col * tg.pitch_x_mm, y - row * tg.pitch_y_mm)
         e = self.extra
         printed = front & (col >= -e) & (col < tg.cols + e) & (row >= -e) & (row < tg.rows + e)
         for c, r in self.missing:
@@ -105,9 +107,9 @@ class Board:
         for c, r in tg.ring_indices:
             ring |= (col == c) & (row == r)
         dark = off < tg.dot_diameter_mm / 2
-        dark = np.where(
-            ring, (off < tg.ring_outer_diameter_mm / 2) & (off > tg.ring_inner_diameter_mm / 2), dark
-        )
+        if tg.rings is not None:
+            inside = (off < tg.ring_outer_diameter_mm / 2) & (off > tg.ring_inner_diameter_mm / 2)
+            dark = np.where(ring, inside, dark)
         x0, y0, x1, y1 = tg.extent_mm
         grow = e * np.array([tg.pitch_x_mm, tg.pitch_y_mm])
         board = front & (x > x0 - grow[0]) & (x < x1 + grow[0]) & (y > y0 - grow[1]) & (y < y1 + grow[1])

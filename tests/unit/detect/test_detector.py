@@ -147,12 +147,61 @@ def test_a_mirrored_picture_is_refused(make_board: MakeBoard) -> None:
 def test_another_target_and_hidden_rings_are_refused(make_board: MakeBoard) -> None:
     board = make_board(TARGET, rotation=(10, 5, 3), **WHOLE)
     assert detect_dots(as_bytes(board.draw()), load_target("rings-14x10")).refusal is Refusal.NO_RINGS
-    hidden = replace(board, missing=frozenset({TARGET.rings.y}))
+    hidden = replace(board, missing=frozenset({TARGET.rings.x, TARGET.rings.y}))
     dots = detect_dots(as_bytes(hidden.draw()), TARGET)
     assert dots.refusal is Refusal.NO_RINGS
     assert not dots.has_id.any()
     assert len(dots.flag) > 100
     assert set(dots.flag) == {DotFlag.NO_ID}
+
+
+@pytest.mark.parametrize("ring", TARGET.ring_indices)
+@pytest.mark.parametrize("turn", [0, 100, 200])
+def test_two_rings_do_where_the_third_is_hidden(
+    make_board: MakeBoard, ring: tuple[int, int], turn: float
+) -> None:
+    board = make_board(
+        TARGET, rotation=(20, 5, turn), missing=frozenset({ring}), **WHOLE | {"size": (560, 560)}
+    )
+    dots = detect_dots(as_bytes(board.draw()), TARGET)
+    assert check(board, dots, 0.06) == 129
+    assert [tuple(i) for i, f in zip(dots.index.tolist(), dots.flag, strict=True) if f is DotFlag.HIDDEN] == [
+        ring
+    ]
+
+
+def test_two_rings_with_two_ways_to_number_are_refused(make_board: MakeBoard) -> None:
+    board = make_board(TARGET, rotation=(20, 5, 0), missing=frozenset({TARGET.rings.y}), **WHOLE)
+    picture = board.draw()
+    # Turned by half the other two rings want the third here; hide that dot as well.
+    other = (TARGET.rings.x[0], TARGET.rings.x[1] - TARGET.rings.y_steps)
+    x, y = (round(float(q)) for q in board.project(TARGET.points(np.array([other])))[0])
+    cv2.circle(picture, (x, y), 22, 190.0, -1)
+    dots = detect_dots(as_bytes(picture), TARGET)
+    shifted = (TARGET.rings.origin[0] + TARGET.rings.x[0], TARGET.rings.origin[1] * 2)
+    turned_fits = shifted[0] - (TARGET.cols - 1) >= 0
+    assert dots.refusal is (Refusal.NO_RINGS if turned_fits else None)
+
+
+def test_part_of_a_dots_surroundings_burnt_out_is_said(make_board: MakeBoard) -> None:
+    board = make_board(TARGET, rotation=(10, 5, 3), **WHOLE)
+    picture = board.draw()
+    x, y = board.centroid((6, 4))
+    column, line = np.meshgrid(np.arange(640), np.arange(480))
+    picture += 150.0 * np.exp(-((column - x - 12) ** 2 + (line - y) ** 2) / (2 * 60.0**2))
+    dots = detect_dots(as_bytes(picture), TARGET)
+    flags = {tuple(i): f for i, f in zip(dots.index.tolist(), dots.flag, strict=True)}
+    assert list(flags.values()).count(DotFlag.SATURATED) > 5
+    check(board, dots, 0.1)
+
+
+def test_a_blurred_and_a_burnt_out_picture_say_so(make_board: MakeBoard) -> None:
+    board = make_board(TARGET, rotation=(10, 5, 3), **WHOLE | {"noise": 0.3})
+    burnt = np.random.default_rng(3).normal(262.0, 10.0, (480, 640))
+    assert detect_dots(as_bytes(burnt), TARGET).refusal is Refusal.SATURATED
+    blurred = cv2.GaussianBlur(board.draw(), (0, 0), 9.0)
+    dots = detect_dots(as_bytes(blurred), TARGET)
+    assert dots.refusal is Refusal.BLURRED or set(dots.flag) & {DotFlag.BLURRED}
 
 
 def test_a_torn_board_gets_no_wrong_id(make_board: MakeBoard) -> None:

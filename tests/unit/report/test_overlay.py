@@ -40,3 +40,25 @@ def test_refused_and_tiny_pictures_are_drawn() -> None:
     for shape in ((1, 1), (60, 80)):
         picture = np.zeros(shape, np.float32)
         assert draw_overlay(picture, detect_dots(picture, TARGET), TARGET).shape == (*shape, 3)
+
+
+def test_the_axes_of_a_target_without_rings_run_along_its_edges() -> None:
+    target = load_target("charuco-12x9")
+    index = np.array([[0, 0], [10, 0], [0, 7]])
+    places = np.array([[50.0, 150.0], [250.0, 150.0], [50.0, 50.0]])
+    dots = PictureDots(
+        size=(300, 200),
+        polarity=Polarity.BLACK_ON_WHITE,
+        refusal=None,
+        index=index,
+        has_id=np.ones(3, dtype=bool),
+        position=places,
+        covariance=np.tile(np.eye(2), (3, 1, 1)),
+        flag=(DotFlag.OK,) * 3,
+        seen_at=places,
+        outline=np.full((3, 2, 2), np.nan),
+    )
+    canvas = draw_overlay(np.full((200, 300), 100, np.uint8), dots, target).astype(int)
+    along_x, along_y = canvas[150, 150], canvas[100, 50]
+    assert along_x[0] > 2 * along_x[2]  # red
+    assert min(along_y[:2]) > 2 * along_y[2]  # yellow

@@ -36,9 +36,11 @@ def test_a_file_of_ones_own_is_read_by_its_path(tmp_path: Path) -> None:
     ("old", "new", "said"),
     [
         ("cols: 10", "cols: 10\ncolour: red", "colour: this key is not known"),
-        ("cols: 10\n", "", "cols: Field required"),
+        ("cols: 10\n", "", "cols: this key is missing"),
         ("cols: 10", "cols: many", "cols: Input should be a valid integer"),
         ("pitch_x_mm: 3.5", "pitch_x_mm: .nan", "pitch_x_mm"),
+        ("pitch_x_mm: 3.5", "pitch_x_mm: -1", "pitch_x_mm: -1 should be more than 0"),
+        ("polarity: black-on-white", "polarity: black-on-whit", "(did you mean 'black-on-white'?)"),
         ("origin: [2, 2]", "origin: [2, 3]", "x ring must lie in the row"),
     ],
 )

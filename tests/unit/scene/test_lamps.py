@@ -37,8 +37,8 @@ def test_the_kind_picks_the_lamp_and_survives_yaml(lamp: str, kind: type) -> Non
         (f"{{{AIMED}, size_mm: [10, 10], radience: 1}}", "radiance"),
         (f"{{kind: ring, {AIMED}, inner_diameter_mm: 90, outer_diameter_mm: 90, radiance: 1}}", "smaller"),
         (f"{{kind: spot, {AIMED}, intensity: 1, cutoff_deg: 20, beam_deg: 20}}", "beam_deg must be smaller"),
-        (f"{{kind: spot, {AIMED}, intensity: 0, cutoff_deg: 20, beam_deg: 10}}", "greater than 0"),
-        ("{kind: ambient, radiance: -1}", "greater than 0"),
+        (f"{{kind: spot, {AIMED}, intensity: 0, cutoff_deg: 20, beam_deg: 10}}", "more than 0"),
+        ("{kind: ambient, radiance: -1}", "more than 0"),
         ("{kind: ambient}", "radiance"),
     ],
 )

@@ -117,5 +117,5 @@ def test_damage_is_refused(tmp_path: Path, pair: dict[str, Camera]) -> None:
     with pytest.raises(InputError, match="its first line should be view,camera"):
         read_true_dots(tmp_path)
     (tmp_path / "truth" / "truth.json").write_text("{}")
-    with pytest.raises(InputError, match=r"is not a truth.*cameras: Field required"):
+    with pytest.raises(InputError, match=r"is not a truth.*cameras: this key is missing"):
         read_truth(tmp_path)

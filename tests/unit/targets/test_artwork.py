@@ -50,20 +50,23 @@ def pdf_outlines(content: bytes) -> list[np.ndarray]:
     raise AssertionError("the PDF has no page with curves")
 
 
-@pytest.mark.parametrize("name", ["rings-10x8", "rings-14x10", "paper-13x10"])
+@pytest.mark.parametrize(
+    "name", ["rings-10x8", "rings-14x10", "paper-13x10", "plain-11x8", "asymmetric-4x11"]
+)
 @pytest.mark.parametrize(("kind", "outlines"), [("svg", svg_outlines), ("pdf", pdf_outlines)])
 def test_dots_and_rings_are_drawn_to_scale(kind: str, outlines, name: str) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001 - a function of this file
     target = load_target(name)
     centres, sizes = boxes(outlines(draw_artwork(target, ArtworkFormat(kind)).content))
-    assert len(centres) == target.count + 3  # the holes of the rings come last
+    assert len(centres) == target.count + len(target.ring_indices)  # the holes of the rings come last
     places = target.points()[:, :2]
     assert centres[: target.count] - centres[0] == pytest.approx(places - places[0], abs=1e-4)
     assert sizes[: target.count] == pytest.approx(
         np.repeat(target.outer_diameters_mm()[:, None], 2, axis=1), abs=1e-4
     )
-    rings = np.array(target.ring_indices) * [target.pitch_x_mm, target.pitch_y_mm]
+    rings = target.points(np.array(target.ring_indices, dtype=int).reshape(-1, 2))[:, :2]
     assert centres[target.count :] - centres[0] == pytest.approx(rings, abs=1e-4)
-    assert sizes[target.count :] == pytest.approx(target.ring_inner_diameter_mm, abs=1e-4)
+    holes = np.full((len(rings), 2), target.ring_inner_diameter_mm or 0.0)
+    assert sizes[target.count :] == pytest.approx(holes, abs=1e-4)
 
 
 def test_the_paper_says_its_size(grid: DotGrid) -> None:

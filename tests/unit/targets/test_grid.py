@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -66,3 +67,93 @@ def test_the_shipped_targets_are_those_of_the_specification() -> None:
         target = load_target(name)
         assert (target.count, target.pitch_x_mm, target.pitch_y_mm) == (count, pitch, pitch)
         assert target.ring_indices == (origin, x, y)
+
+
+def shape(target: DotGrid) -> set[tuple[float, float]]:
+    """Return the dots' places about the middle of all."""
+    places = target.points()[:, :2]
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    return {(round(x, 6), round(y, 6)) for x, y in (places - middle).tolist()}
+
+
+def without_rings(**changes: object) -> DotGrid:
+    plain: dict[str, Any] = {"name": "plain", "rings": None, "pitch_x_mm": 20.0, "dot_diameter_mm": 8.0}
+    return DotGrid.model_validate(plain | {"cols": 5, "rows": 4, "pitch_y_mm": 20.0} | changes)
+
+
+def asymmetric(cols: int, rows: int) -> DotGrid:
+    return without_rings(layout="asymmetric", cols=cols, rows=rows, pitch_y_mm=10.0)
+
+
+def test_rows_with_an_odd_number_are_shifted_as_by_opencv() -> None:
+    # cv2: the circle (j, i) of an asymmetric grid is at ((2 j + i % 2) s, i s).
+    target = load_target("asymmetric-4x11")
+    expected = [[(2 * j + i % 2) * 20.0, i * 20.0, 0.0] for i in range(11) for j in range(4)]
+    assert np.array_equal(target.points(), expected)
+    assert np.array_equal(target.points(np.array([[0, -1], [-1, 12]])), [[20.0, -20.0, 0], [-40.0, 240.0, 0]])
+    assert target.extent_mm == (-20.0, -20.0, 160.0, 220.0)
+    distances = np.linalg.norm(target.points()[:, None] - target.points()[None], axis=-1)
+    assert np.sort(distances, axis=1)[:, 1] == pytest.approx(target.cell_mm[0])
+
+
+@pytest.mark.parametrize("cols", [2, 3, 4, 5])
+@pytest.mark.parametrize("rows", [2, 3, 4, 5, 8, 10])
+@pytest.mark.parametrize("make", [asymmetric, lambda cols, rows: without_rings(cols=cols, rows=rows)])
+def test_lookalikes_are_all_turns_after_which_a_grid_looks_the_same(
+    make: Callable[[int, int], DotGrid], cols: int, rows: int
+) -> None:
+    target = make(cols, rows)
+    places = shape(target)
+    turns = [
+        turn
+        for turn in ([[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
+        if {
+            (round(x, 6) + 0.0, round(y, 6) + 0.0)
+            for x, y in (np.array(list(places)) @ np.array(turn).T).tolist()
+        }
+        == places
+    ]
+    found = target.lookalikes(target.indices())
+    assert len(found) == len(turns)
+    middle = (target.points().min(axis=0) + target.points().max(axis=0))[:2] / 2
+    for index, turn in zip(found, turns, strict=True):
+        moved = (target.points()[:, :2] - middle) @ np.array(turn).T + middle
+        np.testing.assert_allclose(target.points(index)[:, :2], moved, atol=1e-9)
+
+
+def test_with_rings_nothing_looks_the_same(grid: DotGrid) -> None:
+    assert grid.lookalikes(grid.indices()) == ()
+    assert grid.key_indices == grid.ring_indices
+    assert len(without_rings().key_indices) == 20
+
+
+def test_unequal_pitches_leave_half_a_turn() -> None:
+    target = without_rings(cols=4, pitch_y_mm=21.0)
+    (half,) = target.lookalikes(np.array([[0, 1], [-1, 5]]))
+    assert np.array_equal(half, [[3, 2], [4, -2]])
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"layout": "asymmetric"}, "pitch_y_mm should be 10"),
+        ({"layout": "asymmetric", "pitch_y_mm": 10.0, "dot_diameter_mm": 14.2}, "smaller than the pitch"),
+        ({"ring_outer_diameter_mm": 8.0}, "mean nothing without rings"),
+        ({"rings": {"origin": (0, 0), "x": (1, 0), "y": (0, 1)}}, "rings need ring_outer_diameter_mm"),
+    ],
+)
+def test_grids_without_rings_are_checked(changes: dict[str, object], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        without_rings(**changes)
+
+
+def test_an_asymmetric_grid_has_no_rings(grid: DotGrid) -> None:
+    with pytest.raises(ValidationError, match="set rings to null"):
+        DotGrid.model_validate(grid.model_dump() | {"layout": "asymmetric", "pitch_y_mm": 10.0})
+
+
+def test_rings_are_left_out_on_purpose_only(grid: DotGrid) -> None:
+    content = grid.model_dump()
+    del content["rings"]
+    with pytest.raises(ValidationError, match="Field required"):
+        DotGrid.model_validate(content)

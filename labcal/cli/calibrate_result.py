@@ -1,0 +1,137 @@
+"""What ``labcal calibrate`` tells: the JSON document, and the same for people."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from labcal.evaluate.print_shape import PrintShape
+    from labcal.solve.calibration import HandheldCalibration
+    from labcal.solve.centre_bias import CentreBias
+    from labcal.solve.freed_dots import FreedDots
+
+
+@dataclass(frozen=True)
+class SigmaResult:
+    """Standard deviations of a camera's numbers in the rig; null where the views leave one open."""
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    dist: list[float]
+    rotation_rad: list[float]
+    translation_mm: list[float]
+
+
+@dataclass(frozen=True)
+class CameraResult:
+    """One camera in the JSON document of ``labcal calibrate``."""
+
+    rms_px: float
+    """Of this camera calibrated alone."""
+    rms_in_rig_px: float
+    K: list[list[float]]
+    lens: str
+    dist: list[float]
+    views: int
+    dots: int
+    sigma: SigmaResult
+    scatter_px: float
+    """Of this camera alone: what dots scatter along each axis beyond their covariances."""
+
+
+@dataclass(frozen=True)
+class FreeDotsResult:
+    """The print in the JSON document of ``labcal calibrate --free-dots``."""
+
+    shape: "PrintShape"
+    """As all cameras together find it."""
+    agreement: list[float] | None
+    """Correlation along x and y of what the first two cameras find, each alone; null for one camera."""
+
+
+@dataclass(frozen=True)
+class CalibrateResult:
+    """The JSON document of ``labcal calibrate``."""
+
+    cameras: dict[str, CameraResult]
+    rms_px: float
+    epipolar_rms_px: float
+    skipped: list[str]
+    centre_bias_px: "CentreBias"
+    stop_reason: str
+    free_dots: FreeDotsResult | None
+
+
+def calibrate_result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateResult:
+    """Return the JSON document."""
+    return CalibrateResult(
+        cameras={name: _camera(found, name) for name in found.rig.cameras},
+        rms_px=found.rms_px,
+        epipolar_rms_px=epipolar_rms_px,
+        skipped=list(found.skipped),
+        centre_bias_px=found.bias,
+        stop_reason=found.reason.value,
+        free_dots=None if found.freed is None else _free_dots(found.freed, found),
+    )
+
+
+def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
+    record, fit = found.rig.cameras[name], found.fits[name]
+    fx, fy, cx, cy = fit.sigma.intrinsics.tolist()
+    return CameraResult(
+        rms_px=fit.rms_px,
+        rms_in_rig_px=fit.rms_in_rig_px,
+        K=[list(row) for row in record.K],
+        lens=record.lens,
+        dist=list(record.dist),
+        views=len(fit.views),
+        dots=fit.dots,
+        sigma=SigmaResult(
+            fx, fy, cx, cy,
+            dist=fit.sigma.dist.tolist(),
+            rotation_rad=fit.sigma.rotation_rad.tolist(),
+            translation_mm=fit.sigma.translation_mm.tolist(),
+        ),
+        scatter_px=fit.scatter_px,
+    )  # fmt: skip
+
+
+def _free_dots(freed: "FreedDots", found: "HandheldCalibration") -> FreeDotsResult:
+    from labcal.evaluate.print_shape import agreement, print_shape
+
+    alone = [fit.freed for fit in found.fits.values() if fit.freed is not None][:2]
+    agree = list(agreement(alone)) if len(alone) == 2 else None  # noqa: PLR2004 -- a pair
+    return FreeDotsResult(print_shape(freed), agree)
+
+
+def calibrate_table(result: CalibrateResult) -> object:
+    """Return the document for people."""
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text
+
+    from labcal.report.print_words import print_words
+
+    caption = f"rig: RMS {result.rms_px:.4f} px"
+    if len(result.cameras) > 1:
+        caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
+    bias = result.centre_bias_px
+    caption += f"\ntaken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
+    table = Table("camera", "RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
+    table.caption = caption
+    for name, camera in result.cameras.items():
+        (fx, _, cx), (_, fy, cy), _ = camera.K
+        sigma = camera.sigma
+        lens = f"{camera.lens} " + " ".join(f"{k:.5g}" for k in camera.dist)
+        rms = f"{camera.rms_px:.4f}, {camera.rms_in_rig_px:.4f}"
+        focal = f"{fx:.2f} ± {sigma.fx:.2f}, {fy:.2f} ± {sigma.fy:.2f}"
+        middle = f"{cx:.2f} ± {sigma.cx:.2f}, {cy:.2f} ± {sigma.cy:.2f}"
+        table.add_row(name, rms, focal, middle, lens, str(camera.views), str(camera.dots))
+    if result.free_dots is None:
+        return table
+    words = print_words(result.free_dots.shape)
+    if result.free_dots.agreement is not None:
+        x, y = result.free_dots.agreement
+        words += f"\nwhat two cameras find alone correlates: {x:.2f} along x, {y:.2f} along y"
+    return Group(table, Text(words))

@@ -1,0 +1,95 @@
+"""Where the nodes of a lattice should be, and what outlines dots should have there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.arrays import PixelCovariances
+from labcal.detect.flattening import Flattening
+from labcal.detect.grid_kernel import miss, predict_all
+from labcal.detect.lattice import Lattice, Node
+from labcal.detect.outlines import Outlines
+
+_AROUND = 4
+"""Empty nodes kept around a lattice."""
+_NEAR = 2
+"""Nodes to either side whose spots are a node's neighbours."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Where a node should be: in the picture, and its place and local steps in the flattened picture, px."""
+
+    position: np.ndarray
+    steps: np.ndarray
+    """Of the picture's grid along both axes there, in columns, shape (2, 2), px."""
+    outline: np.ndarray
+    """Matrix of the outline that a dot should have there, shape (2, 2), px squared."""
+    neighbours: int
+    flattening: Flattening
+    numbers: np.ndarray
+
+    def miss(self, position: np.ndarray) -> float:
+        """Return how many steps a pixel is from the prediction; infinite on a degenerate grid."""
+        x, y = self.flattening.forward(position)
+        return float(miss(self.numbers, float(x), float(y)))
+
+
+class Predictor:
+    """A lattice, its spots in the flattened picture, and the shape of its dots.
+
+    Parameters
+    ----------
+    lattice : Lattice
+    outlines : Outlines
+        To which the lattice's spots refer.
+    """
+
+    def __init__(self, lattice: Lattice, outlines: Outlines) -> None:
+        nodes = np.array(list(lattice.spots))
+        self._corner = nodes.min(axis=0) - _AROUND
+        self._nodes, self._spots = nodes - self._corner, np.array(list(lattice.spots.values()))
+        self._grid = np.full(self._nodes.max(axis=0) + 1 + _AROUND, -1)
+        self._grid[tuple(self._nodes.T)] = self._spots
+        self._lattice, self._flat = lattice, lattice.flattening.outlines(outlines)
+        shapes = self.shapes_in_steps()
+        known = np.isfinite(shapes[:, 0, 0])
+        self._shape: np.ndarray = np.median(shapes[known], axis=0) if known.any() else np.zeros((2, 2))
+
+    def shapes_in_steps(self) -> PixelCovariances:
+        """Return the outline matrices of the lattice's spots in units of the grid's steps, in their order.
+
+        Wherever a board is seen from, all its dots have one shape there. NaN where a node has no prediction.
+        """
+        numbers = predict_all(self._grid, self._flat.centre, self._nodes)
+        known = np.isfinite(numbers[:, 0])
+        shapes = np.full((len(numbers), 2, 2), np.nan)
+        back = np.linalg.inv(np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2))
+        shapes[known] = back @ self._flat.shape[self._spots[known]] @ np.swapaxes(back, 1, 2)
+        return shapes
+
+    def predict(self, nodes: list[Node]) -> dict[Node, Prediction]:
+        """Return predictions of nodes; those are left out whose neighbours are too few or on one line."""
+        if not nodes:
+            return {}
+        places = np.array(nodes) - self._corner
+        numbers = predict_all(self._grid, self._flat.centre, places)
+        known = np.flatnonzero(np.isfinite(numbers[:, 0]))
+        flattening = self._lattice.flattening
+        positions = flattening.backward(numbers[known, :2])
+        steps = np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2)
+        steps = np.linalg.inv(flattening.slopes(positions)) @ steps
+        outlines = steps @ self._shape @ np.swapaxes(steps, 1, 2)
+        near = self._neighbours(places[known])
+        return {
+            nodes[k]: Prediction(position, step, outline, int(count), flattening, numbers[k])
+            for k, position, step, outline, count in zip(known, positions, steps, outlines, near, strict=True)
+        }
+
+    def _neighbours(self, places: np.ndarray) -> np.ndarray:
+        """Return how many nodes with a spot lie within two steps of places in the grid."""
+        full = np.pad(self._grid >= 0, _NEAR).astype(np.int64)
+        windows = np.lib.stride_tricks.sliding_window_view(full, (2 * _NEAR + 1, 2 * _NEAR + 1))
+        count: np.ndarray = windows[places[:, 0], places[:, 1]].sum(axis=(1, 2))
+        count -= self._grid[places[:, 0], places[:, 1]] >= 0
+        return count

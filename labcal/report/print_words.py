@@ -1,0 +1,42 @@
+"""The shape of a print in words."""
+
+from math import isnan
+
+from labcal.evaluate.print_shape import Figure, PrintShape
+
+_CLEAR = 3.0
+"""Standard deviations from which on a figure is told as a finding."""
+
+
+def print_words(shape: PrintShape) -> str:
+    """Return what the freed dots say about a print, a line each."""
+    lines = [
+        "scale: the mean is that of the declared pitch; pictures alone tell no length",
+        _told("stretch, x over y", shape.stretch_ppm, "ppm", ".0f"),
+        _told("shear", shape.shear_mrad, "mrad", ".3f"),
+        _told("bow along x", shape.bow_x_mm, "mm", ".4f"),
+        _told("bow along y", shape.bow_y_mm, "mm", ".4f"),
+        _told("twist", shape.twist_mm, "mm", ".4f"),
+        (
+            f"dots off their places: RMS {shape.rms_in_plane_mm:.4f} mm in the plane (each known to "
+            f"{shape.sigma_in_plane_mm:.4f} mm), {shape.rms_unexplained_mm:.4f} mm without stretch and "
+            f"shear, {shape.rms_height_mm:.4f} mm in height"
+        ),
+    ]
+    lines += [
+        f"  dot ({dot.col}, {dot.row}): {dot.dx_mm:+.4f}, {dot.dy_mm:+.4f}, {dot.dz_mm:+.4f} mm"
+        for dot in shape.worst
+    ]
+    if shape.held:
+        lines.append(f"kept as declared, since the views do not tell: {', '.join(shape.held)}")
+    if shape.kept:
+        named = ", ".join(f"({col}, {row})" for col, row in shape.kept)
+        lines.append(f"kept where declared, in too few pictures: {named}")
+    return "\n".join(lines)
+
+
+def _told(what: str, figure: Figure, unit: str, form: str) -> str:
+    if isnan(figure.value):
+        return f"{what}: not told by these views"
+    clear = "" if abs(figure.value) >= _CLEAR * figure.sigma else ", no more than its uncertainty allows"
+    return f"{what}: {figure.value:+{form}} ± {figure.sigma:{form}} {unit}{clear}"

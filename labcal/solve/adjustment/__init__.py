@@ -1,0 +1,1 @@
+"""Bundle adjustment: cameras, target poses and, where asked, the dots' places, all at once."""

@@ -1,0 +1,74 @@
+"""What a calibration found: the rig, how sure it is, and how well it explains the dots."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.cameras.optics import INTRINSICS
+from labcal.cameras.rig import Rig
+from labcal.optim.solution import StopReason
+from labcal.solve.adjustment.rounds import Adjusted
+from labcal.solve.adjustment.state import POSE
+from labcal.solve.centre_bias import CentreBias
+from labcal.solve.freed_dots import FreedDots
+
+
+@dataclass(frozen=True)
+class CameraSigma:
+    """Standard deviations of a camera's numbers in the rig; NaN where the views leave one open."""
+
+    intrinsics: Float64[np.ndarray, "4"]
+    """fx fy cx cy, px; 0 where fixed."""
+    dist: Float64[np.ndarray, " coefficients"]
+    rotation_rad: Float64[np.ndarray, "3"]
+    """About the camera's axes; 0 for the first camera, which is the world."""
+    translation_mm: Float64[np.ndarray, "3"]
+
+    @classmethod
+    def of(cls, adjusted: Adjusted, number: int) -> "CameraSigma":
+        """Return those of one camera of an adjustment, by its number."""
+        sigma = np.sqrt(np.diagonal(adjusted.covariance))
+        lens = np.zeros(INTRINSICS + adjusted.state.cameras[number].model.coefficients)
+        place = np.zeros(POSE)
+        own, pose = adjusted.layout.lens[number], adjusted.layout.pose[number]
+        lens[: own.stop - own.start] = sigma[own]
+        place[: pose.stop - pose.start] = sigma[pose]
+        return cls(lens[:INTRINSICS], lens[INTRINSICS:], place[:3], place[3:])
+
+
+@dataclass(frozen=True)
+class CameraFit:
+    """How well one camera explains its dots."""
+
+    rms_px: float
+    """Calibrated alone; OpenCV's: root mean square of the 2-D distance."""
+    rms_in_rig_px: float
+    """The same in the rig."""
+    views: tuple[str, ...]
+    dots: int
+    sigma: CameraSigma
+    scatter_px: float
+    """Calibrated alone: what dots scatter, along each axis, beyond their covariances."""
+    freed: FreedDots | None
+    """The dots as this camera alone finds them."""
+
+
+@dataclass(frozen=True)
+class HandheldCalibration:
+    """A rig whose world is the first camera, and where the target was."""
+
+    rig: Rig
+    fits: dict[str, CameraFit]
+    """By camera."""
+    rms_px: float
+    """Over all cameras, in the rig."""
+    skipped: tuple[str, ...]
+    """What did not enter, each with its reason, for people."""
+    views: tuple[str, ...]
+    T_world_target: Float64[np.ndarray, "views 4 4"]
+    """Of every view, mm."""
+    bias: CentreBias
+    freed: FreedDots | None
+    """The dots as all cameras together find them."""
+    reason: StopReason

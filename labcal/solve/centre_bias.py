@@ -1,0 +1,134 @@
+"""Centroid minus centre: what detections of dots must be corrected by before a camera model explains them.
+
+A detector measures the centre of area of a dot's outline in the picture. Camera models speak of the image of
+the dot's centre. The difference depends on lens, pose and size of the dot, all of which a calibration knows
+well enough after a first round, so it is predicted and taken off.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from labcal.arrays import Pose
+from labcal.cameras.camera import Camera
+from labcal.cameras.dot_image import dot_images
+from labcal.cameras.triangulation import triangulate
+from labcal.correspond.matching import Matches
+from labcal.errors import InputError
+from labcal.geometry.poses import rigid_alignment
+from labcal.targets.target import Target
+
+ROUNDS = 2
+"""How often the bias is predicted anew: after two rounds it changes by less than a thousandth of itself."""
+
+
+@dataclass(frozen=True)
+class CentreBias:
+    """How large the bias was that was taken off, px; of the 2-D length of centroid minus centre."""
+
+    rms: float
+    max: float
+
+    @classmethod
+    def of(cls, shift: Float64[np.ndarray, "*n 2"]) -> "CentreBias":
+        """Return the figures of centroid minus centre, px; 0 for none."""
+        length = np.linalg.norm(shift, axis=-1).ravel()
+        if len(length) == 0:
+            return cls(0.0, 0.0)
+        return cls(float(np.sqrt((length**2).mean())), float(length.max()))
+
+
+@dataclass(frozen=True)
+class Discs:
+    """The dots of a target as discs parallel to its plane."""
+
+    centres: Float64[np.ndarray, "dots 3"]
+    """In the target's frame, mm."""
+    radii: Float64[np.ndarray, " dots"]
+    """Of the outer outlines, mm."""
+
+    @classmethod
+    def of(cls, target: Target) -> "Discs":
+        """Return the dots where the target's description has them."""
+        return cls(target.points(), 0.5 * target.outer_diameters_mm())
+
+
+def centre_shift(
+    camera: Camera, T_world_target: Pose, discs: Discs, dots: Int64[np.ndarray, " n"]
+) -> Float64[np.ndarray, "n 2"]:
+    """Return centroid minus centre of dots in one picture, px.
+
+    Parameters
+    ----------
+    camera : Camera
+    T_world_target : ndarray, shape (4, 4)
+        Pose of the target, mm.
+    discs : Discs
+    dots : ndarray of int, shape (n,)
+        Which of the discs.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        0 for a dot of which the camera cannot image all; such a dot is not measured either.
+    """
+    images = dot_images(camera, T_world_target, discs.centres[dots], discs.radii[dots])
+    return np.where(images.ok[:, None], images.centroid - images.centre, 0.0)
+
+
+def shifts_of_matches(
+    cameras: Sequence[Camera], matches: Matches, p: Float64[np.ndarray, "n 3"], target: Target
+) -> Float64[np.ndarray, "n cameras 2"]:
+    """Return centroid minus centre of matched dots, with the target posed by its reconstructed points.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+        In the order of the matches.
+    matches : Matches
+    p : ndarray, shape (n, 3)
+        Where the dots are, more or less, in the world of the cameras, mm; NaN where not known.
+    target : Target
+
+    Returns
+    -------
+    ndarray, shape (n, cameras, 2)
+        Pixels; 0 in views with fewer than three points or all on one line, where the target has no pose.
+    """
+    discs = Discs.of(target)
+    dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
+    shift = np.zeros_like(matches.q)
+    for view in dict.fromkeys(matches.view.tolist()):
+        rows = np.flatnonzero(matches.view == view)
+        known = rows[np.isfinite(p[rows]).all(axis=1)]
+        try:
+            T_world_target = rigid_alignment(p[known], discs.centres[dots[known]])
+        except InputError:
+            continue
+        for number, camera in enumerate(cameras):
+            shift[rows, number] = centre_shift(camera, T_world_target, discs, dots[rows])
+    return shift
+
+
+def centred(cameras: Sequence[Camera], matches: Matches, target: Target) -> tuple[Matches, CentreBias]:
+    """Return matches at the images of centres, and what was taken off.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+        At least two, in the order of the matches.
+    matches : Matches
+        Centroids.
+    target : Target
+        What they are dots of.
+
+    Notes
+    -----
+    The target's pose comes from the points that the centroids themselves give: the bias moves them by so
+    little that predicting it once is enough.
+    """
+    p = triangulate(cameras, matches.q, matches.covariance).point
+    shift = shifts_of_matches(cameras, matches, p, target)
+    return replace(matches, q=matches.q - shift), CentreBias.of(shift)

@@ -1,0 +1,65 @@
+"""Training data at the images of dots' centres, where the training views tell what centroids are off."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labcal.arrays import Pose
+from labcal.cameras.camera import Camera
+from labcal.correspond.training import TrainingData
+from labcal.errors import InputError
+from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, centre_shift
+from labcal.solve.resection import resected_camera
+from labcal.targets.target import Target
+
+
+@dataclass(frozen=True)
+class CentredTraining:
+    """Training data, and how they came to be."""
+
+    data: TrainingData
+    cameras: tuple[Camera, ...] | None
+    """Resected from the training views; None where nothing was taken off."""
+    bias: CentreBias | None
+    """What was taken off."""
+    reason: str | None
+    """Why nothing was, for people."""
+
+
+def centred_training(
+    data: TrainingData, target: Target, T_world_target: Mapping[str, Pose]
+) -> CentredTraining:
+    """Take centroid minus centre off training pixels, by cameras resected from the training views.
+
+    A method learns from pixels to points of dots' centres. Where the views fill a volume, each camera is
+    resected, and what centroids are off follows from where the stage had the target. Of a single plane the
+    views fix no camera, but need none: there what a centroid is off depends on nothing but where it is, and
+    the method learns that along with the rest.
+
+    Parameters
+    ----------
+    data : TrainingData
+        Centroids.
+    target : Target
+    T_world_target : mapping of str to ndarray of shape (4, 4)
+        Pose of the target by view, mm.
+    """
+    q = data.X.reshape(len(data.X), -1, 2)
+    discs, dots = Discs.of(target), data.index[:, 1] * target.cols + data.index[:, 0]
+    shift = np.zeros_like(q)
+    cameras: list[Camera] = []
+    for _ in range(ROUNDS):
+        try:
+            cameras = [
+                resected_camera(q[:, number] - shift[:, number], data.Y, size)
+                for number, size in enumerate(data.image_sizes)
+            ]
+        except InputError as error:
+            return CentredTraining(data, None, None, str(error))
+        for view in dict.fromkeys(data.view.tolist()):
+            rows = data.view == view
+            for number, camera in enumerate(cameras):
+                shift[rows, number] = centre_shift(camera, T_world_target[view], discs, dots[rows])
+    centred = replace(data, X=(q - shift).reshape(data.X.shape))
+    return CentredTraining(centred, tuple(cameras), CentreBias.of(shift), None)

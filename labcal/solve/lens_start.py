@@ -1,0 +1,202 @@
+"""Where the calibration of one camera begins: a first lens and a first pose of the target in every view."""
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Pose
+from labcal.cameras.camera import Camera
+from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.geometry.plane_pose import plane_pose
+from labcal.geometry.poses import from_rotation_vector, transform
+from labcal.solve.opencv_threads import one_opencv_thread
+from labcal.targets.target import Target
+
+FISHEYE = "fisheye-kb4"
+_TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
+_OPENCV_FLAGS = {
+    0: cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3,
+    2: cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3,
+    5: 0,
+}
+"""By number of coefficients; lenses with more begin as the last of these."""
+_HALF_FIELDS_DEG = np.geomspace(15.0, 170.0, 30)
+_SCAN_VIEWS = 12
+
+
+@dataclass(frozen=True)
+class LensStart:
+    """A camera in its own frame, and where the target was in the views that it measured."""
+
+    camera: Camera
+    T_cam_target: Float64[np.ndarray, "views 4 4"]
+
+
+def require_adjustable(lens: str) -> None:
+    """Raise where the lens model has no coefficients to estimate.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such lens model.
+    InputError
+        It is traced through a prescription.
+    """
+    if lens == PRESCRIPTION:
+        raise InputError(
+            "A lens prescription describes glass that is known; there is nothing in it to calibrate. Use "
+            "another lens model, such as rational8."
+        )
+    lens_by_name(lens)
+
+
+def start_from_pictures(pictures: list[Detections], target: Target, lens: str) -> LensStart:
+    """Return a first lens and poses from the dots of one camera alone.
+
+    Parameters
+    ----------
+    pictures : list of Detections
+        The dots of each view.
+    target : Target
+        Its dots are taken as flat and exactly placed.
+    lens : str
+        Any model but a prescription.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such lens model.
+    InputError
+        The dots determine no camera.
+    """
+    require_adjustable(lens)
+    return _fisheye(pictures, target) if lens == FISHEYE else _by_opencv(pictures, target, lens)
+
+
+def start_from_camera(pictures: list[Detections], target: Target, known: Camera) -> LensStart:
+    """Return first poses of the target, seen by a camera that is known more or less.
+
+    Raises
+    ------
+    InputError
+        The dots of a view are no picture of the target through this camera.
+    """
+    camera = replace(known, T_cam_world=np.eye(4))
+    poses = np.stack([_pose(camera, dots, target) for dots in pictures])
+    return LensStart(camera, poses)
+
+
+def camera_as_lens(known: Camera, lens: str, name: str) -> Camera:
+    """Return a camera with another lens model that contains its own.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such lens model.
+    InputError
+        The model cannot be what the camera is.
+    """
+    require_adjustable(lens)
+    if known.lens == lens:
+        return known
+    free = lens_by_name(lens).coefficients
+    if FISHEYE in (known.lens, lens) or known.lens == PRESCRIPTION or np.any(known.dist[free:] != 0.0):
+        raise InputError(
+            f"Camera '{name}' of the rig to start from has the lens '{known.lens}', from which '{lens}' "
+            "cannot start. Leave --start out, or name a lens with at least its coefficients."
+        )
+    dist = np.zeros(max(LENGTH, free))
+    shared = min(free, len(known.dist))
+    dist[:shared] = known.dist[:shared]
+    return replace(known, lens=lens, dist=dist)
+
+
+@one_opencv_thread()
+def _by_opencv(pictures: list[Detections], target: Target, lens: str) -> LensStart:
+    """Start a perspective lens by Zhang's method."""
+    free = lens_by_name(lens).coefficients
+    size = pictures[0].picture_size(pictures[0].cameras[0])
+    try:
+        _, K, found, turns, shifts = cv2.calibrateCamera(
+            [target.points(dots.index).astype(np.float32) for dots in pictures],
+            [dots.position.astype(np.float32) for dots in pictures],
+            size,
+            np.eye(3),
+            np.zeros(LENGTH),
+            flags=_OPENCV_FLAGS[min(free, LENGTH)],
+            criteria=_TERMINATION,
+        )
+    except cv2.error as error:
+        raise InputError(
+            f"The dots of camera '{pictures[0].cameras[0]}' determine no camera ({error.err}). Every view "
+            "needs dots of several rows and columns, and the views different tilts."
+        ) from error
+    dist = np.zeros(max(LENGTH, free))
+    dist[:LENGTH] = np.asarray(found, dtype=np.float64).ravel()[:LENGTH]
+    poses = [
+        from_rotation_vector(np.asarray(turn, dtype=np.float64).ravel(), np.asarray(shift).ravel())
+        for turn, shift in zip(turns, shifts, strict=True)
+    ]
+    camera = Camera(np.asarray(K, dtype=np.float64), lens, dist, np.eye(4), size)
+    if not all(_images_all(camera, T, dots, target) for T, dots in zip(poses, pictures, strict=True)):
+        # OpenCV may end at a lens that folds within the picture; from none the adjustment finds its own.
+        camera = replace(camera, dist=np.zeros_like(dist))
+    return LensStart(camera, np.stack(poses))
+
+
+def _images_all(camera: Camera, T_cam_target: Pose, dots: Detections, target: Target) -> bool:
+    return bool(camera.project(transform(T_cam_target, target.points(dots.index))).ok.all())
+
+
+def _fisheye(pictures: list[Detections], target: Target) -> LensStart:
+    """Start a fisheye as equidistant, with the focal length at which flat targets look flat."""
+    scanned = pictures[:: -(-len(pictures) // _SCAN_VIEWS)]
+    size = pictures[0].picture_size(pictures[0].cameras[0])
+    candidates = [_equidistant(size, half_field) for half_field in np.radians(_HALF_FIELDS_DEG)]
+    misses = [_miss(camera, scanned, target) for camera in candidates]
+    if not np.isfinite(misses).any():
+        raise InputError(
+            f"The dots of camera '{pictures[0].cameras[0]}' determine no camera. Every view needs dots of "
+            "several rows and columns, and the views different tilts."
+        )
+    return start_from_camera(pictures, target, candidates[int(np.nanargmin(misses))])
+
+
+def _equidistant(size: tuple[int, int], half_field: float) -> Camera:
+    """Return a fisheye whose picture reaches, at its corners, an angle (rad) from the axis."""
+    width, height = size
+    f = 0.5 * float(np.hypot(width, height)) / half_field
+    K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
+    return Camera(K, FISHEYE, np.zeros(LENGTH), np.eye(4), size)
+
+
+def _miss(camera: Camera, pictures: list[Detections], target: Target) -> float:
+    """Return the RMS reprojection error over pictures in px, relative to their size there; NaN for none."""
+    squares = []
+    for dots in pictures:
+        try:
+            T = _pose(camera, dots, target)
+        except InputError:
+            return float("nan")
+        p = transform(T, target.points(dots.index))
+        squares.append(((camera.project(p).q - dots.position) ** 2).sum(axis=1))
+    return float(np.sqrt(np.concatenate(squares).mean()))
+
+
+def _pose(camera: Camera, dots: Detections, target: Target) -> Pose:
+    """Return the pose of the target from the rays of its dots."""
+    rays = camera.rays(dots.position)
+    view, name = dots.view[0], dots.camera[0]
+    if not rays.ok.any():
+        raise InputError(f"Camera '{name}' sees view '{view}' beyond its lens's field.")
+    try:
+        return plane_pose(rays.direction[rays.ok], target.points(dots.index)[rays.ok, :2])
+    except InputError as error:
+        raise InputError(
+            f"The dots of camera '{name}' determine no camera: view '{view}' shows too little of the target "
+            f"({error}) Every view needs dots of several rows and columns, and the views different tilts."
+        ) from error

@@ -1,0 +1,175 @@
+"""The ChArUco board: a chessboard whose white squares carry markers, so that every corner is known."""
+
+from enum import StrEnum
+from typing import Annotated, Literal
+
+import numpy as np
+from jaxtyping import Bool, Int
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from labcal.arrays import DotIndices, Lengths, Points
+from labcal.run.names import Name
+from labcal.targets.grid import Length
+
+Squares = Annotated[int, Field(ge=3, le=200)]
+
+
+class Pattern(StrEnum):
+    """Which square of the chessboard is black; the two differ where the number of rows is even."""
+
+    CURRENT = "current"
+    """The upper left one, always: OpenCV from 4.6 on."""
+    LEGACY = "legacy"
+    """The lower left one: OpenCV before 4.6, and many a board that is sold."""
+
+
+class MarkerDictionary(StrEnum):
+    """OpenCV's sets of markers, by OpenCV's names."""
+
+    DICT_4X4_50 = "DICT_4X4_50"
+    DICT_4X4_100 = "DICT_4X4_100"
+    DICT_4X4_250 = "DICT_4X4_250"
+    DICT_4X4_1000 = "DICT_4X4_1000"
+    DICT_5X5_50 = "DICT_5X5_50"
+    DICT_5X5_100 = "DICT_5X5_100"
+    DICT_5X5_250 = "DICT_5X5_250"
+    DICT_5X5_1000 = "DICT_5X5_1000"
+    DICT_6X6_50 = "DICT_6X6_50"
+    DICT_6X6_100 = "DICT_6X6_100"
+    DICT_6X6_250 = "DICT_6X6_250"
+    DICT_6X6_1000 = "DICT_6X6_1000"
+    DICT_7X7_50 = "DICT_7X7_50"
+    DICT_7X7_100 = "DICT_7X7_100"
+    DICT_7X7_250 = "DICT_7X7_250"
+    DICT_7X7_1000 = "DICT_7X7_1000"
+    DICT_ARUCO_ORIGINAL = "DICT_ARUCO_ORIGINAL"
+    DICT_APRILTAG_16H5 = "DICT_APRILTAG_16h5"
+    DICT_APRILTAG_25H9 = "DICT_APRILTAG_25h9"
+    DICT_APRILTAG_36H10 = "DICT_APRILTAG_36h10"
+    DICT_APRILTAG_36H11 = "DICT_APRILTAG_36h11"
+    DICT_ARUCO_MIP_36H12 = "DICT_ARUCO_MIP_36h12"
+
+    @property
+    def size(self) -> int:
+        """Number of markers in the set."""
+        return _SIZES.get(self.value) or int(self.value.rpartition("_")[2])
+
+
+_SIZES = {
+    "DICT_ARUCO_ORIGINAL": 1024,
+    "DICT_APRILTAG_16h5": 30,
+    "DICT_APRILTAG_25h9": 35,
+    "DICT_APRILTAG_36h10": 2320,
+    "DICT_APRILTAG_36h11": 587,
+    "DICT_ARUCO_MIP_36h12": 250,
+}
+
+
+class CharucoBoard(BaseModel):
+    """A flat target with the inner corners of a chessboard, numbered by the markers in its white squares.
+
+    Corners are numbered (col, row) from 0, x to the right, y up, z out of the board; corner (0, 0), the lower
+    left one, is the origin of the target's frame. Lengths are in millimetres. OpenCV counts the other way:
+    see :meth:`from_opencv`.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["charuco"]
+    name: Name
+    description: str = ""
+    squares: tuple[Squares, Squares]
+    """Squares along x and along y, one more than corners."""
+    square_mm: Length
+    marker_mm: Length
+    dictionary: MarkerDictionary
+    pattern: Pattern = Pattern.CURRENT
+    margin_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    """Bare board around the chessboard."""
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "CharucoBoard":
+        if self.marker_mm >= self.square_mm:
+            raise ValueError("marker_mm must be smaller than square_mm, since markers lie in white squares")
+        if self.marker_count > self.dictionary.size:
+            raise ValueError(
+                f"{self.squares[0]} x {self.squares[1]} squares take {self.marker_count} markers, but "
+                f"{self.dictionary} has {self.dictionary.size}: name a larger dictionary"
+            )
+        return self
+
+    @property
+    def cols(self) -> int:
+        """Corners in a row."""
+        return self.squares[0] - 1
+
+    @property
+    def rows(self) -> int:
+        """Rows of corners."""
+        return self.squares[1] - 1
+
+    @property
+    def count(self) -> int:
+        """Number of corners."""
+        return self.cols * self.rows
+
+    @property
+    def marker_count(self) -> int:
+        """Number of markers, one in every white square."""
+        across, up = self.squares
+        return int((~self.is_black(*np.meshgrid(np.arange(across), np.arange(up)))).sum())
+
+    @property
+    def extent_mm(self) -> tuple[float, float, float, float]:
+        """The board's edges ``(x_min, y_min, x_max, y_max)`` in the target's frame."""
+        low = -self.square_mm - self.margin_mm
+        across, up = ((count - 1) * self.square_mm + self.margin_mm for count in self.squares)
+        return (low, low, across, up)
+
+    def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
+        """Return which squares are black, counted from 0 at the lower left; the others carry markers."""
+        first = self.squares[1] - 1 if self.pattern is Pattern.CURRENT else 0
+        return np.asarray((i + j + first) % 2 == 0)
+
+    def indices(self) -> DotIndices:
+        """Return (col, row) of every corner, row by row from corner (0, 0), shape (count, 2), integer."""
+        row, col = np.divmod(np.arange(self.count), self.cols)
+        return np.stack([col, row], axis=-1)
+
+    def points(self, indices: DotIndices | None = None) -> Points:
+        """Return the places of corners in the target's frame.
+
+        Parameters
+        ----------
+        indices : ndarray of int, shape (n, 2), optional
+            (col, row) of the corners wanted; all where left out.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Millimetres, with z = 0.
+        """
+        wanted = self.indices() if indices is None else indices
+        return np.concatenate([wanted * self.square_mm, np.zeros((len(wanted), 1))], axis=-1)
+
+    def outer_diameters_mm(self) -> Lengths:
+        """Return zeros: a corner has no extent, and its image no bias."""
+        return np.zeros(self.count)
+
+    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:  # noqa: ARG002 -- as of every target
+        """Return nothing: the markers tell every way up from all others."""
+        return ()
+
+    def from_opencv(self, ids: Int[np.ndarray, " n"]) -> DotIndices:
+        """Return (col, row) of OpenCV's corner ids, shape (n, 2).
+
+        OpenCV counts corners row by row from the upper left; its board has x right, y down and z into the
+        board, with the origin at the upper left corner of the chessboard.
+        """
+        down, col = np.divmod(ids, self.cols)
+        return np.stack([col, self.rows - 1 - down], axis=-1)
+
+    def points_from_opencv(self, p: Points) -> Points:
+        """Return points of OpenCV's board in the target's frame, mm."""
+        origin = np.array([self.square_mm, self.rows * self.square_mm, 0.0])
+        return np.asarray((p - origin) * np.array([1.0, -1.0, -1.0]))

@@ -1,0 +1,102 @@
+"""Where the dots of one copy of a target really are: the file of ``labcal calibrate --free-dots``."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from jaxtyping import Float64
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from labcal.arrays import Points
+from labcal.run.documents import read_document
+from labcal.run.outputs import write_file
+from labcal.targets.catalogue import AnyTarget
+
+
+class DotPlace(BaseModel):
+    """One dot: its place in the target's frame with its covariance, mm and mm squared."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    col: Annotated[int, Field(ge=0)]
+    row: Annotated[int, Field(ge=0)]
+    x_mm: float
+    y_mm: float
+    z_mm: float
+    cov_xx: float
+    cov_xy: float
+    cov_xz: float
+    cov_yy: float
+    cov_yz: float
+    cov_zz: float
+    pictures: Annotated[int, Field(ge=0)]
+    """In how many pictures it was measured."""
+    freed: bool
+    """Whether the place was estimated; else it is the declared one, with a covariance of 0."""
+
+
+class DotPlaces(BaseModel):
+    """Every dot of a target, row by row. The mean scale is that of the declared pitch."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    format: Literal["labcal-dots"] = "labcal-dots"
+    format_version: Literal[1] = 1
+    target: AnyTarget
+    dots: tuple[DotPlace, ...]
+
+    @model_validator(mode="after")
+    def _every_dot_once(self) -> "DotPlaces":
+        if [[dot.col, dot.row] for dot in self.dots] != self.target.indices().tolist():
+            raise ValueError("the dots must be those of the target, each once, row by row")
+        return self
+
+    @classmethod
+    def of(
+        cls,
+        target: AnyTarget,
+        places: Points,
+        covariance: Float64[np.ndarray, "dots 3 3"],
+        pictures: np.ndarray,
+        freed: np.ndarray,
+    ) -> "DotPlaces":
+        """Return the document of places in the order of the target's indices, mm."""
+        rows, cols = np.triu_indices(3)
+        dots = []
+        for number, (col, row) in enumerate(target.indices().tolist()):
+            x, y, z = places[number].tolist()
+            xx, xy, xz, yy, yz, zz = covariance[number][rows, cols].tolist()
+            dots.append(
+                DotPlace(
+                    col=col, row=row, x_mm=x, y_mm=y, z_mm=z,
+                    cov_xx=xx, cov_xy=xy, cov_xz=xz, cov_yy=yy, cov_yz=yz, cov_zz=zz,
+                    pictures=int(pictures[number]), freed=bool(freed[number]),
+                )
+            )  # fmt: skip
+        return cls(target=target, dots=tuple(dots))
+
+    def points(self) -> Points:
+        """Return the places in the order of the target's indices, mm, shape (dots, 3)."""
+        return np.array([[dot.x_mm, dot.y_mm, dot.z_mm] for dot in self.dots])
+
+
+def write_places(path: Path, places: DotPlaces, *, force: bool = False) -> None:
+    """Write the file.
+
+    Raises
+    ------
+    OutputError
+        It exists and `force` is not set, or it cannot be written.
+    """
+    write_file(path, places.model_dump_json(indent=2) + "\n", force=force)
+
+
+def read_places(path: Path) -> DotPlaces:
+    """Read the file.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, is no such file, or comes from a newer version.
+    """
+    return read_document(DotPlaces, "places of dots", path)

@@ -1,0 +1,53 @@
+"""What every target is to those who measure with it: numbered places on a flat board."""
+
+from typing import Protocol, runtime_checkable
+
+from labcal.arrays import DotIndices, Lengths, Points
+
+
+@runtime_checkable
+class Target(Protocol):
+    """A flat board with places numbered (col, row): the dots of a grid, or the corners of a chessboard.
+
+    The frame is the same for all: x right along columns, y up along rows, z out of the board, (0, 0) at the
+    lower left and the origin. "Dot" stands for either kind wherever the two are not told apart.
+    """
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def description(self) -> str:
+        """What it is, for people."""
+
+    @property
+    def cols(self) -> int:
+        """Dots in a row."""
+
+    @property
+    def rows(self) -> int:
+        """Rows of dots."""
+
+    @property
+    def count(self) -> int:
+        """Number of dots."""
+
+    @property
+    def extent_mm(self) -> tuple[float, float, float, float]:
+        """The board's edges ``(x_min, y_min, x_max, y_max)`` in the target's frame."""
+
+    def indices(self) -> DotIndices:
+        """Return (col, row) of every dot, row by row from (0, 0), shape (count, 2), integer."""
+
+    def points(self, indices: DotIndices | None = None) -> Points:
+        """Return the places of dots, or of all, in the target's frame, mm, shape (n, 3), with z = 0."""
+
+    def outer_diameters_mm(self) -> Lengths:
+        """Return every dot's outer diameter in mm, in the order of :meth:`indices`; 0 for a corner.
+
+        Where it is 0, the centre of the image is the image of the centre, and there is no bias to correct.
+        """
+
+    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+        """Return (col, row) of dots under every turn after which the target looks the same; often nothing."""

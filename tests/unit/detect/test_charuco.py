@@ -1,0 +1,204 @@
+"""ChArUco corners in pictures of OpenCV's own board, seen by OpenCV's camera: ids, places, covariances."""
+
+import cv2
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from labcal.detect.corner_fit import CornerFit, Surroundings, _blurred_board, _linearise, _Window, fit_corner
+from labcal.detect.detector import detect_dots
+from labcal.detect.dots import PictureDots
+from labcal.detect.flags import DotFlag, Refusal
+from labcal.targets.catalogue import load_target
+from labcal.targets.charuco import MarkerDictionary, Pattern
+from labcal.targets.charuco_opencv import opencv_board
+
+BOARD = load_target("charuco-12x9").model_copy(update={"squares": (7, 5)})
+SIZE = (400, 300)
+K = np.array([[420.0, 0, 199.5], [0, 424.0, 149.5], [0, 0, 1]])
+DIST = np.array([-0.2, 0.05, 0, 0, 0])
+FINE, PER_MM, MARGIN = 4, 20, 200
+
+
+def pose(about_x: float, about_y: float, about_z: float, distance: float = 210.0) -> np.ndarray:
+    """Return ``T_cam_target`` of the board, turned by degrees, its middle on the axis."""
+    turns = np.radians([[0, 0, about_z], [about_x, 0, 0], [0, about_y, 0]])
+    R = np.diag([1.0, -1.0, -1.0])
+    for turn in turns[::-1]:
+        R = cv2.Rodrigues(turn)[0] @ R
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = R, np.array([0, 0, distance]) - R @ BOARD.points().mean(axis=0)
+    return T
+
+
+def draw(T: np.ndarray, board=BOARD, noise: float = 2.0, seed: int = 0) -> np.ndarray:  # type: ignore[no-untyped-def]  # noqa: ANN001 - a target
+    """Return the picture as floats, white 200 and black 12 where the light is full."""
+    across, up = board.squares
+    art = opencv_board(board).generateImage((across * 20 * PER_MM, up * 20 * PER_MM))
+    art = cv2.copyMakeBorder(art, *[MARGIN] * 4, cv2.BORDER_CONSTANT, value=255).astype(np.float32)
+    art = cv2.GaussianBlur(art, (0, 0), 0.25 * T[2, 3] / K[0, 0] * PER_MM)  # or edges would be stairs
+    x, y = ((np.arange(n * FINE) + 0.5) / FINE - 0.5 for n in SIZE)
+    q = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 1, 2)
+    rays = cv2.undistortPoints(q, K, DIST, criteria=(3, 10, 1e-8)).reshape(-1, 2)
+    on_board = np.linalg.inv(T[:3, [0, 1, 3]]) @ np.concatenate([rays, np.ones((len(rays), 1))], axis=1).T
+    places = (on_board[:2] / on_board[2]).astype(np.float32)
+    # labcal's origin is the lower left inner corner; OpenCV draws from the upper left one of the board.
+    column = ((places[0] + 20.0) * PER_MM - 0.5 + MARGIN).reshape(SIZE[1] * FINE, SIZE[0] * FINE)
+    line = (((up - 1) * 20.0 - places[1]) * PER_MM - 0.5 + MARGIN).reshape(column.shape)
+    seen = 12 + 188 / 255 * cv2.remap(art, column, line, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    seen *= 1 - 0.15 * (q[..., 0] / SIZE[0] + q[..., 1] / SIZE[1]).reshape(seen.shape)
+    picture = cv2.GaussianBlur(seen, (0, 0), 0.6 * FINE).astype(np.float64)
+    picture = picture.reshape(SIZE[1], FINE, SIZE[0], FINE).mean(axis=(1, 3))
+    return picture + np.random.default_rng(seed).normal(0, noise, picture.shape)
+
+
+def as_bytes(picture: np.ndarray) -> np.ndarray:
+    return np.clip(np.round(picture), 0, 255).astype(np.uint8)
+
+
+def errors(dots: PictureDots, T: np.ndarray, board=BOARD) -> np.ndarray:  # type: ignore[no-untyped-def]  # noqa: ANN001 - a target
+    """Return measured minus true places of the ok corners, by OpenCV's projection."""
+    p = board.points(dots.index[dots.ok])
+    q, _ = cv2.projectPoints(p, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)
+    return dots.position[dots.ok] - q.reshape(-1, 2)
+
+
+def test_normalised_errors_pass_a_chi_square_test() -> None:
+    squares, count, rms_opencv = 0.0, 0, []
+    for seed, turns in enumerate([(25, -30, 100), (-35, 10, 190), (10, 45, -60)]):
+        T = pose(*turns)
+        picture = draw(T, seed=seed)
+        dots = detect_dots(picture.astype(np.float32), BOARD)
+        assert dots.refusal is None
+        assert int(dots.ok.sum()) == 24
+        assert np.array_equal(dots.index, BOARD.indices())  # all of them, in order
+        off = errors(dots, T)
+        squares += float(np.einsum("ni,nij,nj->", off, np.linalg.inv(dots.covariance), off))
+        count += 2 * len(off)
+        assert np.abs(off).max() < 0.05
+        opencv = cv2.aruco.CharucoDetector(opencv_board(BOARD)).detectBoard(as_bytes(picture))
+        theirs = np.asarray(opencv[0]).reshape(-1, 2)
+        p = BOARD.points(BOARD.from_opencv(np.asarray(opencv[1]).ravel()))
+        q, _ = cv2.projectPoints(p, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)
+        rms_opencv.append(float(np.sqrt(((theirs - q.reshape(-1, 2)) ** 2).sum(axis=1).mean())))
+        assert np.sqrt((off**2).sum(axis=1).mean()) < 0.5 * rms_opencv[-1]
+    assert 0.005 < chi2.sf(squares, count) < 0.995
+
+
+def test_there_is_no_bias_without_noise() -> None:
+    T = pose(20, -25, 40)
+    off = errors(detect_dots(draw(T, noise=0.05).astype(np.float32), BOARD), T)
+    assert np.abs(off).max() < 0.012  # a bent edge among them
+    assert np.abs(off.mean(axis=0)).max() < 0.002
+
+
+def test_corners_whose_markers_are_hidden_are_found_by_their_neighbours() -> None:
+    T = pose(15, 20, 10)
+    picture = draw(T)
+    hidden = np.zeros(len(BOARD.points()), dtype=bool)
+    for k, place in enumerate(BOARD.points()):
+        q, _ = cv2.projectPoints(place, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)
+        x, y = (float(v) for v in q.ravel())
+        if k % 6 > 3 and k // 6 > 1:  # cover the corner itself
+            cv2.circle(picture, (round(x), round(y)), 7, 90.0, -1)
+            hidden[k] = True
+        elif k % 6 == 0:  # and spoil the markers of the first column
+            cv2.circle(picture, (round(x) - 18, round(y) - 18), 4, 200.0, -1)
+            cv2.circle(picture, (round(x) - 18, round(y) + 18), 4, 12.0, -1)
+    dots = detect_dots(as_bytes(picture), BOARD)
+    assert dots.refusal is None
+    seen = {tuple(key) for key in dots.index[dots.ok].tolist()}
+    assert seen.isdisjoint({tuple(key) for key in BOARD.indices()[hidden].tolist()})
+    assert len(seen) == int((~hidden).sum())
+    assert np.abs(errors(dots, T)).max() < 0.1
+
+
+def test_a_part_of_the_board_is_enough() -> None:
+    T = pose(10, -20, 25)
+    T[0, 3] += 75.0
+    dots = detect_dots(as_bytes(draw(T)), BOARD)
+    assert dots.refusal is None
+    assert 8 <= int(dots.ok.sum()) < 24
+    assert set(dots.flag) <= {DotFlag.OK, DotFlag.CUT}
+    assert np.abs(errors(dots, T)).max() < 0.06
+
+
+def test_legacy_boards_are_told_from_current_ones() -> None:
+    legacy = BOARD.model_copy(update={"squares": (7, 4), "pattern": Pattern.LEGACY})
+    T = pose(10, 20, 5)
+    picture = as_bytes(draw(T, legacy))
+    dots = detect_dots(picture, legacy)
+    assert int(dots.ok.sum()) == legacy.count
+    assert np.abs(errors(dots, T, legacy)).max() < 0.05
+    current = legacy.model_copy(update={"pattern": Pattern.CURRENT})
+    assert detect_dots(picture, current).refusal is Refusal.OTHER_BOARD
+
+
+def test_pictures_of_something_else_are_refused() -> None:
+    picture = as_bytes(draw(pose(10, 20, 5)))
+    others = MarkerDictionary.DICT_4X4_50
+    assert detect_dots(picture, BOARD.model_copy(update={"dictionary": others})).refusal is Refusal.NO_MARKERS
+    mirrored = np.ascontiguousarray(picture[:, ::-1])
+    assert detect_dots(mirrored, BOARD).refusal is Refusal.NO_MARKERS
+    rows = detect_dots(np.ascontiguousarray(picture[:, :130]), BOARD)
+    assert rows.refusal in (Refusal.TOO_FEW_DOTS, Refusal.NO_MARKERS)
+    assert not rows.has_id.any()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 90), (31, 31), (33, 33), (60, 90)])
+def test_small_and_empty_pictures_are_refused(shape: tuple[int, int]) -> None:
+    noise = np.random.default_rng(1).integers(0, 256, shape).astype(np.uint8)
+    for picture in (noise, np.full(shape, 77, np.uint8)):
+        dots = detect_dots(picture, BOARD)
+        assert dots.refusal is Refusal.NO_MARKERS
+        assert dots.size == shape[::-1]
+
+
+def test_a_corner_that_is_none_is_flagged() -> None:
+    T = pose(10, 20, 5)
+    picture = as_bytes(draw(T))
+    whole = detect_dots(picture, BOARD)
+    x, y = (round(float(v)) for v in whole.position[8])
+    picture[y - 4 : y + 5, x - 4 : x + 5] = 110
+    dots = detect_dots(picture, BOARD)
+    at = np.flatnonzero((dots.index == whole.index[8]).all(axis=1))
+    assert [dots.flag[k] for k in at] in ([], [DotFlag.BAD_FIT])
+    assert int(dots.ok.sum()) == 23
+
+
+def test_the_blurred_board_is_that_of_the_bivariate_normal_distribution() -> None:
+    # Signs of correlated normal variables, by sampling: an independent way to the same figure.
+    rng = np.random.default_rng(3)
+    u = rng.uniform(-2, 2, (2, 5))
+    for correlation in (-0.6, 0.0, 0.4):
+        z = rng.multivariate_normal([0, 0], [[1, correlation], [correlation, 1]], 200_000).T
+        signs = np.sign(u[:, :, None] + z[:, None, :]).prod(axis=0)
+        assert _blurred_board(u, correlation).value == pytest.approx(signs.mean(axis=1), abs=0.01)
+
+
+def test_derivatives_agree_with_differences() -> None:
+    rng = np.random.default_rng(0)
+    window = _Window(
+        np.ones((1, 50), bool), rng.normal(size=(2, 50)) * 4, rng.normal(size=50), np.array([40.0, 50.0])
+    )
+    state = np.array([0.1, 0.2, 0.3, 1.7, 0.9, 0.7, 100, 80, 0.001, 0.002])
+    jacobian = _linearise(state, window).jacobian
+    for k in range(len(state)):
+        step = np.zeros(len(state))
+        step[k] = 1e-5 * max(abs(state[k]), 1.0)
+        change = _linearise(state - step, window).residual - _linearise(state + step, window).residual
+        assert change / (2 * step[k]) == pytest.approx(jacobian[k], rel=1e-5, abs=1e-5)
+
+
+def test_a_corner_of_the_wrong_colours_is_none() -> None:
+    def fitted(white: int) -> CornerFit | None:
+        y, x = np.mgrid[:31, :31] - 15.0
+        u = np.stack([(x - 0.3).ravel(), -(y + 0.2).ravel()])
+        grey = (100 + 60 * _blurred_board(u / 0.8, 0.0).value).reshape(31, 31).astype(np.float32)
+        axes = np.array([[30.0, 0.0], [0.0, -30.0]])
+        return fit_corner(grey, Surroundings(np.array([15.0, 15.0]), axes, white, 0.4, 9.0))
+
+    sound = fitted(1)
+    assert sound is not None
+    assert sound.centre == pytest.approx([15.3, 14.8], abs=2e-3)
+    assert fitted(-1) is None
