@@ -1,1 +1,1 @@
-"""How well dots are found, numbered and measured, and what calibrations make of that: ``labcal bench detect``."""
+"""How well dots are found, measured and calibrated with: ``labcal bench detect``."""

@@ -12,6 +12,7 @@ import numpy as np
 from labcal.shoot.exr import write_exr
 from labcal.targets.grid import DotGrid, Rings
 
+RING_HOLE_MM = 2.2
 TARGET = DotGrid(
     name="hostile",
     cols=6,
@@ -20,7 +21,7 @@ TARGET = DotGrid(
     pitch_y_mm=10.0,
     dot_diameter_mm=5.0,
     ring_outer_diameter_mm=5.0,
-    ring_inner_diameter_mm=2.2,
+    ring_inner_diameter_mm=RING_HOLE_MM,
     rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
     margin_mm=10.0,
 )
@@ -38,7 +39,7 @@ def dots_picture() -> np.ndarray:
         y = 16 * picture.shape[0] - y
         radii = [(0.5 * TARGET.dot_diameter_mm, 40)]
         if tuple(index) in TARGET.ring_indices:
-            radii.append((0.5 * TARGET.ring_inner_diameter_mm, 210))
+            radii.append((0.5 * RING_HOLE_MM, 210))
         for radius, grey in radii:
             cv2.circle(picture, (x, y), round(16 * PX_PER_MM * radius), grey, -1, cv2.LINE_AA, 4)
     return picture

@@ -23,6 +23,7 @@ ROUNDS, QUICK_ROUNDS, LARGE_ROUNDS = 15, 5, 3
 RATIO_LIMIT, LARGE_LIMIT_S = 1.0, 2.0
 TILT_DEG, FOCAL_OVER_WIDTH, NOISE, BLUR_PX = 20.0, 1.2, 2.5, 0.8
 FINE_BITS = 6
+RING_HOLE_MM = 2.0
 TARGET = DotGrid(
     name="speed",
     cols=14,
@@ -31,7 +32,7 @@ TARGET = DotGrid(
     pitch_y_mm=10.0,
     dot_diameter_mm=5.0,
     ring_outer_diameter_mm=5.0,
-    ring_inner_diameter_mm=2.0,
+    ring_inner_diameter_mm=RING_HOLE_MM,
     rings=Rings(origin=(2, 2), x=(11, 2), y=(2, 7)),
     margin_mm=10.0,
 )
@@ -102,7 +103,7 @@ def drawn_board(size: tuple[int, int], random: np.random.Generator, hole: float 
         _fill(picture, outline, 40)
     if hole > 0.0:
         rings = TARGET.points(np.array(TARGET.ring_indices))
-        inner = np.full(len(rings), 0.5 * hole * TARGET.ring_inner_diameter_mm)
+        inner = np.full(len(rings), 0.5 * hole * RING_HOLE_MM)
         for outline in dot_images(camera, T_world_target, rings, inner).outline:
             _fill(picture, outline, 210)
     blurred = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), BLUR_PX)
