@@ -66,7 +66,11 @@ def test_a_measured_dot_some_pixels_off_is_wrong_and_one_only_seen_there_is_not(
     seen_at = dots.seen_at.copy()
     seen_at[5] += [4.0, 0.0]
     hidden = replace(dots, position=position, seen_at=seen_at, flag=tuple(flag))
-    assert judged(hidden, truth(), COLS).wrong_ids == 0
+    verdict = judged(hidden, truth(), COLS)
+    assert (verdict.wrong_ids, verdict.astray) == (0, 0)
+    seen_at[5] += [PITCH, 0.0]
+    verdict = judged(replace(hidden, seen_at=seen_at), truth(), COLS)
+    assert (verdict.wrong_ids, verdict.astray) == (0, 1)
 
 
 def test_a_measured_dot_is_false_where_none_is_or_something_covers_it() -> None:
