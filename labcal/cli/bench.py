@@ -28,7 +28,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--only",
         metavar="GROUP,...",
-        help="of detect only some groups of checks: suite, accuracy, real, speed, hostile",
+        help="of detect only some groups of checks: suite, accuracy, real, bias, speed, hostile",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)

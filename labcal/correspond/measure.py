@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
+import cv2
+
 from labcal.correspond.detections import Detections, gather
 from labcal.correspond.sources import Source
 from labcal.correspond.way_up import settle_way_up
@@ -38,8 +40,11 @@ def measure_picture(source: Source, target: AnyTarget) -> Measurement:
     except (InputError, InputTypeError) as error:
         return Measurement(source, None, str(error))
     except MemoryError:
-        reason = f"The picture {source.image} takes more memory than there is. Scale it down."
-        return Measurement(source, None, reason)
+        return Measurement(source, None, _too_large(source))
+    except cv2.error as error:
+        if error.code != cv2.Error.StsNoMem:
+            raise
+        return Measurement(source, None, _too_large(source))
     return _measurement(source, dots)
 
 
@@ -47,6 +52,10 @@ def _measurement(source: Source, dots: PictureDots) -> Measurement:
     """Return what was found, with a reason where the picture is refused."""
     reason = None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
     return Measurement(source, dots, reason)
+
+
+def _too_large(source: Source) -> str:
+    return f"The picture {source.image} takes more memory than there is. Scale it down."
 
 
 def measure_pictures(

@@ -63,6 +63,6 @@ def bench_table(result: BenchResult) -> Table:
         verdict = Text("ok", "green") if check.ok else Text("missed", "bold red")
         table.add_row(check.name, f"{check.value:.4g}", f"{check.limit:g}", verdict)
     for figure in result.beside:
-        table.add_row(figure.name, f"{figure.value:.4g}", "", "[dim]beside[/]", style="dim")
+        table.add_row(figure.name, f"{figure.value:.4g}", "", Text("beside"), style="dim")
     table.caption = "\n".join(result.notes) or None
     return table

@@ -2,13 +2,16 @@
 
 import errno
 import os
+import sys
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import numpy as np
 
 from labcal.errors import InputError, OutputError
 from labcal.run.outputs import appearing_file
+from labcal.shoot.picture_header import require_sensible_size
 
 
 def read_exr(path: Path) -> np.ndarray:
@@ -27,10 +30,17 @@ def read_exr(path: Path) -> np.ndarray:
     import OpenEXR  # noqa: PLC0415 -- a compiled library that few pictures need
 
     try:
-        with OpenEXR.File(str(path)) as exr:
+        with OpenEXR.File(str(path), header_only=True) as exr:
+            first, last = (np.asarray(corner, dtype=np.int64) for corner in exr.header()["dataWindow"])
+        width, height = np.maximum(last - first + 1, 0).tolist()
+        require_sensible_size(path, (width, height), path.stat().st_size)
+        # What the library has to say about a damaged file is no result, so not for stdout.
+        with redirect_stdout(sys.stderr), OpenEXR.File(str(path)) as exr:
             channels = exr.channels()
             wanted = next((name for name in ("RGB", "RGBA", "Y") if name in channels), next(iter(channels)))
             pixels = np.asarray(channels[wanted].pixels, dtype=np.float32)
+    except InputError:
+        raise
     except Exception as error:
         raise InputError(f"{path} is not an OpenEXR file that can be read: {error}.") from error
     return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., :3])  # noqa: PLR2004 -- grey

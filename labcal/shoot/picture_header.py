@@ -2,6 +2,15 @@
 
 import struct
 from enum import StrEnum
+from pathlib import Path
+
+from labcal.errors import InputError
+
+MOST_PIXELS = 2**26
+"""A larger picture is not decoded: detection takes some tens of bytes for each."""
+FREELY = 2**23
+MOST_PIXELS_A_BYTE = 400
+"""A picture beyond `FREELY` pixels that is packed more tightly is empty, or made to fill the memory."""
 
 
 class PictureKind(StrEnum):
@@ -56,6 +65,42 @@ def declared_size(data: bytes) -> tuple[int, int] | None:
         return None if reader is None else reader(data)
     except struct.error:  # the file ends within its header
         return None
+
+
+def require_sensible_size(path: Path, size: tuple[int, int] | None, length: int) -> None:
+    """Raise where a header declares no size, or one that no memory should be spent on.
+
+    Parameters
+    ----------
+    path : Path
+        For the message.
+    size : (int, int) or None
+        Width and height as declared, px.
+    length : int
+        Of the file, bytes.
+
+    Raises
+    ------
+    InputError
+        There is no size, there are no pixels, or too many for any camera or for so short a file.
+    """
+    damaged = f"{path} is not a picture, or is damaged"
+    if size is None:
+        raise InputError(f"{damaged}: it does not say how large it is. Copy it again.")
+    width, height = size
+    pixels = width * height
+    if pixels == 0:
+        raise InputError(f"{damaged}: it declares {width} x {height} pixels. Copy it again.")
+    if pixels > MOST_PIXELS:
+        raise InputError(
+            f"The picture {path} declares {width} x {height} pixels, more than {MOST_PIXELS} in all. If that "
+            "is no mistake, scale it down, or cut out what shows the target."
+        )
+    if pixels > FREELY and pixels > MOST_PIXELS_A_BYTE * length:
+        raise InputError(
+            f"The picture {path} declares {width} x {height} pixels in {length} bytes: it is all of one "
+            "colour, or made to fill the memory."
+        )
 
 
 def _png_size(data: bytes) -> tuple[int, int] | None:

@@ -9,16 +9,11 @@ import numpy as np
 from labcal.errors import InputError, OutputError
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
-from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind
+from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind, require_sensible_size
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
 MOST_BYTES = 2**30
 """A larger file is not read."""
-MOST_PIXELS = 2**27
-"""A larger picture is not decoded; the largest cameras have 150 megapixels, but need memory to match."""
-FREELY = 2**23
-MOST_PIXELS_A_BYTE = 400
-"""A picture beyond `FREELY` pixels that is packed more tightly is empty, or made to fill the memory."""
 
 
 def read_picture(path: Path) -> np.ndarray:
@@ -54,7 +49,7 @@ def read_picture(path: Path) -> np.ndarray:
         raise InputError(
             f"The picture {path} is truncated: a JPEG file must end with its end mark. Copy it again."
         )
-    _require_sensible(path, data)
+    require_sensible_size(path, declared_size(data), len(data))
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         picture = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
@@ -80,31 +75,6 @@ def _bytes(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise InputError(f"The picture {path} cannot be read: {error.strerror}.") from error
-
-
-def _require_sensible(path: Path, data: bytes) -> None:
-    """Raise where a header declares more than the file can hold, before memory is asked for."""
-    size = declared_size(data)
-    if size is None:
-        raise InputError(
-            f"{path} is not a picture, or is damaged: it does not say how large it is. Copy it again."
-        )
-    width, height = size
-    pixels = width * height
-    if pixels == 0:
-        raise InputError(
-            f"{path} is not a picture, or is damaged: it declares {width} x {height} pixels. Copy it again."
-        )
-    if pixels > MOST_PIXELS:
-        raise InputError(
-            f"The picture {path} declares {width} x {height} pixels, more than {MOST_PIXELS} in all. If that "
-            "is no mistake, scale it down, or cut out what shows the target."
-        )
-    if pixels > FREELY and pixels > MOST_PIXELS_A_BYTE * len(data):
-        raise InputError(
-            f"The picture {path} declares {width} x {height} pixels in {len(data)} bytes: it is all of one "
-            "colour, or made to fill the memory."
-        )
 
 
 def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:

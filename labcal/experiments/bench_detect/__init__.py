@@ -1,1 +1,1 @@
-"""How well dots are found, numbered and measured: ``labcal bench detect``."""
+"""How well dots are found, measured and calibrated with: ``labcal bench detect``."""

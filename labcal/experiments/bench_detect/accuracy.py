@@ -17,8 +17,8 @@ RADII_PX = (6.0, 8.0, 10.0, 20.0, 40.0)
 TILTS_DEG, QUICK_TILTS_DEG = (5.0, 25.0, 45.0, 60.0), (10.0, 60.0)
 NOISES = (0.01, 0.03)
 """Standard deviation of every pixel, as a share of full scale."""
-SPP, QUICK_SPP = 16, 8
-DOTS, QUICK_DOTS = 400, 100
+SPP, QUICK_SPP = 32, 16
+DOTS = 400
 """About so many measurements for every radius, tilt and noise, by drawing noise again."""
 MOST_RATIO = 1.2
 MOST_BIAS_PX = {6.0: 0.005, 8.0: 0.005}
@@ -49,7 +49,7 @@ class Errors:
 
 def accuracy_findings(bench: Bench) -> Findings:
     """Return ratios to the bound, biases and chi-square by radius and noise, with OpenCV's beside."""
-    tilts, spp, dots = (QUICK_TILTS_DEG, QUICK_SPP, QUICK_DOTS) if bench.quick else (TILTS_DEG, SPP, DOTS)
+    tilts, spp = (QUICK_TILTS_DEG, QUICK_SPP) if bench.quick else (TILTS_DEG, SPP)
     bench.progress.start("accuracy", len(RADII_PX) * len(tilts))
     checks, beside = [], []
     for radius in RADII_PX:
@@ -57,7 +57,7 @@ def accuracy_findings(bench: Bench) -> Findings:
         for tilt in tilts:
             board = lit_board(radius, tilt, spp, bench.seed)
             for noise, part in zip(NOISES, parts, strict=True):
-                part.append(measured_errors(board, noise, dots, bench.seed))
+                part.append(measured_errors(board, noise, DOTS, bench.seed))
             bench.progress.advance()
         for noise, part in zip(NOISES, parts, strict=True):
             name = f"dots of {radius:g} px, {noise:.0%} noise"

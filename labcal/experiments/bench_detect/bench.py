@@ -5,7 +5,11 @@ from pathlib import Path
 
 from labcal.errors import UnknownNameError
 from labcal.experiments.bench_detect.accuracy import accuracy_findings
+from labcal.experiments.bench_detect.bias import bias_checks
 from labcal.experiments.bench_detect.findings import Bench, Findings
+from labcal.experiments.bench_detect.hostile import hostile_findings
+from labcal.experiments.bench_detect.real import real_findings
+from labcal.experiments.bench_detect.speed import speed_findings
 from labcal.experiments.bench_detect.suite import suite_findings
 from labcal.experiments.bench_settings import BenchSettings
 from labcal.report.bench import BenchResult
@@ -16,6 +20,10 @@ from labcal.run.progress import Progress
 GROUPS: dict[str, Callable[[Bench], Findings]] = {
     "suite": suite_findings,
     "accuracy": accuracy_findings,
+    "real": real_findings,
+    "bias": lambda bench: Findings(bias_checks(bench.seed), []),
+    "speed": speed_findings,
+    "hostile": hostile_findings,
 }
 """Groups of checks, in the order in which they are measured."""
 

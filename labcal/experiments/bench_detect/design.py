@@ -22,7 +22,7 @@ NOISE = (0.008, 0.05)
 BLUR = (0.35, 0.35)
 """Least, in px, and greatest, as a share of the smallest measurable dot's minor semi-axis."""
 MOST_BLUR_PX = 3.0
-JPEG_QUALITY = (40, 100)
+JPEG_QUALITY = (40.0, 100.0)
 HIDDEN = (0.0, 0.5)
 PITCH_OVER_RADIUS = (3.2, 5.0)
 ASIDE = 0.12

@@ -24,7 +24,9 @@ class Verdict:
     found: int
     """Measurable dots that are ``ok``, under their own ids."""
     wrong_ids: int
-    """Dots whose id belongs to a dot elsewhere."""
+    """Measured dots whose id belongs to a dot elsewhere."""
+    astray: int
+    """Dots that are flagged and not measured, and drawn elsewhere than the dot of their id."""
     false_dots: int
     """Measured dots where no dot is, or at most a part of one."""
     worst_px: float
@@ -34,8 +36,9 @@ class Verdict:
 def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
     """Compare what was detected with the truth.
 
-    An id is wrong where the true dot of that id is further than half its pitch, for a measured dot also
-    further than :data:`MEASURED_OFF_PX`. A dot is false where it was measured, and no dot of which half can
+    An id is wrong where a measured dot is further than half a pitch, or :data:`MEASURED_OFF_PX`, from the
+    true dot of that id. Where a dot that is not measured is drawn does no harm, but is counted too: what the
+    frame cuts is seen off its middle, and what is hidden where it is thought to be. A dot is false where it was measured, and no dot of which half can
     be seen is within half a pitch.
 
     Parameters
@@ -54,14 +57,15 @@ def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
     bound = 0.5 * seen.pitch_px[own]
     bound[measured] = np.minimum(bound[measured], MEASURED_OFF_PX)
     right = dots.has_id & declared & (off <= bound)
-    wrong = dots.has_id & ~right & (declared | measured)
+    wrong = dots.has_id & ~right
     found = right & dots.ok & seen.measurable[own]
     return Verdict(
         indexed=dots.indexed,
         refusal=None if dots.refusal is None else str(dots.refusal),
         measurable=int(seen.measurable.sum()),
         found=int(found.sum()),
-        wrong_ids=int(wrong.sum()),
+        wrong_ids=int((wrong & measured).sum()),
+        astray=int((wrong & ~measured & declared).sum()),
         false_dots=sum(_is_false(place[i], seen) for i in np.flatnonzero(measured)),
         worst_px=float(off[found].max()) if found.any() else float("nan"),
     )

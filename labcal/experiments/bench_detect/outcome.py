@@ -75,13 +75,15 @@ def suite_figures(outcomes: list[Outcome]) -> list[Figure]:
     ):
         share = float(np.mean([not outcome.verdict.indexed for outcome in rest])) if rest else np.nan
         figures.append(Figure(name=f"suite, {len(rest)} pictures, {what}: share not indexed", value=share))
+    astray = sum(outcome.verdict.astray for outcome in outcomes)
+    figures.append(Figure(name="suite, all pictures: flagged dots drawn half a pitch off", value=astray))
     return figures
 
 
 _HEADER = (
     "name", "required", "failed", "lens", "width", "height", "tilt_deg", "radius_px", "pitch_over_radius",
     "polarity", "gradient", "noise", "blur_px", "jpeg_quality", "bayer", "linear", "hidden", "rings_in_sight",
-    "dots", "measurable", "found", "refusal", "wrong_ids", "false_dots", "worst_px", "opencv",
+    "dots", "measurable", "found", "refusal", "wrong_ids", "astray", "false_dots", "worst_px", "opencv",
 )  # fmt: skip
 
 
@@ -97,7 +99,7 @@ def outcome_table(outcomes: list[Outcome]) -> str:
                 design.polarity, round(design.gradient, 2), round(design.noise, 4), round(outcome.blur_px, 2),
                 design.jpeg_quality or "", int(design.bayer), int(design.linear), round(outcome.hidden, 3),
                 int(outcome.rings_in_sight), outcome.dots, verdict.measurable, verdict.found,
-                verdict.refusal or "", verdict.wrong_ids, verdict.false_dots, round(verdict.worst_px, 3),
+                verdict.refusal or "", verdict.wrong_ids, verdict.astray, verdict.false_dots, round(verdict.worst_px, 3),
                 " ".join(str(int(found)) for found in outcome.opencv),
             ]
         )  # fmt: skip

@@ -1,8 +1,10 @@
+import os
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import pytest
+from PIL import Image
 
 from labcal.errors import InputError, OutputError
 from labcal.shoot.pictures import read_picture, write_picture
@@ -71,3 +73,59 @@ def test_pictures_are_not_replaced_unasked_nor_written_in_unknown_forms(tmp_path
     with pytest.raises(OutputError, match=r"ends in \.png, \.jpg or \.tif"):
         write_picture(tmp_path / "a.pmg", GREY)
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+def oriented(orientation: int) -> Image.Exif:
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    return exif
+
+
+@pytest.mark.parametrize("ending", ["jpg", "png"])
+@pytest.mark.parametrize("orientation", [3, 6, 8])
+def test_pixels_are_those_of_the_sensor_whatever_orientation_is_stated(
+    tmp_path: Path, ending: str, orientation: int
+) -> None:
+    plain, turned = tmp_path / f"plain.{ending}", tmp_path / f"turned.{ending}"
+    Image.fromarray(GREY).save(plain)
+    Image.fromarray(GREY).save(turned, exif=oriented(orientation))
+    assert plain.read_bytes() != turned.read_bytes()
+    np.testing.assert_array_equal(read_picture(turned), read_picture(plain))
+    assert read_picture(turned).shape == GREY.shape
+
+
+def test_of_an_animation_the_first_picture_is_read(tmp_path: Path) -> None:
+    first, *more = (Image.fromarray(picture) for picture in (GREY, 255 - GREY, GREY // 2))
+    first.save(tmp_path / "a.png", save_all=True, append_images=more)
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), GREY)
+
+
+def test_what_would_fill_the_memory_is_refused_before_it_is_decoded(tmp_path: Path) -> None:
+    Image.fromarray(np.zeros((3000, 3000), dtype=np.uint8)).save(tmp_path / "packed.png")
+    with pytest.raises(InputError, match=r"3000 x 3000 pixels in \d+ bytes"):
+        read_picture(tmp_path / "packed.png")
+    data = bytearray((tmp_path / "packed.png").read_bytes())
+    data[16:24] = (100_000).to_bytes(4, "big") * 2
+    (tmp_path / "patched.png").write_bytes(data)
+    with pytest.raises(InputError, match=r"100000 x 100000 pixels, more than"):
+        read_picture(tmp_path / "patched.png")
+    # Of one colour and not large: a lens cap makes such pictures.
+    Image.fromarray(np.zeros((1000, 1000), dtype=np.uint8)).save(tmp_path / "black.png")
+    assert read_picture(tmp_path / "black.png").shape == (1000, 1000)
+
+
+def test_folders_and_pipes_are_no_pictures(tmp_path: Path) -> None:
+    (tmp_path / "a.png").mkdir()
+    os.mkfifo(tmp_path / "b.png")
+    for name in ("a.png", "b.png"):
+        with pytest.raises(InputError, match="it is no file"):
+            read_picture(tmp_path / name)
+
+
+def test_the_content_tells_the_format_and_not_the_name(tmp_path: Path) -> None:
+    Image.fromarray(GREY).save(tmp_path / "a.bmp")
+    (tmp_path / "a.bmp").rename(tmp_path / "a.png")
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), GREY)
+    Image.fromarray(GREY).save(tmp_path / "b.gif")
+    with pytest.raises(InputError, match="none of PNG, JPEG, TIFF, BMP, OpenEXR"):
+        read_picture(tmp_path / "b.gif")
