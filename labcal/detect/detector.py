@@ -8,7 +8,7 @@ import numpy as np
 from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
 from labcal.detect.charuco import detect_charuco
 from labcal.detect.dots import PictureDots
-from labcal.detect.edge_fit import EdgeFits, fit_edges
+from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.flattening import NONE, Flattening, fisheyes
 from labcal.detect.grey import AnyPicture, GreyPicture, clipping, grey_picture
@@ -17,8 +17,8 @@ from labcal.detect.lost import lost_dots
 from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.outlines import Outlines, clear_reach, trace_outlines
 from labcal.detect.plain import goes_on, with_lookalikes
-from labcal.detect.prediction import Predictor
 from labcal.detect.probe import with_missed
+from labcal.detect.shapes import odd_shapes, without_odd
 from labcal.detect.smoothness import is_smooth
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard
@@ -33,7 +33,6 @@ _TOO_LARGE = 12.0  # px of a level: larger ones are looked for in coarser levels
 _RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes are all larger
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _BLURRED = 0.6  # of the minor axis
-_ODD, _ODD_PX = 0.2, 0.5  # in the logarithm of an axis, and px
 _CLIPPED = 0.06
 _COMPLETE = 0.97  # of the spots that are as large as dots
 _CLIPPED_PICTURE = 0.5
@@ -205,7 +204,8 @@ def _choose(outlines: Outlines, target: DotGrid, lens: Flattening) -> tuple[Latt
         return Refusal.NO_DOTS
     if len(outlines.centre) < _FEWEST_DOTS:
         return Refusal.TOO_FEW_DOTS
-    lattices, outlines = find_lattices(outlines, target, lens), lens.outlines(outlines)
+    lattices = [without_odd(lattice, outlines, target) for lattice in find_lattices(outlines, target, lens)]
+    outlines = lens.outlines(outlines)
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]
@@ -227,7 +227,9 @@ def _measured(
     fits = fit_edges(grey, spots, holes, clear_reach(target))
     usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
     rough = fits.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius
-    rough |= _odd_shapes(lattice, outlines, fits, holes > 0, target)
+    shape = outlines.shape.copy()
+    shape[list(lattice.spots.values())] = np.where(fits.ok[:, None, None], fits.shape, spots.shape)
+    rough |= odd_shapes(lattice, replace(outlines, shape=shape), target)
     minor = np.sqrt(np.linalg.eigvalsh(spots.shape)[:, 0])
     dots = []
     for number, (index, _) in enumerate(named):
@@ -243,23 +245,6 @@ def _measured(
             centre = fits.centre[number]
             dots.append(_Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number]))
     return dots
-
-
-def _odd_shapes(
-    lattice: Lattice, outlines: Outlines, fits: EdgeFits, ring: np.ndarray, target: DotGrid
-) -> np.ndarray:
-    """Tell which fitted outlines are another ellipse than the grid's steps make of a dot: hidden in part."""
-    spots = list(lattice.spots.values())
-    shape = outlines.shape.copy()
-    shape[spots] = np.where(fits.ok[:, None, None], fits.shape, shape[spots])
-    found = Predictor(lattice, replace(outlines, shape=shape)).shapes_in_steps()
-    found[ring] /= target.ring_size**2
-    usual = np.nanmedian(found, axis=0)
-    axes = np.sqrt(np.linalg.eigvals(np.linalg.solve(usual, np.nan_to_num(found, nan=1.0))).real)
-    minor = np.sqrt(np.linalg.eigvalsh(shape[spots])[:, 0])
-    odd: np.ndarray = np.isfinite(found[:, 0, 0])
-    odd &= np.abs(np.log(axes)).max(axis=1) > _ODD + _ODD_PX / minor
-    return odd
 
 
 def _unnamed(outlines: Outlines, named: set[int]) -> list[_Dot]:

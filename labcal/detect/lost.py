@@ -14,6 +14,7 @@ from labcal.detect.prediction import Predictor
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected
 _CUT_MISS = 0.35  # radii between a cut spot's box and the part of the predicted outline that is in the frame
+_LIKELY = 5  # neighbours that tell where a dot with an unclean outline is
 _SURE = 8  # neighbours that tell where a hidden dot must be
 _SIZE_TOLERANCE = 0.5  # in the logarithm of the radius
 
@@ -58,7 +59,7 @@ def lost_dots(
     for node, prediction in expected.items():
         radius = float(np.linalg.det(prediction.outline)) ** 0.25
         dot = _cut(node, prediction.position, prediction.outline, blobs, size)
-        if dot is None:
+        if dot is None and prediction.neighbours >= _LIKELY:
             dot = _unclean(node, prediction.position, radius, rough, rough_radii)
         if dot is None and declared(node) and prediction.neighbours >= _SURE:
             position, outline = prediction.position, prediction.outline

@@ -11,6 +11,7 @@ from labcal.targets.grid import DotGrid
 
 _MISS = 0.12  # of a step between an outline and where it is expected
 _SIZE_TOLERANCE = 0.35  # in the logarithm of the radius
+_GAP = 4  # steps over hidden dots
 _ROUNDS = 20  # each goes a node farther
 
 
@@ -29,12 +30,16 @@ def with_missed(
         To which the lattice's spots refer; further ones are added at the end.
     target : DotGrid
     """
-    tried: set[Node] = set()
+    tried: dict[Node, int] = {}
     for _ in range(_ROUNDS):
-        nodes = [node for node in _beside(lattice, numbering, target) if node not in tried]
-        expected = list(Predictor(lattice, outlines).predict(nodes).items())
-        expected = [pair for pair in expected if inside_frame(pair[1].position, pair[1].outline, grey.shape)]
-        tried.update(nodes)
+        predictions = Predictor(lattice, outlines).predict(_beside(lattice, numbering, target))
+        expected = [
+            (node, found)
+            for node, found in predictions.items()
+            if found.neighbours > tried.get(node, -1)
+            and inside_frame(found.position, found.outline, grey.shape)
+        ]
+        tried.update((node, found.neighbours) for node, found in expected)
         if not expected:
             break
         centre = np.array([found.position for _, found in expected])
@@ -56,7 +61,7 @@ def with_missed(
 
 
 def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid) -> list[Node]:
-    """Return the empty nodes of the declared grid next to the lattice's."""
-    span = (-1, 0, 1)
+    """Return the empty nodes of the declared grid next to the lattice's, or beyond a gap."""
+    span = range(-_GAP, _GAP + 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()
     return [node for node in sorted(beside) if target.holds(*numbering.index(node))]

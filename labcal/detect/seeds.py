@@ -10,7 +10,7 @@ from labcal.targets.grid import DotGrid
 _NEAREST = 24  # spots looked at around a seed: two rings of neighbours
 _SHAPE_TOLERANCE = 0.35  # cosine of the angle, and logarithm of the ratio of the steps
 SEED_MISS = 0.15  # of a step
-_FEWEST = 7  # spots: a cross and three of its corners
+_FEWEST = 5  # spots: half a cross and two corners
 RING_HOLE = 0.3  # of the step from dot to board: the middle of a ring is at least so bright
 
 
@@ -53,37 +53,67 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     present = np.einsum("nij,nj->ni", _geometric_mean(flatten[:-1], flatten[-1]), steps)
     length = np.linalg.norm(present, axis=1)
     balanced = _nearest_miss(-present, present) < SEED_MISS * length
-    kept, arms, length = near[balanced], present[balanced], length[balanced]
-    if len(arms) < 4:  # noqa: PLR2004 - the arms of a cross
+    arms = present[balanced]
+    if len(arms) < 2:  # noqa: PLR2004 - an arm and its opposite
         return None
-    cosine = np.abs(arms @ arms.T) / np.outer(length, length)
-    ratio = np.log(length[:, None] / length[None, :])
-    expected = np.log(target.cell_mm[0] / target.cell_mm[1])
-    square = (cosine < _SHAPE_TOLERANCE) & (np.abs(np.abs(ratio) - abs(expected)) < _SHAPE_TOLERANCE)
-    opposite = _nearest_miss(-arms, present) / length
-    corners = [
-        _nearest_miss((first * arms[:, None] + second * arms[None, :]).reshape(-1, 2), present).reshape(
-            square.shape
-        )
-        / np.minimum(length[:, None], length[None, :])
-        for first in (1, -1)
-        for second in (1, -1)
-    ]
+    expected = abs(float(np.log(target.cell_mm[0] / target.cell_mm[1])))
+    pair = _full_cross(arms, present, expected) or _half_cross(arms, present, expected)
+    if pair is None or _is_coarse(pair.first, pair.second, present):
+        return None
+    u, v = np.linalg.solve(flatten[-1], np.stack([pair.first, pair.second], axis=-1)).T
+    first, second = (pair.first, pair.second) if u[0] * v[1] - u[1] * v[0] <= 0 else (pair.second, pair.first)
+    # y is down in the picture and up on the board
+    return Seed(_around(i, near, (first, second), present), pair.misfit)
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Two arms of a cross, and how badly it fits."""
+
+    first: np.ndarray
+    second: np.ndarray
+    misfit: float
+
+
+def _full_cross(arms: np.ndarray, present: np.ndarray, expected: float) -> _Pair | None:
+    """Return the smallest pair of arms, square to each other, with spots opposite and at three corners."""
+    opposite = _nearest_miss(-arms, present) / np.linalg.norm(arms, axis=1)
+    corners = [_corner_miss(first * arms, second * arms, present) for first in (1, -1) for second in (1, -1)]
     third_best = np.sort(np.stack(corners), axis=0)[2]  # one corner may be missing
     misfit = np.maximum(np.maximum(opposite[:, None], opposite[None, :]), third_best)
-    fits = square & (misfit < SEED_MISS)
+    return _smallest(arms, arms, misfit, expected)
+
+
+def _half_cross(arms: np.ndarray, present: np.ndarray, expected: float) -> _Pair | None:
+    """Return the smallest arm with a spot opposite it, and one square to it to one side, with both corners.
+
+    It is all there is where only two rows of dots are seen.
+    """
+    opposite = _nearest_miss(-arms, present) / np.linalg.norm(arms, axis=1)
+    corners = np.maximum(_corner_miss(arms, present, present), _corner_miss(-arms, present, present))
+    return _smallest(arms, present, np.maximum(opposite[:, None], corners), expected)
+
+
+def _corner_miss(first: np.ndarray, second: np.ndarray, present: np.ndarray) -> np.ndarray:
+    """Return by how much of a step the nearest spot misses the corner of each pair of arms."""
+    corner = (first[:, None] + second[None, :]).reshape(-1, 2)
+    shorter = np.minimum(np.linalg.norm(first, axis=1)[:, None], np.linalg.norm(second, axis=1)[None, :])
+    miss: np.ndarray = _nearest_miss(corner, present).reshape(shorter.shape) / shorter
+    return miss
+
+
+def _smallest(first: np.ndarray, second: np.ndarray, misfit: np.ndarray, expected: float) -> _Pair | None:
+    """Return the pair of the smallest cell that is square and fits; of several, the one that fits best."""
+    length = np.linalg.norm(first, axis=1)[:, None], np.linalg.norm(second, axis=1)[None, :]
+    cosine = np.abs(first @ second.T) / (length[0] * length[1])
+    ratio = np.abs(np.log(length[0] / length[1]))
+    fits = (cosine < _SHAPE_TOLERANCE) & (np.abs(ratio - expected) < _SHAPE_TOLERANCE) & (misfit < SEED_MISS)
     if not fits.any():
         return None
-    area = np.where(fits, np.outer(length, length), np.inf)
-    # Several pairs span the same smallest cell; the one that fits best is taken.
+    area = np.where(fits, length[0] * length[1], np.inf)
     smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)
-    first, second = np.unravel_index(int(smallest.argmin()), smallest.shape)
-    if _is_coarse(arms[first], arms[second], present):
-        return None
-    u, v = (outlines.centre[kept[k]] - outlines.centre[i] for k in (first, second))
-    if u[0] * v[1] - u[1] * v[0] > 0:  # y is down in the picture and up on the board
-        first, second = second, first
-    return Seed(_around(i, near, (arms[first], arms[second]), present), float(smallest.min()))
+    i, j = np.unravel_index(int(smallest.argmin()), smallest.shape)
+    return _Pair(first[i], second[j], float(smallest.min()))
 
 
 def _geometric_mean(A: np.ndarray, B: np.ndarray) -> np.ndarray:
