@@ -145,9 +145,11 @@ def accuracy_checks(name: str, errors: Errors, bias_limit_px: float) -> list[Che
 def accuracy_figures(name: str, errors: Errors) -> list[Figure]:
     """Return the same ratios of OpenCV's centres, and the share of dots that labcal does not measure."""
     blob, contour = (over_bound(other, errors.bound) for other in (errors.blob, errors.contour))
+    own = over_bound(errors.labcal, errors.covariance)
     missed = float((~np.isfinite(errors.labcal).all(axis=1)).mean())
     return [
         Figure(name=f"{name}: share of dots not measured", value=missed),
+        Figure(name=f"{name}: RMS error over what labcal says of it", value=own),
         Figure(name=f"{name}: OpenCV's blobs, RMS over the bound", value=blob),
         Figure(name=f"{name}: ellipse through a contour, RMS over the bound", value=contour),
     ]

@@ -38,8 +38,8 @@ def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
 
     An id is wrong where a measured dot is further than half a pitch, or :data:`MEASURED_OFF_PX`, from the
     true dot of that id. Where a dot that is not measured is drawn does no harm, but is counted too: what the
-    frame cuts is seen off its middle, and what is hidden where it is thought to be. A dot is false where it was measured, and no dot of which half can
-    be seen is within half a pitch.
+    frame cuts is seen off its middle, and what is hidden where it is thought to be. A dot is false where it
+    was measured, and no dot of which half can be seen is within half a pitch.
 
     Parameters
     ----------

@@ -99,7 +99,8 @@ def outcome_table(outcomes: list[Outcome]) -> str:
                 design.polarity, round(design.gradient, 2), round(design.noise, 4), round(outcome.blur_px, 2),
                 design.jpeg_quality or "", int(design.bayer), int(design.linear), round(outcome.hidden, 3),
                 int(outcome.rings_in_sight), outcome.dots, verdict.measurable, verdict.found,
-                verdict.refusal or "", verdict.wrong_ids, verdict.astray, verdict.false_dots, round(verdict.worst_px, 3),
+                verdict.refusal or "", verdict.wrong_ids, verdict.astray, verdict.false_dots,
+                round(verdict.worst_px, 3),
                 " ".join(str(int(found)) for found in outcome.opencv),
             ]
         )  # fmt: skip
