@@ -116,3 +116,11 @@ def inside_frame(centre: np.ndarray, outline: np.ndarray, size: tuple[int, ...])
     extent = np.sqrt(np.diagonal(outline))
     last = np.array(size[1::-1]) - 1.0
     return bool((centre - extent > 0.0).all() and (centre + extent < last).all())
+
+
+def geometric_mean(A: PixelCovariances, B: np.ndarray) -> PixelCovariances:
+    """Return the geometric means of positive symmetric 2 x 2 matrices (Bhatia 2007, chapter 4)."""
+    alpha, beta = (np.sqrt(np.linalg.det(M))[..., None, None] for M in (A, B))
+    total = A / alpha + B / beta
+    mean: np.ndarray = np.sqrt(alpha * beta / np.linalg.det(total)[..., None, None]) * total
+    return mean

@@ -86,6 +86,10 @@ class Predictor:
             for k, position, step, outline, count in zip(known, positions, steps, outlines, near, strict=True)
         }
 
+    def neighbours(self) -> np.ndarray:
+        """Return how many neighbours each of the lattice's nodes has, in their order."""
+        return self._neighbours(self._nodes)
+
     def _neighbours(self, places: np.ndarray) -> np.ndarray:
         """Return how many nodes with a spot lie within two steps of places in the grid."""
         full = np.pad(self._grid >= 0, _NEAR).astype(np.int64)

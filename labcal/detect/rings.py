@@ -6,11 +6,13 @@ import numpy as np
 
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines, matrix_root
+from labcal.detect.outlines import Outlines, geometric_mean, matrix_root
 from labcal.detect.seeds import RING_HOLE
 from labcal.targets.grid import DotGrid, Rings
 
 _NO_HOLE = 0.15  # and of a full dot at most so bright
+_FAINT_HOLE = 0.1  # a ring's middle is at least so bright, however blurred
+_STANDS_OUT, _SIGMA = 8.0, 1.4826  # standard deviations from the other dots, and those over the median's
 _PITCH_TOLERANCE = 0.3  # in the logarithm of pitch_x over pitch_y
 
 TURNS = tuple(
@@ -34,8 +36,12 @@ class Numbering:
 
 
 def ring_nodes(lattice: Lattice, outlines: Outlines) -> set[Node]:
-    """Return the nodes whose dot is bright in the middle."""
-    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > RING_HOLE}
+    """Return the nodes whose dot is bright in the middle, less so in a blurred picture."""
+    hole = outlines.hole[list(lattice.spots.values())]
+    usual = float(np.median(hole))
+    scatter = _SIGMA * float(np.median(np.abs(hole - usual)))
+    limit = float(np.clip(usual + _STANDS_OUT * scatter, _FAINT_HOLE, RING_HOLE))
+    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > limit}
 
 
 def number_by_rings(
@@ -123,7 +129,8 @@ def pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target
         if not pairs:
             return False
         here, there = np.array(pairs).T
-        flat = np.einsum("nij,nj->ni", flatten[here], outlines.centre[there] - outlines.centre[here])
+        between = geometric_mean(flatten[here], flatten[there])
+        flat = np.einsum("nij,nj->ni", between, outlines.centre[there] - outlines.centre[here])
         lengths.append(np.linalg.norm(flat, axis=1))
     ratio = np.log(np.median(lengths[0]) / np.median(lengths[1]))
     if turn[0, 0] == 0:

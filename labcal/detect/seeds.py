@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.outlines import Outlines, matrix_root
+from labcal.detect.outlines import Outlines, geometric_mean, matrix_root
 from labcal.targets.grid import DotGrid
 
 _NEAREST = 24  # spots looked at around a seed: two rings of neighbours
@@ -50,7 +50,7 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     ring = outlines.hole[np.append(near, i)] > RING_HOLE
     flatten[ring] *= target.ring_size
     steps = outlines.centre[near] - outlines.centre[i]
-    present = np.einsum("nij,nj->ni", _geometric_mean(flatten[:-1], flatten[-1]), steps)
+    present = np.einsum("nij,nj->ni", geometric_mean(flatten[:-1], flatten[-1]), steps)
     length = np.linalg.norm(present, axis=1)
     balanced = _nearest_miss(-present, present) < SEED_MISS * length
     arms = present[balanced]
@@ -114,14 +114,6 @@ def _smallest(first: np.ndarray, second: np.ndarray, misfit: np.ndarray, expecte
     smallest = np.where(area < 1.3 * area.min(), misfit, np.inf)
     i, j = np.unravel_index(int(smallest.argmin()), smallest.shape)
     return _Pair(first[i], second[j], float(smallest.min()))
-
-
-def _geometric_mean(A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """Return the geometric means of positive symmetric 2 x 2 matrices (Bhatia 2007, chapter 4)."""
-    alpha, beta = (np.sqrt(np.linalg.det(M))[..., None, None] for M in (A, B))
-    total = A / alpha + B / beta
-    mean: np.ndarray = np.sqrt(alpha * beta / np.linalg.det(total)[..., None, None]) * total
-    return mean
 
 
 def _around(

@@ -9,8 +9,13 @@ from labcal.detect.prediction import Predictor
 from labcal.detect.seeds import RING_HOLE
 from labcal.targets.grid import DotGrid
 
-_ODD, _ODD_PX = 0.2, 0.5
-"""Most that a semi-axis is off: in its logarithm, and px."""
+_ODD, _ODD_AT_RIM, _VERY_ODD = 0.2, 0.3, 0.45
+"""Most that a semi-axis is off in its logarithm, amid other dots and at the rim where steps are less sure, and
+from where on a spot is no dot of the grid at all."""
+_ODD_PX = 0.5
+"""What pixels do to a semi-axis."""
+_AMID = 12
+"""Neighbours of a dot that is amid others."""
 
 
 def odd_shapes(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Mask:
@@ -18,21 +23,28 @@ def odd_shapes(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Mask:
 
     In units of the grid's steps all dots of a board have one shape, wherever it is seen from.
     """
+    predictor = Predictor(lattice, outlines)
+    limit = np.where(predictor.neighbours() >= _AMID, _ODD, _ODD_AT_RIM)
+    return _off(lattice, outlines, target, predictor) > limit
+
+
+def without_odd(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Lattice:
+    """Return a lattice without spots of very odd shapes, as they are where it skips every other dot."""
+    odd = _off(lattice, outlines, target, Predictor(lattice, outlines)) > _VERY_ODD
+    kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), odd, strict=True) if not out}
+    return Lattice(kept, lattice.flattening) if kept else lattice
+
+
+def _off(lattice: Lattice, outlines: Outlines, target: DotGrid, predictor: Predictor) -> np.ndarray:
+    """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 where none can tell."""
     spots = list(lattice.spots.values())
-    found = Predictor(lattice, outlines).shapes_in_steps()
+    found = predictor.shapes_in_steps()
     found[outlines.hole[spots] > RING_HOLE] /= target.ring_size**2
     known = np.isfinite(found[:, 0, 0])
-    odd = np.zeros(len(spots), dtype=bool)
+    off = np.zeros(len(spots))
     if known.any():
         usual = np.median(found[known], axis=0)
         axes = np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(usual, found[known]))))
         minor = np.sqrt(np.linalg.eigvalsh(outlines.shape[spots])[known, 0])
-        odd[known] = np.abs(np.log(axes)).max(axis=1) > _ODD + _ODD_PX / minor
-    return odd
-
-
-def without_odd(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Lattice:
-    """Return a lattice without the spots of odd shapes, as they are where it skips every other dot."""
-    odd = odd_shapes(lattice, outlines, target)
-    kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), odd, strict=True) if not out}
-    return Lattice(kept, lattice.flattening) if kept else lattice
+        off[known] = np.abs(np.log(axes)).max(axis=1) - _ODD_PX / minor
+    return off
