@@ -18,6 +18,7 @@ _MIN_ASPECT = 0.2  # a disc seen at 78 degrees
 _LARGEST = 0.2  # semi-axis over the picture's longer side
 _NOISE_FACTOR = 8.0  # the range of noise alone in one window is 6 to 7 standard deviations
 _MIN_CONTRAST = 0.05  # of the picture's range
+_ROWS_AT_ONCE = 512
 _EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
 
 
@@ -45,11 +46,20 @@ def pyramid(grey: GreyPicture) -> list[Level]:
     factor = 255.0 / (high - low) if high > low else 0.0
     levels, scale = [], 1
     while min(grey.shape) >= _SMALLEST_LEVEL:
-        levels.append(Level(cv2.convertScaleAbs(np.maximum(grey, low) - low, alpha=factor), scale))
+        levels.append(Level(_in_8_bits(grey, low, factor), scale))
         height, width = grey.shape[0] // 2, grey.shape[1] // 2
         grey = cv2.resize(grey[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
         scale *= 2
     return levels
+
+
+def _in_8_bits(grey: GreyPicture, low: float, factor: float) -> np.ndarray:
+    """Return ``(grey - low) * factor`` cut to 0 to 255, some rows at a time to spare memory."""
+    scaled = np.empty(grey.shape, dtype=np.uint8)
+    for top in range(0, len(grey), _ROWS_AT_ONCE):
+        rows = slice(top, top + _ROWS_AT_ONCE)
+        scaled[rows] = cv2.convertScaleAbs(np.maximum(grey[rows], low) - low, alpha=factor)
+    return scaled
 
 
 def blobs_of(level: Level) -> Blobs:

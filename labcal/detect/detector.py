@@ -79,19 +79,28 @@ def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
     grey = grey_picture(image)
     if isinstance(target, CharucoBoard):
         return detect_charuco(grey, target)
-    other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
+    if np.shares_memory(grey, image):
+        grey = grey.copy()  # it is turned into its negative in place, since it may be large
+    if target.polarity is Polarity.WHITE_ON_BLACK:
+        _invert(grey)
     first = _detect(grey, target, target.polarity)
     if first.indexed:
         return first
+    _invert(grey)
+    other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
     second = _detect(grey, target, other)
     return second if second.indexed else first
 
 
+def _invert(grey: GreyPicture) -> None:
+    """Turn a picture into its negative, in place."""
+    if grey.size:
+        np.subtract(grey.max(), grey, out=grey)
+
+
 def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDots:
-    """Detect dots of one polarity."""
+    """Detect dots of one polarity, which are dark in `grey`."""
     size = (grey.shape[1], grey.shape[0])
-    if polarity is Polarity.WHITE_ON_BLACK and grey.size:
-        grey = grey.max() - grey
     seen = _search(grey, target)
     if isinstance(seen.grid, Refusal):
         refusal = _cause(seen.grid, grey, seen.whole)
@@ -127,7 +136,8 @@ def _search(grey: GreyPicture, target: DotGrid) -> _Seen:
     start = next((k for k, level in enumerate(levels) if max(level.picture.shape) <= _COARSE), 0)
     looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
     blobs: dict[int, Blobs] = {}
-    for look in looks:
+    seen = _seen(grey, joined([]), target)
+    for look in looks if levels else []:
         for number, level in enumerate(levels[look], start=look.start):
             if number not in blobs:
                 blobs[number] = blobs_of(level)

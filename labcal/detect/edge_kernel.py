@@ -1,9 +1,10 @@
 """Gauss-Newton on dots: a blurred step along an ellipse, its derivatives, and what its residuals tell.
 
 A state is the centre (x, y), the entries xx, xy and yy of the symmetric matrix F that maps the outline to the
-unit circle, and the blur. The parameters are, in this order, centre 2, ellipse 3 (the matrix E of the outline
-``|(1 + E) F (q - c)| = 1``), blur 1, shading of the board 3 and of the dot 3 (level, slopes along the
-flattened x and y).
+unit circle, the blur, and an egg's two numbers c and s: the flattened radius is ``1 + c cos 3a + s sin 3a``
+at the angle a, which a bent picture makes of an ellipse and which leaves the centre of area where it is. The
+parameters are, in this order, centre 2, ellipse 3 (the matrix E of the outline ``|(1 + E) F (q - c)| = 1``),
+blur 1, egg 2, shading of the board 3 and of the dot 3 (level, slopes along the flattened x and y).
 """
 
 from math import ceil, floor, pi, sqrt
@@ -13,21 +14,23 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 
-PARAMETERS, STATE, SHADING = 12, 6, 6
-COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, COLUMNS = 12, 15, 16, 17, 18
+PARAMETERS, STATE, SHADING = 14, 8, 6
+COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, COLUMNS = 14, 17, 18, 19, 20
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
 and how one-sidedly the board or the dot is clipped (0 to 1)."""
-_CHUNK = 256
+_CHUNK = 192
 """Pixels that are linearised together, so few that they stay in the nearest cache."""
-_ROWS, _RESIDUAL, _BLURS_AWAY, _ALONG, _PLANES = 3, 15, 16, 17, 18
+_ROWS, _RESIDUAL, _BLURS_AWAY, _ALONG, _PLANES = 3, 17, 18, 19, 20
 """Planes of a chunk: x, y, value, derivatives, residual, blurs from the edge, change with the distance."""
 _ITERATIONS = 12
-_BAND_BLURS, _BAND_PX = 3.0, 1.5
+_BAND_BLURS, _BAND_PX = 3.5, 2.0
 """Half width of the fitted band."""
 _HOLE_BLURS = 1.5
 """Blurs kept away from a ring's hole."""
 _DOT_SHADING = 0.03
 """Prior standard deviation of the shading across a dot, of its step, a radius: a small dot tells no slope."""
+_EGG = 1e-4
+"""Prior standard deviation of an egg's numbers a px of radius: a small dot cannot tell one from a shift."""
 _CLUTTER_SIGMAS, _CLUTTER_STEP, _CLUTTER_BLURS, _CLUTTER_PX = 5.0, 0.08, 2.0, 2.0
 """Clutter differs by so many standard deviations and so much of the step, so many blurs from the edge; it
 takes its neighbours with it."""
@@ -38,7 +41,7 @@ _TOLERANCE = 4e-3
 _OTHER_BLUR = 1.3
 """A band that was made for a blur so many times less or more is made anew."""
 _SECTORS = 12
-_MOST_ARCS, _SHORTEST_ARC, _FEWEST_ARCS = 24, 8.0, 6
+_MOST_ARCS, _SHORTEST_ARC, _FEWEST_ARCS = 24, 8.0, 8
 """Arcs of the outline whose places are no noise: so many, px long; fewer are the ellipse itself."""
 _PROFILE_BIN = 0.5
 """Blurs."""
@@ -62,14 +65,18 @@ def _linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count:
     compiler take four pixels at a time. Phi is good to seven digits (Abramowitz and Stegun 26.2.17).
     """
     cx, cy, a, b, c, sharp = state[0], state[1], state[2], state[3], state[4], 1.0 / state[5]
+    egg_c, egg_s = state[6], state[7]
     b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
     for k in range(count):
         dx, dy = chunk[k] - cx, chunk[_CHUNK + k] - cy
         u, v = a * dx + b * dy, b * dx + c * dy
         gx, gy = a * u + b * v, b * u + c * v
         share = 1.0 / sqrt(gx * gx + gy * gy + 1e-18)
-        rho = sqrt(u * u + v * v)
-        t = (rho - 1.0) * rho * share * sharp
+        rho2 = u * u + v * v
+        rho = sqrt(rho2)
+        over = 1.0 / (rho2 * rho + 1e-18)
+        cosine, sine = u * (u * u - 3.0 * v * v) * over, v * (3.0 * u * u - v * v) * over  # of 3 a
+        t = (rho - 1.0 - egg_c * cosine - egg_s * sine) * rho * share * sharp
         t = min(max(t, -6.0), 6.0)
         # exp(-t^2 / 2), as the sixteenth power of a series that ends early.
         x = 0.03125 * t * t
@@ -91,11 +98,13 @@ def _linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count:
         chunk[3 * _CHUNK + k], chunk[4 * _CHUNK + k] = -pull * gx, -pull * gy
         chunk[5 * _CHUNK + k], chunk[6 * _CHUNK + k] = pull * u * u, 2.0 * pull * u * v
         chunk[7 * _CHUNK + k], chunk[8 * _CHUNK + k] = pull * v * v, -along * t
-        chunk[9 * _CHUNK + k], chunk[10 * _CHUNK + k] = outside, outside * u
-        chunk[11 * _CHUNK + k], chunk[12 * _CHUNK + k] = outside * v, inside
-        chunk[13 * _CHUNK + k], chunk[14 * _CHUNK + k] = inside * u, inside * v
-        chunk[15 * _CHUNK + k] = chunk[2 * _CHUNK + k] - outside * board - inside * dot
-        chunk[16 * _CHUNK + k], chunk[17 * _CHUNK + k] = t, along
+        egg = -pull * rho
+        chunk[9 * _CHUNK + k], chunk[10 * _CHUNK + k] = egg * cosine, egg * sine
+        chunk[11 * _CHUNK + k], chunk[12 * _CHUNK + k] = outside, outside * u
+        chunk[13 * _CHUNK + k], chunk[14 * _CHUNK + k] = outside * v, inside
+        chunk[15 * _CHUNK + k], chunk[16 * _CHUNK + k] = inside * u, inside * v
+        chunk[17 * _CHUNK + k] = chunk[2 * _CHUNK + k] - outside * board - inside * dot
+        chunk[18 * _CHUNK + k], chunk[19 * _CHUNK + k] = t, along
 
 
 @compiled
@@ -125,9 +134,14 @@ def _normal_equations(
     variance: float = squares / (total - PARAMETERS)
     believed = max(_DOT_SHADING * abs(shading[3] - shading[0]), _TINY)
     weight = variance / (believed * believed)
-    for i in (10, 11):
+    for i in (12, 13):
         system[i, i] += weight
         system[PARAMETERS, i] -= weight * shading[i - STATE]
+    # An egg grows with the radius as the picture bends under the dot.
+    weight = variance * (state[2] * state[4] - state[3] * state[3]) / (_EGG * _EGG)
+    for i in (6, 7):
+        system[i, i] += weight
+        system[PARAMETERS, i] -= weight * state[i]
     return variance
 
 
@@ -218,6 +232,8 @@ def _settle(
         state[0] += step[0] * short
         state[1] += step[1] * short
         state[5] = max(min(max(state[5] + step[5], 0.5 * state[5]), 2.0 * state[5]), _LEAST_BLUR)
+        state[6] += step[6]
+        state[7] += step[7]
         for i in range(SHADING):
             shading[i] += step[STATE + i]
         if state[5] > radius:

@@ -10,7 +10,7 @@ from labcal.detect.seeds import RING_HOLE
 from labcal.targets.grid import DotGrid
 
 _ODD, _ODD_AT_RIM, _VERY_ODD = 0.2, 0.3, 0.45
-"""Most that a semi-axis is off in its logarithm, amid other dots and at the rim where steps are less sure, and
+"""Most that a semi-axis is off in its logarithm: amid other dots; at the rim, where steps are less sure; and
 from where on a spot is no dot of the grid at all."""
 _ODD_PX = 0.5
 """What pixels do to a semi-axis."""
