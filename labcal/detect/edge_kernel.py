@@ -123,12 +123,7 @@ def _normal_equations(
         count = min(_CHUNK, total - first)
         planes[:_ROWS, :count] = pixels[:, first : first + count]
         _linearise(state, shading, chunk, count)
-        for i in range(PARAMETERS + 1):
-            for j in range(min(i + 1, PARAMETERS)):
-                partial = 0.0
-                for k in range(count):
-                    partial += planes[_ROWS + i, k] * planes[_ROWS + j, k]
-                system[i, j] += partial
+        _add_products(planes, count, system)
         for k in range(count):
             squares += planes[_RESIDUAL, k] * planes[_RESIDUAL, k]
     variance: float = squares / (total - PARAMETERS)
@@ -143,6 +138,34 @@ def _normal_equations(
         system[i, i] += weight
         system[PARAMETERS, i] -= weight * state[i]
     return variance
+
+
+@compiled
+def _add_products(planes: np.ndarray, count: int, system: np.ndarray) -> None:
+    """Add the scalar products of a chunk's derivatives, and with the residuals, to `system`, some too many.
+
+    Four at a time, so that the loads are shared.
+    """
+    for i in range(PARAMETERS + 1):
+        left = planes[_ROWS + i]
+        for j in range(0, min(i + 1, PARAMETERS), 4):
+            p, q, r, s = (
+                planes[_ROWS + j],
+                planes[_ROWS + j + 1],
+                planes[_ROWS + j + 2],
+                planes[_ROWS + j + 3],
+            )
+            total_p, total_q, total_r, total_s = 0.0, 0.0, 0.0, 0.0
+            for k in range(count):
+                value = left[k]
+                total_p += value * p[k]
+                total_q += value * q[k]
+                total_r += value * r[k]
+                total_s += value * s[k]
+            system[i, j] += total_p
+            system[i, j + 1] += total_q
+            system[i, j + 2] += total_r
+            system[i, j + 3] += total_s
 
 
 @compiled
@@ -217,7 +240,7 @@ def _settle(
         variance = _normal_equations(state, shading, pixels, chunk, system)
         if not factorise(system, PARAMETERS, _SINGULAR):
             return False
-        step[:] = system[PARAMETERS]
+        step[:] = system[PARAMETERS, :PARAMETERS]
         solve(system, step)
         system[PARAMETERS] = variance
         a, b, c = state[2], state[3], state[4]
@@ -411,7 +434,7 @@ def fit_all(
     what every so-manieth dot tells of the noise.
     """
     ok = np.zeros(len(table), dtype=np.bool_)
-    chunk, system = np.empty(_PLANES * _CHUNK), np.empty((PARAMETERS + 1, PARAMETERS))
+    chunk, system = np.empty(_PLANES * _CHUNK), np.empty((PARAMETERS + 1, PARAMETERS + 2))
     for number in range(len(table)):
         row, start = table[number], table[number].copy()
         radius = 1.0 / sqrt(start[2] * start[4] - start[3] * start[3])

@@ -221,7 +221,7 @@ def grow(grid: np.ndarray, centre: np.ndarray, radius: np.ndarray, free: np.ndar
     """
     tried = np.full(grid.shape, _UNTRIED)
     reach = 1
-    while reach <= _WIDEST_GAP:
+    while reach <= _WIDEST_GAP and free.any():
         found = _candidates(grid, centre, (radius, free), tried, reach, alike)
         order = np.argsort(found[:, 0])
         added = False

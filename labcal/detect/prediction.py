@@ -1,6 +1,7 @@
 """Where the nodes of a lattice should be, and what outlines dots should have there."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -52,9 +53,14 @@ class Predictor:
         self._grid = np.full(self._nodes.max(axis=0) + 1 + _AROUND, -1)
         self._grid[tuple(self._nodes.T)] = self._spots
         self._lattice, self._flat = lattice, lattice.flattening.outlines(outlines)
+
+    @cached_property
+    def _shape(self) -> np.ndarray:
+        """The usual shape of a dot in units of the grid's steps."""
         shapes = self.shapes_in_steps()
         known = np.isfinite(shapes[:, 0, 0])
-        self._shape: np.ndarray = np.median(shapes[known], axis=0) if known.any() else np.zeros((2, 2))
+        usual: np.ndarray = np.median(shapes[known], axis=0) if known.any() else np.zeros((2, 2))
+        return usual
 
     def shapes_in_steps(self) -> PixelCovariances:
         """Return the outline matrices of the lattice's spots in units of the grid's steps, in their order.

@@ -32,7 +32,8 @@ def with_missed(
     """
     tried: dict[Node, int] = {}
     for _ in range(_ROUNDS):
-        predictions = Predictor(lattice, outlines).predict(_beside(lattice, numbering, target))
+        nodes = _beside(lattice, numbering, target)
+        predictions = Predictor(lattice, outlines).predict(nodes) if nodes else {}
         expected = [
             (node, found)
             for node, found in predictions.items()
@@ -62,6 +63,8 @@ def with_missed(
 
 def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid) -> list[Node]:
     """Return the empty nodes of the declared grid next to the lattice's, or beyond a gap."""
+    if sum(target.holds(*numbering.index(node)) for node in lattice.spots) == target.count:
+        return []
     span = range(-_GAP, _GAP + 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()
     return [node for node in sorted(beside) if target.holds(*numbering.index(node))]
