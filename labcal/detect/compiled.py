@@ -7,8 +7,6 @@ from typing import TypeVar, cast
 from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., object])
-_REASSOCIATED = {"reassoc", "contract", "nsz", "arcp"}
-"""What a sum needs to be taken four at a time; NaN and infinity keep their meaning."""
 
 
 def compiled(function: Function) -> Function:
@@ -16,7 +14,7 @@ def compiled(function: Function) -> Function:
 
     The code is kept on disk, beside the package or in the user's cache folder, so that this is waited for
     once. Numba sees a change of the function's own file only: keep what calls each other in one file.
-    On one type of processor the same input gives the same bytes.
+    Sums are taken in the order in which they are written, so that the same input gives the same bytes.
 
     Parameters
     ----------
@@ -32,5 +30,9 @@ def compiled(function: Function) -> Function:
 
 
 def _compiler(*, keep: bool) -> Callable[[Callable[..., object]], object]:
-    """Return Numba's decorator."""
-    return njit(cache=keep, nogil=True, error_model="numpy", fastmath=_REASSOCIATED)
+    """Return Numba's decorator.
+
+    No liberties with sums: the code that was just compiled and the same code from the disk would use them
+    differently, and the bytes would not be the same.
+    """
+    return njit(cache=keep, nogil=True, error_model="numpy")

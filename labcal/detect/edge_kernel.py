@@ -110,11 +110,8 @@ def _linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count:
 @compiled
 def _normal_equations(
     state: np.ndarray, shading: np.ndarray, pixels: np.ndarray, chunk: np.ndarray, system: np.ndarray
-) -> float:
-    """Sum the normal equations over pixels into `system` (the last row the right side), with the prior.
-
-    Returns the mean square of the residuals, degrees of freedom allowed for.
-    """
+) -> None:
+    """Sum the normal equations over pixels into `system` (the last row the right side), with the prior."""
     system[:] = 0.0
     squares = 0.0
     planes = chunk.reshape(_PLANES, _CHUNK)
@@ -126,7 +123,7 @@ def _normal_equations(
         _add_products(planes, count, system)
         for k in range(count):
             squares += planes[_RESIDUAL, k] * planes[_RESIDUAL, k]
-    variance: float = squares / (total - PARAMETERS)
+    variance = squares / (total - PARAMETERS)
     believed = max(_DOT_SHADING * abs(shading[3] - shading[0]), _TINY)
     weight = variance / (believed * believed)
     for i in (12, 13):
@@ -137,7 +134,6 @@ def _normal_equations(
     for i in (6, 7):
         system[i, i] += weight
         system[PARAMETERS, i] -= weight * state[i]
-    return variance
 
 
 @compiled
@@ -231,18 +227,22 @@ def _settle(
 ) -> bool:
     """Iterate to the least squares, in place; False where it runs away.
 
-    `system` is left with the factor of the last normal equations, in its last row their variance.
+    `system` is left with xx, xy and yy of the centre's covariance at unit noise at the head of its last row.
     """
-    step = np.empty(PARAMETERS)
+    step, unit = np.empty(PARAMETERS), np.empty(PARAMETERS)
     if pixels.shape[1] < 3 * PARAMETERS:
         return False
     for _ in range(_ITERATIONS):
-        variance = _normal_equations(state, shading, pixels, chunk, system)
+        _normal_equations(state, shading, pixels, chunk, system)
         if not factorise(system, PARAMETERS, _SINGULAR):
             return False
         step[:] = system[PARAMETERS, :PARAMETERS]
         solve(system, step)
-        system[PARAMETERS] = variance
+        for i in range(2):
+            unit[:] = 0.0
+            unit[i] = 1.0
+            solve(system, unit)
+            system[PARAMETERS, 2 * i], system[PARAMETERS, 1] = unit[i], unit[1 - i]
         a, b, c = state[2], state[3], state[4]
         radius = 1.0 / sqrt(a * c - b * b)
         # A step that leaves the region where the linearisation means anything is shortened.
@@ -442,11 +442,8 @@ def fit_all(
         moved = sqrt((row[0] - start[0]) ** 2 + (row[1] - start[1]) ** 2)
         if pixels.shape[1] == 0 or moved > 0.5 * radius or not _judge(row, pixels, found):
             continue
-        for i in range(2):
-            unit = np.zeros(PARAMETERS)
-            unit[i] = row[VARIANCE]
-            solve(system, unit)
-            row[COVARIANCE + 2 * i], row[COVARIANCE + 1] = unit[i], unit[1 - i]
+        for i in range(3):
+            row[COVARIANCE + i] = row[VARIANCE] * system[PARAMETERS, i]
         row[CLIPPED] = _clipped(row, pixels, found, limits[1], limits[2])
         ok[number] = True
         if number % every == 0:
