@@ -12,8 +12,6 @@ from labcal.detect.edge_kernel import (
     COVARIANCE,
     DEPARTURE,
     LAGS,
-    SHADING,
-    STATE,
     SUMS,
     fit_all,
 )
@@ -46,8 +44,6 @@ class EdgeFits:
         Standard deviation of the edge, px.
     departure : ndarray, shape (n,)
         Root mean square distance of the outline from the ellipse over twelve sectors, px.
-    shading : ndarray, shape (n, 6)
-        Level of the board beside the edge and its slopes along the flattened x and y, then those of the dot.
     clipped : ndarray, shape (n,)
         How one-sidedly the picture clips the board beside the edge, or the dot, 0 to 1.
     noise_factor : float
@@ -60,7 +56,6 @@ class EdgeFits:
     shape: PixelCovariances
     blur: Float64[np.ndarray, " n"]
     departure: Float64[np.ndarray, " n"]
-    shading: Float64[np.ndarray, "n 6"]
     clipped: Float64[np.ndarray, " n"]
     noise_factor: float
 
@@ -102,7 +97,6 @@ def fit_edges(grey: GreyPicture, spots: Outlines, hole: Float64[np.ndarray, " n"
         shape=np.linalg.inv(F @ F),
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
-        shading=table[:, STATE : STATE + SHADING],
         clipped=table[:, CLIPPED],
         noise_factor=factor,
     )

@@ -229,7 +229,7 @@ def _settle(
 
     `system` is left with xx, xy and yy of the centre's covariance at unit noise at the head of its last row.
     """
-    step, unit = np.empty(PARAMETERS), np.empty(PARAMETERS)
+    step = np.empty(PARAMETERS)
     if pixels.shape[1] < 3 * PARAMETERS:
         return False
     for _ in range(_ITERATIONS):
@@ -238,11 +238,6 @@ def _settle(
             return False
         step[:] = system[PARAMETERS, :PARAMETERS]
         solve(system, step)
-        for i in range(2):
-            unit[:] = 0.0
-            unit[i] = 1.0
-            solve(system, unit)
-            system[PARAMETERS, 2 * i], system[PARAMETERS, 1] = unit[i], unit[1 - i]
         a, b, c = state[2], state[3], state[4]
         radius = 1.0 / sqrt(a * c - b * b)
         # A step that leaves the region where the linearisation means anything is shortened.
@@ -262,6 +257,11 @@ def _settle(
         if state[5] > radius:
             return False
         if shift < _TOLERANCE and stretch * radius < 10.0 * _TOLERANCE:
+            for i in range(2):
+                step[:] = 0.0
+                step[i] = 1.0
+                solve(system, step)
+                system[PARAMETERS, 2 * i], system[PARAMETERS, 1] = step[i], step[1 - i]
             return True
     return False
 

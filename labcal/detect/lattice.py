@@ -20,7 +20,6 @@ _MOST_SPOTS = 4000  # beyond this the smallest are left out
 _MOST_SEEDS = 600  # looked for, in a picture full of what is no grid
 _MOST_COMPONENTS = 12
 _FARTHEST = 2  # nodes from a seed, over those of the declared grid's longer side
-_AROUND = 4  # empty nodes kept around a lattice
 _GAP = 5  # steps over hidden nodes, at most, between what hangs together
 
 
@@ -42,7 +41,7 @@ def size_tolerance(target: DotGrid) -> float:
     return _SIZE_TOLERANCE + abs(float(np.log(target.ring_size)))
 
 
-def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening = NONE) -> list[Lattice]:
+def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening) -> list[Lattice]:
     """Return the grids that the spots form in a flattened picture, largest first.
 
     Nodes are numbered from a seed's middle so that the first axis turned by 90 degrees anticlockwise in the
@@ -85,7 +84,7 @@ def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float, m
     grow(grid, centre, radius, usable, _GROW_TOLERANCE)
     nodes = np.argwhere(grid >= 0)
     low, high = nodes.min(axis=0), nodes.max(axis=0)
-    grid = np.pad(grid[low[0] : high[0] + 1, low[1] : high[1] + 1], _AROUND, constant_values=-1)
+    grid = np.ascontiguousarray(grid[low[0] : high[0] + 1, low[1] : high[1] + 1])
     drop_inconsistent(grid, centre)
     keep_largest_part(grid, _GAP)
     spots = {(int(a), int(b)): int(grid[a, b]) for a, b in np.argwhere(grid >= 0)}

@@ -9,7 +9,7 @@ from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, inside_frame, mean_radius
-from labcal.detect.prediction import Predictor
+from labcal.detect.prediction import Prediction, Predictor
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected
@@ -61,13 +61,17 @@ def lost_dots(
         dot = _cut(node, prediction.position, prediction.outline, blobs, size)
         if dot is None and prediction.neighbours >= _LIKELY:
             dot = _unclean(node, prediction.position, radius, rough, rough_radii)
-        if dot is None and declared(node) and prediction.neighbours >= _SURE:
-            position, outline = prediction.position, prediction.outline
-            if inside_frame(position, outline, size[::-1]):
-                dot = LostDot(node, DotFlag.HIDDEN, position, np.full((2, 2), np.nan))
+        sure = declared(node) and prediction.neighbours >= _SURE
+        if dot is None and sure and _in_picture(prediction, size):
+            dot = LostDot(node, DotFlag.HIDDEN, prediction.position, np.full((2, 2), np.nan))
         if dot is not None and np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
             lost.append(dot)
     return lost
+
+
+def _in_picture(prediction: Prediction, size: tuple[int, int]) -> bool:
+    """Tell whether the outline that is expected lies in the picture as a whole."""
+    return bool(inside_frame(prediction.position[None], prediction.outline[None], size, 0.0).all())
 
 
 def _cut(

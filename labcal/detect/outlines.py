@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import PixelCovariances, Pixels
+from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.blobs import Blobs
 from labcal.detect.grey import GreyPicture
 from labcal.detect.trace_kernel import COLUMNS, distinct, trace_all
@@ -111,11 +111,12 @@ def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
     return result
 
 
-def inside_frame(centre: np.ndarray, outline: np.ndarray, size: tuple[int, ...]) -> bool:
-    """Tell whether an outline lies in a picture of some height and width as a whole."""
-    extent = np.sqrt(np.diagonal(outline))
-    last = np.array(size[1::-1]) - 1.0
-    return bool((centre - extent > 0.0).all() and (centre + extent < last).all())
+def inside_frame(centre: Pixels, shape: PixelCovariances, size: tuple[int, int], margin: float) -> Mask:
+    """Tell which outlines lie whole in a picture of some width and height, up to a margin beyond (px)."""
+    extent = np.sqrt(np.diagonal(shape, axis1=1, axis2=2))
+    low, high = centre - extent, centre + extent
+    inside: np.ndarray = ((low > -margin) & (high < np.array(size) - 1 + margin)).all(axis=1)
+    return inside
 
 
 def geometric_mean(A: PixelCovariances, B: np.ndarray) -> PixelCovariances:

@@ -30,29 +30,29 @@ def with_missed(
         To which the lattice's spots refer; further ones are added at the end.
     target : DotGrid
     """
+    size = (grey.shape[1], grey.shape[0])
     tried: dict[Node, int] = {}
     for _ in range(_ROUNDS):
         nodes = _beside(lattice, numbering, target)
         predictions = Predictor(lattice, outlines).predict(nodes) if nodes else {}
         expected = [
-            (node, found)
-            for node, found in predictions.items()
-            if found.neighbours > tried.get(node, -1)
-            and inside_frame(found.position, found.outline, grey.shape)
+            (node, found) for node, found in predictions.items() if found.neighbours > tried.get(node, -1)
         ]
+        centre = np.array([found.position for _, found in expected]).reshape(-1, 2)
+        shape = np.array([found.outline for _, found in expected]).reshape(-1, 2, 2)
+        inside = np.flatnonzero(inside_frame(centre, shape, size, 0.0))
+        expected, centre, shape = [expected[k] for k in inside], centre[inside], shape[inside]
         tried.update((node, found.neighbours) for node, found in expected)
         if not expected:
             break
-        centre = np.array([found.position for _, found in expected])
-        shape = np.array([found.outline for _, found in expected])
         seen, which = trace_from(grey, centre, shape, target)
-        size = np.abs(np.log(seen.radius / mean_radius(shape[which])))
+        odds = np.abs(np.log(seen.radius / mean_radius(shape[which])))
         known = outlines.centre[list(lattice.spots.values())]
         spots = dict(lattice.spots)
         for number, pick in enumerate(which):
             node, found = expected[pick]
             apart = np.linalg.norm(known - seen.centre[number], axis=1).min() > seen.radius[number]
-            if size[number] < _SIZE_TOLERANCE and apart and found.miss(seen.centre[number]) < _MISS:
+            if odds[number] < _SIZE_TOLERANCE and apart and found.miss(seen.centre[number]) < _MISS:
                 spots[node] = len(outlines.centre)
                 outlines = outlines.joined(seen.select(np.array([number])))
         if len(spots) == len(lattice):

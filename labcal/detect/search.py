@@ -10,7 +10,7 @@ from labcal.detect.flattening import NONE, Flattening, fisheyes
 from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
-from labcal.detect.outlines import Outlines, trace_outlines
+from labcal.detect.outlines import Outlines, inside_frame, trace_outlines
 from labcal.detect.shapes import without_odd
 from labcal.detect.smoothness import is_smooth
 from labcal.targets.grid import DotGrid
@@ -44,8 +44,9 @@ def search(grey: GreyPicture, target: DotGrid) -> Seen:
     start = next((k for k, level in enumerate(levels) if max(level.picture.shape) <= _COARSE), 0)
     looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
     blobs: dict[int, Blobs] = {}
-    seen = _seen(grey, joined([]), target)
-    for look in looks if levels else []:
+    if not levels:
+        return _seen(grey, joined([]), target)
+    for look in looks:
         for number, level in enumerate(levels[look], start=look.start):
             if number not in blobs:
                 blobs[number] = blobs_of(level)
@@ -63,7 +64,7 @@ def _seen(grey: GreyPicture, blobs: Blobs, target: DotGrid) -> Seen:
     """Return what the blobs of some levels are."""
     size = (grey.shape[1], grey.shape[0])
     outlines = trace_outlines(grey, blobs, target)
-    inside = _inside_frame(outlines, size)
+    inside = inside_frame(outlines.centre, outlines.shape, size, _MARGIN)
     whole = outlines.select(inside)
     return Seen(blobs, whole, outlines.select(~inside), _find_grid(whole, target, size))
 
@@ -80,14 +81,6 @@ def cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines) -> Refusal:
     blur = outlines.blur
     blurred = len(minor) >= _FEWEST_DOTS and np.median(blur / minor) > _SOFT and np.median(blur) > _SOFT_PX
     return Refusal.BLURRED if blurred else refusal
-
-
-def _inside_frame(outlines: Outlines, size: tuple[int, int]) -> np.ndarray:
-    """Tell which outlines lie in the frame as a whole."""
-    extent = np.sqrt(np.diagonal(outlines.shape, axis1=1, axis2=2))
-    low, high = outlines.centre - extent, outlines.centre + extent
-    inside: np.ndarray = ((low > -_MARGIN) & (high < np.array(size) - 1 + _MARGIN)).all(axis=1)
-    return inside
 
 
 def _find_grid(

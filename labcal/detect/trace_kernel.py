@@ -23,13 +23,15 @@ _QUARTERS = 1.349
 _MIN_MINOR = 1.5
 """px."""
 _TERMS = 5
+_OFF = 0.5
+"""Of the radius: most that an outline's centre may be off the rough one."""
 _SINGULAR = 1e-12
 _ROUND = 0.05
 """Least determinant of an ellipse in coordinates that make it nearly a unit circle."""
 _ROUGH, _ROUGH_PX = 0.03, 0.15
 """Most that edge points depart from an ellipse, of the radius, and px."""
-COLUMNS = 8
-"""Centre 2, outline matrix xx xy yy, brightness of the middle, blur (px), share of rays with an edge."""
+COLUMNS = 7
+"""Centre 2, outline matrix xx xy yy, brightness of the middle, blur (px)."""
 
 
 @compiled
@@ -172,7 +174,6 @@ def trace_all(
         ok[number] = _write(table[number], spots[number], terms)
         table[number, 5] = (middle - dark) / (board - dark)
         table[number, 6] = np.nanmedian(soft)
-        table[number, 7] = found.mean()
     return ok
 
 
@@ -182,7 +183,7 @@ def _write(row: np.ndarray, spot: np.ndarray, terms: np.ndarray) -> bool:
     p, q, r, d, e = terms
     determinant = p * r - q * q
     u, v = -0.5 * (r * d - q * e) / determinant, -0.5 * (p * e - q * d) / determinant
-    if u * u + v * v >= 0.25:  # noqa: PLR2004 - half the radius
+    if u * u + v * v >= _OFF * _OFF:
         return False
     scale = 1.0 + p * u * u + 2.0 * q * u * v + r * v * v
     # The outline matrix is back times the inverse of the flat one times back.
