@@ -33,33 +33,35 @@ class Blobs:
 
 @dataclass(frozen=True)
 class Level:
-    """A picture halved some times, in 8 bits over the range of its grey values."""
+    """A picture halved some times, and the range of its grey values."""
 
-    picture: np.ndarray
+    grey: GreyPicture
     scale: int
     """Pixels of the full picture along one of its own."""
+    low: float
+    high: float
+
+    def in_8_bits(self) -> np.ndarray:
+        """Return the picture with its range spread over 0 to 255, some rows at a time to spare memory."""
+        factor = 255.0 / (self.high - self.low) if self.high > self.low else 0.0
+        scaled = np.empty(self.grey.shape, dtype=np.uint8)
+        for top in range(0, len(self.grey), _ROWS_AT_ONCE):
+            rows = slice(top, top + _ROWS_AT_ONCE)
+            above = np.maximum(self.grey[rows], self.low) - self.low
+            scaled[rows] = cv2.convertScaleAbs(above, alpha=factor)
+        return scaled
 
 
 def pyramid(grey: GreyPicture) -> list[Level]:
     """Return the levels of a picture, the full one first, down to the coarsest that could show a grid."""
     low, high = _range(grey)
-    factor = 255.0 / (high - low) if high > low else 0.0
     levels, scale = [], 1
     while min(grey.shape) >= _SMALLEST_LEVEL:
-        levels.append(Level(_in_8_bits(grey, low, factor), scale))
+        levels.append(Level(grey, scale, low, high))
         height, width = grey.shape[0] // 2, grey.shape[1] // 2
         grey = cv2.resize(grey[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
         scale *= 2
     return levels
-
-
-def _in_8_bits(grey: GreyPicture, low: float, factor: float) -> np.ndarray:
-    """Return ``(grey - low) * factor`` cut to 0 to 255, some rows at a time to spare memory."""
-    scaled = np.empty(grey.shape, dtype=np.uint8)
-    for top in range(0, len(grey), _ROWS_AT_ONCE):
-        rows = slice(top, top + _ROWS_AT_ONCE)
-        scaled[rows] = cv2.convertScaleAbs(np.maximum(grey[rows], low) - low, alpha=factor)
-    return scaled
 
 
 def blobs_of(level: Level) -> Blobs:
@@ -68,10 +70,10 @@ def blobs_of(level: Level) -> Blobs:
     There is no size to set: levels differ by two, and the threshold follows the surroundings, so that light
     may fall off.
     """
-    contours = _dark_contours(level.picture)
+    contours = _dark_contours(level.in_8_bits())
     if not contours:
         return joined([])
-    found, scale = _roughly_elliptic(contours, level.picture.shape), float(level.scale)
+    found, scale = _roughly_elliptic(contours, level.grey.shape), float(level.scale)
     return Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut)
 
 

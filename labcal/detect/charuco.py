@@ -78,7 +78,7 @@ def _collect(corners: Corners, grey: GreyPicture, refusal: Refusal | None) -> Pi
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
     sums = [fit.sums for fit in corners.fits if fit is not None]
-    factor = noise_factor(np.sum(sums, axis=0), len(sums), _SHADINGS) if sums else 1.0
+    factor = noise_factor(np.array(sums), _SHADINGS) if sums else 1.0
     missing = np.full((2, 2), np.nan)
     covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
     dots = PictureDots(

@@ -70,25 +70,29 @@ def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
         return detect_charuco(grey, target)
     if np.shares_memory(grey, image):
         grey = grey.copy()  # it is turned into its negative in place, since it may be large
+    black = 0.0
     if target.polarity is Polarity.WHITE_ON_BLACK:
-        _invert(grey)
-    first = _detect(grey, target, target.polarity)
+        black = _invert(grey, black)
+    first = _detect(grey, target, target.polarity, black)
     if first.indexed:
         return first
-    _invert(grey)
+    black = _invert(grey, black)
     other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
-    second = _detect(grey, target, other)
+    second = _detect(grey, target, other, black)
     return second if second.indexed else first
 
 
-def _invert(grey: GreyPicture) -> None:
-    """Turn a picture into its negative, in place."""
-    if grey.size:
-        np.subtract(grey.max(), grey, out=grey)
+def _invert(grey: GreyPicture, black: float) -> float:
+    """Turn a picture into its negative, in place; return its grey value of no light, which was `black`."""
+    if grey.size == 0:
+        return black
+    largest = grey.max()
+    np.subtract(largest, grey, out=grey)
+    return float(largest) - black
 
 
-def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDots:
-    """Detect dots of one polarity, which are dark in `grey`."""
+def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity, black: float) -> PictureDots:
+    """Detect dots of one polarity, which are dark in `grey`; `black` is the grey value of no light."""
     size = (grey.shape[1], grey.shape[0])
     seen = search(grey, target)
     if isinstance(seen.grid, Refusal):
@@ -99,7 +103,7 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
     lost = lost_dots(lattice, outlines, seen.blobs, size, lambda node: target.holds(*numbering.index(node)))
     if target.rings is None and goes_on(lost, numbering, target):
         return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, Refusal.AMBIGUOUS)
-    dots = _measured(grey, lattice, numbering, outlines, target)
+    dots = _measured((grey, black), lattice, numbering, outlines, target)
     dots += [_Dot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
     named = set(lattice.spots.values())
     typical = float(np.median(outlines.radius[sorted(named)]))
@@ -108,14 +112,18 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity) -> PictureDo
 
 
 def _measured(
-    grey: GreyPicture, lattice: Lattice, numbering: AnyNumbering, outlines: Outlines, target: DotGrid
+    picture: tuple[GreyPicture, float],
+    lattice: Lattice,
+    numbering: AnyNumbering,
+    outlines: Outlines,
+    target: DotGrid,
 ) -> list[_Dot]:
-    """Return the dots of the lattice, fitted."""
+    """Return the dots of the lattice, fitted in a picture with its grey value of no light."""
     hole = target.hole_share
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
     spots = outlines.select(np.array([spot for _, spot in named]))
     holes = np.array([hole if index in target.ring_indices else 0.0 for index, _ in named])
-    fits = fit_edges(grey, spots, holes, clear_reach(target))
+    fits = fit_edges(picture[0], spots, holes, clear_reach(target), picture[1])
     usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
     rough = fits.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius
     shape = outlines.shape.copy()

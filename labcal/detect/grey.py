@@ -1,5 +1,6 @@
 """Pictures of every common kind to one grey float picture."""
 
+import cv2
 import numpy as np
 from jaxtyping import Float32, Shaped
 
@@ -41,7 +42,7 @@ def grey_picture(image: AnyPicture) -> GreyPicture:
     else:
         grey = image.reshape(image.shape[:2])
     grey = np.ascontiguousarray(grey, dtype=np.float32)
-    if not np.isfinite(grey).all():
+    if np.issubdtype(image.dtype, np.floating) and not np.isfinite(grey).all():
         raise InputError("The picture holds values that are not finite. Replace NaN and infinity first.")
     return grey
 
@@ -53,7 +54,7 @@ def clipping(grey: GreyPicture) -> tuple[float, float]:
     """
     if grey.size == 0:
         return -np.inf, np.inf
-    low, high = float(grey.min()), float(grey.max())
+    low, high, _, _ = cv2.minMaxLoc(grey)
     few = _CLIPPED_SHARE * grey.size
     black, burnt = np.count_nonzero(grey == low) > few, np.count_nonzero(grey == high) > few
     return (low if black else -np.inf), (high if burnt else np.inf)

@@ -4,12 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int64
 
+from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, inside_frame, mean_radius
-from labcal.detect.prediction import Prediction, Predictor
+from labcal.detect.prediction import Predictor
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected
@@ -51,58 +53,58 @@ def lost_dots(
     """
     span = (-1, 0, 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span}
-    taken = outlines.centre[list(lattice.spots.values())]
-    rough = Blobs(blobs.centre[~blobs.cut], blobs.shape[~blobs.cut], blobs.cut[~blobs.cut])
-    rough_radii = mean_radius(rough.shape)
-    lost = []
     expected = Predictor(lattice, outlines).predict(sorted(beside - lattice.spots.keys()))
-    for node, prediction in expected.items():
-        radius = float(np.linalg.det(prediction.outline)) ** 0.25
-        dot = _cut(node, prediction.position, prediction.outline, blobs, size)
-        if dot is None and prediction.neighbours >= _LIKELY:
-            dot = _unclean(node, prediction.position, radius, rough, rough_radii)
-        sure = declared(node) and prediction.neighbours >= _SURE
-        if dot is None and sure and _in_picture(prediction, size):
-            dot = LostDot(node, DotFlag.HIDDEN, prediction.position, np.full((2, 2), np.nan))
-        if dot is not None and np.linalg.norm(taken - dot.seen_at, axis=1).min() > radius:
-            lost.append(dot)
-    return lost
-
-
-def _in_picture(prediction: Prediction, size: tuple[int, int]) -> bool:
-    """Tell whether the outline that is expected lies in the picture as a whole."""
-    return bool(inside_frame(prediction.position[None], prediction.outline[None], size, 0.0).all())
+    if not expected:
+        return []
+    nodes, predictions = list(expected), list(expected.values())
+    position = np.array([prediction.position for prediction in predictions])
+    shape = np.array([prediction.outline for prediction in predictions])
+    neighbours = np.array([prediction.neighbours for prediction in predictions])
+    cut = _cut(position, shape, blobs, size)
+    unclean = np.where(neighbours >= _LIKELY, _unclean(position, shape, blobs), -1)
+    in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= _SURE)
+    nothing = np.full((2, 2), np.nan)
+    lost = []
+    for k, node in enumerate(nodes):
+        if cut[k] >= 0:
+            lost.append(LostDot(node, DotFlag.CUT, blobs.centre[cut[k]], nothing))
+        elif unclean[k] >= 0:
+            spot = unclean[k]
+            lost.append(LostDot(node, DotFlag.BAD_FIT, blobs.centre[spot], blobs.shape[spot]))
+        elif in_picture[k] and declared(node):
+            lost.append(LostDot(node, DotFlag.HIDDEN, position[k], nothing))
+    taken = outlines.centre[list(lattice.spots.values())]
+    radius = dict(zip(nodes, mean_radius(shape), strict=True))
+    return [dot for dot in lost if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
 
 
 def _cut(
-    node: Node, position: np.ndarray, shape: np.ndarray, blobs: Blobs, size: tuple[int, int]
-) -> LostDot | None:
-    """Return the dot if the frame cuts the predicted outline and there is a spot in what remains of it."""
-    extent = np.sqrt(np.diag(shape))
-    last = np.array(size) - 1.0
-    low, high = np.maximum(position - extent, 0), np.minimum(position + extent, last)
-    whole = (position - extent > _MARGIN - 0.5).all() and (position + extent < last + 0.5 - _MARGIN).all()
-    if whole or (high - low < 0).any() or not blobs.cut.any():
-        return None
-    half = np.sqrt(np.diagonal(blobs.shape[blobs.cut], axis1=1, axis2=2))
-    corners = np.concatenate([blobs.centre[blobs.cut] - half, blobs.centre[blobs.cut] + half], axis=1)
-    wanted = np.concatenate([low, high])
-    miss = np.abs(corners - wanted).max(axis=1) / float(extent.max())
-    best = int(miss.argmin())
-    if miss[best] > _CUT_MISS:
-        return None
-    return LostDot(node, DotFlag.CUT, blobs.centre[blobs.cut][best], np.full((2, 2), np.nan))
+    position: Pixels, shape: PixelCovariances, blobs: Blobs, size: tuple[int, int]
+) -> Int64[np.ndarray, " n"]:
+    """Return the spots in what remains of outlines that the frame cuts; -1 where there is none."""
+    spots = np.flatnonzero(blobs.cut)
+    found = np.full(len(position), -1)
+    extent = np.sqrt(np.diagonal(shape, axis1=1, axis2=2))
+    low, high = np.maximum(position - extent, 0), np.minimum(position + extent, np.array(size) - 1.0)
+    crossed = ~inside_frame(position, shape, size, 0.5 - _MARGIN) & (high >= low).all(axis=1)
+    if len(spots) == 0 or not crossed.any():
+        return found
+    half = np.sqrt(np.diagonal(blobs.shape[spots], axis1=1, axis2=2))
+    corners = np.concatenate([blobs.centre[spots] - half, blobs.centre[spots] + half], axis=1)
+    wanted = np.concatenate([low, high], axis=1)[crossed]
+    miss = np.abs(corners - wanted[:, None]).max(axis=2) / extent[crossed].max(axis=1)[:, None]
+    best = miss.argmin(axis=1)
+    found[crossed] = np.where(miss.min(axis=1) <= _CUT_MISS, spots[best], -1)
+    return found
 
 
-def _unclean(
-    node: Node, position: np.ndarray, radius: float, rough: Blobs, rough_radii: np.ndarray
-) -> LostDot | None:
-    """Return the dot if there is a whole spot of about its size at its place."""
-    if len(rough_radii) == 0:
-        return None
-    distance = np.linalg.norm(rough.centre - position, axis=1) / radius
-    distance[np.abs(np.log(rough_radii / radius)) > _SIZE_TOLERANCE] = np.inf
-    best = int(distance.argmin())
-    if distance[best] > _NEAR_MISS:
-        return None
-    return LostDot(node, DotFlag.BAD_FIT, rough.centre[best], rough.shape[best])
+def _unclean(position: Pixels, shape: PixelCovariances, blobs: Blobs) -> Int64[np.ndarray, " n"]:
+    """Return the whole spots of about the right size at places of dots; -1 where there is none."""
+    spots = np.flatnonzero(~blobs.cut)
+    if len(spots) == 0:
+        return np.full(len(position), -1)
+    radius = mean_radius(shape)[:, None]
+    distance = np.linalg.norm(blobs.centre[spots] - position[:, None], axis=2) / radius
+    distance[np.abs(np.log(mean_radius(blobs.shape[spots]) / radius)) > _SIZE_TOLERANCE] = np.inf
+    near = distance.min(axis=1) <= _NEAR_MISS
+    return np.where(near, spots[distance.argmin(axis=1)], -1)

@@ -2,38 +2,47 @@
 
 import numpy as np
 
-from labcal.detect.edge_kernel import LAGS, REACH
+from labcal.detect.edge_judge import LAGS, REACH
 
 _SHADINGS = 4
 """Of the fit's six, about so many are spent on the flat parts (a small dot has none inside)."""
+_CHANCES, _OF_A_MEDIAN = 2.0, 1.2533
+"""Standard deviations: less than so many of a tie is chance. Those of a median are larger than of a mean."""
 _FEWEST = 500
 """Pixels: fewer tell nothing."""
 
 
-def noise_factor(sums: np.ndarray, dots: int, shadings: float = _SHADINGS) -> float:
+def noise_factor(sums: np.ndarray, shadings: float = _SHADINGS) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
-    Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation, pooled
-    over the flat parts around the dots, is weighed with that of the fits' gradients: the ratio of ``J' C J``
-    to ``J' J`` for the noise's correlation matrix C.
+    Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation over the
+    flat parts around a dot is weighed with that of the fit's gradients: the ratio of ``J' C J`` to ``J' J``
+    for the noise's correlation matrix C. The median over dots counts, since the few that a model fits badly
+    have residuals that only look like tied noise.
 
     Parameters
     ----------
-    sums : ndarray, shape (LAGS, SUMS)
-        By how many pixels down and across: pairs of flat pixels, products of their residuals, and products
-        of the fits' gradients.
-    dots : int
-        How many dots are in it.
+    sums : ndarray, shape (n, LAGS, SUMS)
+        For every dot, by how many pixels down and across: pairs of flat pixels, products of their residuals,
+        and products of the fit's gradients.
     shadings : float
         How many of a fit's parameters are spent on the flat parts.
     """
-    count, energy, weight = sums[REACH]
-    if count < _FEWEST or energy <= 0:
+    count, energy, weight = sums[:, REACH].T
+    sums = sums[(count > 0.0) & (energy > 0.0) & (weight > 0.0)]
+    count, energy, weight = sums[:, REACH].T
+    if count.sum() < _FEWEST:
         return 1.0
+    pairs = np.maximum(sums[..., 0], 1.0)
     # Residuals of a fit are tied a little even where the noise is not.
-    spent = shadings * dots / count
-    correlation = sums[:, 1] / np.maximum(sums[:, 0], 1.0) / (energy / count) + spent
-    correlation[REACH] = 1.0
+    correlation = sums[..., 1] / pairs * (count / energy)[:, None] + (shadings / count)[:, None]
     times = np.full(LAGS, 2.0)  # a pair up is the pair down the other way round
     times[: 2 * REACH + 1] = 1.0
-    return max(1.0, float((times * correlation * sums[:, 2]).sum() / weight))
+    share = times * sums[..., 2] / weight[:, None]
+    share[:, REACH] = 0.0
+    excess = (share * correlation).sum(axis=1)
+    # Row 0 holds every pair twice.
+    variance = (share**2 / pairs * np.where(times > 1.0, 1.0, 2.0)).sum(axis=1)
+    chance = _OF_A_MEDIAN * np.sqrt(variance.mean() / len(sums))
+    typical = float(np.median(excess))
+    return 1.0 + typical if typical > _CHANCES * chance else 1.0

@@ -22,6 +22,8 @@ _QUARTERS = 1.349
 """Standard deviations between a quarter and three quarters of an error function."""
 _MIN_MINOR = 1.5
 """px."""
+_SHARPEST = 0.1
+"""Of an edge's squared width: so much is left when that of sampling is taken off."""
 _TERMS = 5
 _OFF = 0.5
 """Of the radius: most that an outline's centre may be off the rough one."""
@@ -161,7 +163,9 @@ def trace_all(
             low = _rise(profile[ray], darkest, 0.75 * inside + 0.25 * level, spacing)
             high = _rise(profile[ray], darkest, 0.25 * inside + 0.75 * level, spacing)
             length = sqrt((a * u + b * v) ** 2 + (b * u + c * v) ** 2)
-            soft[ray] = (high - low) * length / _QUARTERS if np.isfinite(high - low) else np.nan
+            # Sampling between pixels, and between samples, has widened the edge.
+            wide, sampled = (high - low) * length / _QUARTERS, (1.0 + (spacing * length) ** 2) / 6.0
+            soft[ray] = sqrt(max(wide**2 - sampled, _SHARPEST * wide**2)) if np.isfinite(wide) else np.nan
             if not found[ray]:
                 points[ray, 0], points[ray, 1] = 0.0, 0.0
         # A ring of the body of a ring-shaped dot is as dark as the dot; its middle may not be.
