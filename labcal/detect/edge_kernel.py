@@ -37,7 +37,7 @@ _TOLD = 3
 """Where a settled fit leaves how many parameters the pixels have told, in the row below the system."""
 _ITERATIONS, _SOME = 12, 4
 """The first levels come from one of so many pixels."""
-_EDGE_BLURS, _EDGE_PX = 3.2, 0.5
+_EDGE_BLURS, _EDGE_PX = 3.2, 0.3
 """Half width of the edge: pixels beyond show the dot or the board alone."""
 _FLAT_BLURS, _FLAT_PX, _FLAT_RADII = 3.5, 4.0, 0.2
 """Half width of the fitted band: blurs, and px or radii, whatever is more."""
@@ -207,9 +207,9 @@ def _settle(
     pixels, count = band
     if pixels.shape[1] < 3 * PARAMETERS:
         return False
-    edge = pixels[:, :count]
+    edge = pixels[:, :count:2]  # half of it is enough for the first step
     flat_moments(state, shading, pixels[:, count:], moments)
-    for _ in range(_ITERATIONS):
+    for number in range(_ITERATIONS):
         normal_equations(state, shading, edge, moments, work)
         if not factorise(system, PARAMETERS, _SINGULAR):
             return False
@@ -223,6 +223,7 @@ def _settle(
         short = 1.0 / max(shift / (0.2 * radius), stretch / 0.2, 1.0)
         if not short > 0.0:
             return False
+        edge = pixels[:, :count]
         _reshape(state, step[2] * short, step[3] * short, step[4] * short)
         state[0] += step[0] * short
         state[1] += step[1] * short
@@ -233,7 +234,12 @@ def _settle(
             shading[i] += step[STATE + i]
         if state[5] > radius:
             return False
-        if shift < _SHIFT and stretch * radius < 2.0 * _SHIFT and abs(step[5]) < _REBLUR * state[5]:
+        if (
+            number > 0
+            and shift < _SHIFT
+            and stretch * radius < 2.0 * _SHIFT
+            and abs(step[5]) < _REBLUR * state[5]
+        ):
             _write_certainty(step, work[1], system)
             return True
     return False

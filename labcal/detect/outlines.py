@@ -13,8 +13,10 @@ from labcal.targets.grid import DotGrid
 
 _LONGEST_RAY = 1.5
 """Of the radius."""
-_STEPS_PX = (1.5, 0.75)
-"""Between the samples of a ray, the first and the second time."""
+_STEP_PX = 0.75
+"""Between the samples of a ray."""
+_SETTLED = 0.05
+"""Of the radius: an ellipse that is so near to where its rays began needs no further ones."""
 
 
 @dataclass(frozen=True)
@@ -86,20 +88,35 @@ def trace_from(
 ) -> tuple[Outlines, np.ndarray]:
     """Return what has an elliptic edge near rough centres and outlines, and which of these it is.
 
-    Rays are cast twice, the second time from the ellipse that the first time gave.
+    Rays are cast a second time, from the ellipse that the first time gave, where that lies off.
     """
-    reach = min(_LONGEST_RAY, clear_reach(target))
-    hole_radius = target.hole_share
+    limits = (min(_LONGEST_RAY, clear_reach(target)), target.hole_share)
     which = np.arange(len(centre) if min(grey.shape) > 1 else 0)
-    centre, shape = centre[which], shape[which]
-    for step_px in _STEPS_PX:
-        root = matrix_root(shape)
-        table = np.zeros((len(root), COLUMNS))
-        spots = np.concatenate([centre, root[:, 0], root[:, 1, 1:]], axis=1)
-        ok = trace_all(grey, spots, step_px, (reach, hole_radius), table)
-        table, which = table[ok], which[ok]
-        centre, shape = table[:, :2], table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
-    return Outlines(centre, shape, table[:, 5], table[:, 6]), which
+    spots = _for_rays(centre[which], shape[which])
+    table = np.zeros((len(which), COLUMNS))
+    ok = trace_all(grey, spots, _STEP_PX, limits, table)
+    traced = _for_rays(table[ok, :2], _shape_of(table[ok]))
+    off = np.flatnonzero(ok)[
+        np.abs(traced - spots[ok]).max(axis=1) > _SETTLED * mean_radius(_shape_of(table[ok]))
+    ]
+    again = table[off]
+    ok[off] = trace_all(grey, _for_rays(again[:, :2], _shape_of(again)), _STEP_PX, limits, again)
+    table[off] = again
+    table, which = table[ok], which[ok]
+    return Outlines(table[:, :2], _shape_of(table), table[:, 5], table[:, 6]), which
+
+
+def _for_rays(centre: Pixels, shape: PixelCovariances) -> np.ndarray:
+    """Return centres and outlines as rays begin from them: x, y, and xx xy yy of the outlines' roots."""
+    root = matrix_root(shape)
+    spots: np.ndarray = np.concatenate([centre, root[:, 0], root[:, 1, 1:]], axis=1)
+    return spots
+
+
+def _shape_of(table: np.ndarray) -> PixelCovariances:
+    """Return the outline matrices of traced spots."""
+    shape: np.ndarray = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
+    return shape
 
 
 def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
