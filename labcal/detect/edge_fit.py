@@ -137,4 +137,6 @@ def _in_one_light(table: np.ndarray, factor: float) -> tuple[Pixels, PixelCovari
     scatter = (count * max(seen, 0.0) + _USUAL_COUNT * _USUAL_TIE**2) / (count + _USUAL_COUNT)
     gain = shared @ np.linalg.inv(noise + scatter * np.eye(2))
     moved = centre - np.einsum("nij,nj->ni", gain, off)
-    return moved, covariance - gain @ np.swapaxes(shared, 1, 2)
+    covariance = covariance - gain @ np.swapaxes(shared, 1, 2)
+    covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
+    return moved, covariance
