@@ -1,4 +1,4 @@
-"""Small symmetric systems, compiled. Other files' kernels hold copies: clear their caches after a change."""
+"""Small symmetric systems, compiled."""
 
 from math import sqrt
 

@@ -1,7 +1,9 @@
 """Loops over pixels, rays and grid nodes that NumPy cannot express, compiled by Numba."""
 
+import hashlib
 import inspect
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypeVar, cast
 
 from numba import njit
@@ -9,11 +11,24 @@ from numba import njit
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
+def _digest_of(folder: Path) -> str:
+    """Return a word that changes with any source in a folder."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+_SOURCES = _digest_of(Path(__file__).parent)
+"""Of this package, where all that is compiled lies."""
+
+
 def compiled(function: Function) -> Function:
     """Return a function as machine code: compiled for its arguments' types when it is first called.
 
     The code is kept on disk, beside the package or in the user's cache folder, so that this is waited for
-    once. Numba sees a change of the function's own file only: keep what calls each other in one file.
+    once. Numba sees a change of the function's own file only, but functions call those of other files: the
+    name under which the code is kept holds a digest of all of them.
     Sums are taken in the order in which they are written, so that the same input gives the same bytes.
 
     Parameters
@@ -23,6 +38,7 @@ def compiled(function: Function) -> Function:
         function that calls it.
     """
     plain = inspect.unwrap(function)
+    plain.__qualname__ = f"{plain.__name__}-{_SOURCES}"
     try:
         return cast("Function", _compiler(keep=True)(plain))
     except RuntimeError:  # no folder to keep it in can be written to

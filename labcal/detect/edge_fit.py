@@ -130,9 +130,8 @@ def _in_one_light(table: np.ndarray, factor: float) -> tuple[Pixels, PixelCovari
     known = np.isfinite(off[:, 0])
     if not known.any():
         return centre, covariance
-    seen = np.median(off[known] ** 2) / _MEDIAN_SQUARE - np.median(
-        np.diagonal(noise[known], axis1=1, axis2=2)
-    )
+    expected = np.median(np.diagonal(noise[known], axis1=1, axis2=2))
+    seen = np.median(off[known] ** 2) / _MEDIAN_SQUARE - expected
     count = 2 * int(known.sum())
     scatter = (count * max(seen, 0.0) + _USUAL_COUNT * _USUAL_TIE**2) / (count + _USUAL_COUNT)
     gain = shared @ np.linalg.inv(noise + scatter * np.eye(2))

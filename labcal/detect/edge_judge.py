@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
-from labcal.detect.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY
+from labcal.detect.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
 
 COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, COLUMNS = 14, 17, 18, 19, 20, 22, 29
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
@@ -48,8 +48,7 @@ def judge(
     state = row[:STATE]
     around = np.empty(count)
     for k in range(count):
-        dx, dy = pixels[0, k] - state[0], pixels[1, k] - state[1]
-        u, v = state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+        u, v = flattened(state, pixels[0, k], pixels[1, k])
         # Grows with the angle from 0 to 1 as the angle does, nearly evenly.
         quarter = u / (abs(u) + abs(v) + TINY)
         around[k] = 0.25 * (1.0 - quarter) if v >= 0.0 else 0.25 * (3.0 + quarter)
@@ -119,8 +118,7 @@ def clipped_sides(
         inside = int(found[1, k] < 0.0)
         counts[inside] += 1.0
         if (pixels[2, k] <= limits[0]) if inside else (pixels[2, k] >= limits[1]):
-            dx, dy = pixels[0, k] - state[0], pixels[1, k] - state[1]
-            u, v = state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+            u, v = flattened(state, pixels[0, k], pixels[1, k])
             share = 1.0 / max(sqrt(u * u + v * v), TINY)
             sums[inside, 0] += u * share
             sums[inside, 1] += v * share

@@ -29,6 +29,7 @@ from labcal.detect.edge_model import (
     SHADING,
     STATE,
     flat_moments,
+    flattened,
     linearise,
     normal_equations,
 )
@@ -180,8 +181,7 @@ def _first_shading(state: np.ndarray, pixels: np.ndarray, shading: np.ndarray) -
     shading[:] = 0.0
     outside, inside = 0, 0
     for k in range(0, pixels.shape[1], _SOME):
-        dx, dy = pixels[0, k] - state[0], pixels[1, k] - state[1]
-        u, v = state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+        u, v = flattened(state, pixels[0, k], pixels[1, k])
         if u * u + v * v > 1.0:
             shading[0] += pixels[2, k]
             outside += 1
@@ -297,8 +297,7 @@ def _residuals(
         found[:3, first : first + count] = planes[RESIDUAL : ALONG + 1, :count]
         found[3:, first : first + count] = planes[ROWS : ROWS + 2, :count]
     for k in range(total, pixels.shape[1]):
-        dx, dy = pixels[0, k] - state[0], pixels[1, k] - state[1]
-        u, v = state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+        u, v = flattened(state, pixels[0, k], pixels[1, k])
         inside = u * u + v * v < 1.0
         side = 3 if inside else 0
         found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v

@@ -54,13 +54,20 @@ def normal_equations(
         _add_products(planes, count, system)
         for k in range(count):
             squares += planes[RESIDUAL, k] * planes[RESIDUAL, k]
-    variance = squares / (pixels - PARAMETERS)
+    variance = max(squares, 0.0) / (pixels - PARAMETERS)  # nothing is left of a picture without noise
     _write_priors(state, shading, sqrt(variance), priors)
     for number in range(PRIORS):
         row = priors[number]
         for i in range(PARAMETERS + 1):
             for j in range(min(i + 1, PARAMETERS)):
                 system[i, j] += row[i] * row[j]
+
+
+@compiled
+def flattened(state: np.ndarray, x: float, y: float) -> tuple[float, float]:
+    """Return where a pixel lies when the outline is the unit circle."""
+    dx, dy = x - state[0], y - state[1]
+    return state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
 
 
 @compiled
@@ -171,7 +178,7 @@ def flat_moments(start: np.ndarray, shading: np.ndarray, flat: np.ndarray, momen
     moments[:] = 0.0
     for k in range(flat.shape[1]):
         x, y = flat[0, k] - start[0], flat[1, k] - start[1]
-        u, v = start[2] * x + start[3] * y, start[3] * x + start[4] * y
+        u, v = flattened(start, flat[0, k], flat[1, k])
         side = int(u * u + v * v < 1.0)
         row, g = moments[side], flat[2, k] - shading[3 * side]
         row[0] += 1.0

@@ -95,10 +95,8 @@ def trace_from(
     spots = _for_rays(centre[which], shape[which])
     table = np.zeros((len(which), COLUMNS))
     ok = trace_all(grey, spots, _STEP_PX, limits, table)
-    traced = _for_rays(table[ok, :2], _shape_of(table[ok]))
-    off = np.flatnonzero(ok)[
-        np.abs(traced - spots[ok]).max(axis=1) > _SETTLED * mean_radius(_shape_of(table[ok]))
-    ]
+    traced, radius = _for_rays(table[ok, :2], _shape_of(table[ok])), mean_radius(_shape_of(table[ok]))
+    off = np.flatnonzero(ok)[np.abs(traced - spots[ok]).max(axis=1) > _SETTLED * radius]
     again = table[off]
     ok[off] = trace_all(grey, _for_rays(again[:, :2], _shape_of(again)), _STEP_PX, limits, again)
     table[off] = again

@@ -108,3 +108,35 @@ def test_nothing_to_fit() -> None:
     rng = np.random.default_rng(2)
     found = fit(rng.normal(100, 5, (40, 40)), np.array([20.0, 20.0]), 6.0)
     assert not found.ok[0] or found.covariance[0, 0, 0] > 0.01
+
+
+def _lit_sheet(own_slope: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return errors (n, 2) and covariances of small dots side by side whose ink has slopes of its own."""
+    rng = np.random.default_rng(11)
+    radius, count = 6.0, 150
+    centres = radius + 13 + rng.uniform(-0.5, 0.5, (count, 2))
+    side = int(2 * radius + 26)
+    y, x = np.mgrid[:side, :side]
+    discs = []
+    for centre in centres:
+        clean = disc(centre, radius)
+        ink = (200 - clean.clip(30, 200)) / STEP  # how much of a pixel is dot, nearly
+        slope = own_slope * STEP * rng.standard_normal(2) / radius
+        discs.append(clean + ink * (slope[0] * (x - centre[0]) + slope[1] * (y - centre[1])))
+    centres[:, 0] += np.arange(count) * side
+    noisy = sheet(discs)
+    noisy += rng.normal(0, 0.01 * STEP, noisy.shape).astype(np.float32)
+    found = fit_edges(noisy, spots(centres, radius), np.zeros(count), 2.5)
+    assert found.ok.all()
+    return found.centre - centres, found.covariance
+
+
+@pytest.mark.parametrize("own_slope", [0.0, 0.03])
+def test_dots_in_one_light_are_measured_better_and_those_that_are_not_say_so(own_slope: float) -> None:
+    errors, covariance = _lit_sheet(own_slope)
+    chi2 = float(np.einsum("ni,nij,nj->", errors, np.linalg.inv(covariance), errors))
+    dof = errors.size
+    assert abs(chi2 - dof) < 4 * np.sqrt(2 * dof)
+    # By itself a dot is known to 0.0045 px.
+    rms = np.sqrt((errors**2).mean())
+    assert (0.003 < rms < 0.004) if own_slope == 0.0 else (0.004 < rms < 0.005)
