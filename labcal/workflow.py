@@ -28,6 +28,7 @@ from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress, Progress
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
+from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve
 from labcal.shoot.truth import has_truth
 from labcal.solve.centre_bias import centred
 from labcal.solve.centred_training import centred_training
@@ -57,11 +58,15 @@ def render(scene: str, folder: Path, settings: RenderSettings | None = None) -> 
 
 
 def measure(
-    sources: Sequence[Source], target: AnyTarget, workers: int = 1, progress: Progress | None = None
+    sources: Sequence[Source],
+    target: AnyTarget,
+    workers: int = 1,
+    progress: Progress | None = None,
+    tone_curve: AnyToneCurve = ToneCurve.LINEAR,
 ) -> list[Measurement]:
     """Find the dots in pictures; a picture that cannot be used is a result with a reason."""
     with open_executor(workers) as executor:
-        return measure_pictures(sources, target, executor, progress or NoProgress())
+        return measure_pictures(sources, target, executor, progress or NoProgress(), tone_curve)
 
 
 def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> Detections:

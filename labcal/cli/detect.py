@@ -37,6 +37,13 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="ENDINGS",
         help="cameras of loose pictures by the end of the name: '_0=left,_1=right'",
     )
+    parser.add_argument(
+        "--tone-curve",
+        default="linear",
+        metavar="CURVE",
+        help="undo the camera's tone curve first: srgb, rec709, gamma-2.2, or a CSV file with the columns "
+        "value,light rising from 0,0 to 1,1 (default linear; curves of S shape move dots, the others hardly)",
+    )
     add_workers(parser)
 
 
@@ -68,17 +75,19 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.measure import detections_of
     from labcal.correspond.sources import find_sources, parse_camera_endings
     from labcal.run.outputs import refuse_existing, write_file
+    from labcal.shoot.tone_curve import find_tone_curve
     from labcal.workflow import measure
 
     refuse_existing(arguments.output, force=arguments.force)
     if arguments.overlay is not None:
         refuse_existing(arguments.overlay, force=arguments.force)
+    tone_curve = find_tone_curve(arguments.tone_curve)
     sources = find_sources(
         arguments.pictures, parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     )
     target = choose_target(arguments.target, arguments.pictures)
     with session.progress() as progress:
-        measurements = measure(sources, target, arguments.workers, progress)
+        measurements = measure(sources, target, arguments.workers, progress, tone_curve)
     if arguments.overlay is not None:
         _write_overlays(arguments.overlay, measurements, target, force=arguments.force)
     result = _result(measurements, target)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from itertools import repeat
 
 import cv2
 
@@ -14,6 +15,7 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.errors import InputError, InputTypeError
 from labcal.run.progress import Progress
+from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
 from labcal.targets.catalogue import AnyTarget
 
 
@@ -33,10 +35,15 @@ class Measurement:
         return self.reason is None
 
 
-def measure_picture(source: Source, target: AnyTarget) -> Measurement:
-    """Read and measure one picture; a file that cannot be read, or not be used, is a result with a reason."""
+def measure_picture(
+    source: Source, target: AnyTarget, tone_curve: AnyToneCurve = ToneCurve.LINEAR
+) -> Measurement:
+    """Read a picture and measure it in the light that made it.
+
+    A file that cannot be read, or not be used, is a result with a reason.
+    """
     try:
-        dots = detect_dots(source.read(), target)
+        dots = detect_dots(undone(source.read(), tone_curve), target)
     except (InputError, InputTypeError) as error:
         return Measurement(source, None, str(error))
     except MemoryError:
@@ -59,15 +66,20 @@ def _too_large(source: Source) -> str:
 
 
 def measure_pictures(
-    sources: Sequence[Source], target: AnyTarget, executor: Executor, progress: Progress
+    sources: Sequence[Source],
+    target: AnyTarget,
+    executor: Executor,
+    progress: Progress,
+    tone_curve: AnyToneCurve = ToneCurve.LINEAR,
 ) -> list[Measurement]:
     """Measure pictures, in the order of `sources` whatever the order of work.
 
+    The tone curve is undone first; linear: the values are taken for light as they are.
     Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.way_up`).
     """
     progress.start("detecting dots", len(sources))
     found = []
-    for measurement in executor.map(measure_picture, sources, [target] * len(sources)):
+    for measurement in executor.map(measure_picture, sources, repeat(target), repeat(tone_curve)):
         found.append(measurement)
         progress.advance()
     readable = [measurement for measurement in found if measurement.dots is not None]

@@ -5,10 +5,8 @@ import numpy as np
 from labcal.render.bands import bands
 from labcal.render.demosaic import HALO, demosaic
 from labcal.render.response import Exposure
-from labcal.scene.photometry import Photometry, ToneCurve
-
-SRGB_KNEE = 0.0031308
-REC709_KNEE = 0.018
+from labcal.scene.photometry import Photometry
+from labcal.shoot.tone_curve import tone
 
 
 def develop(codes: np.ndarray, photometry: Photometry, exposure: Exposure) -> np.ndarray:
@@ -57,21 +55,3 @@ def delivered(linear: np.ndarray, photometry: Photometry) -> np.ndarray:
 def _kind(photometry: Photometry) -> type[np.uint8] | type[np.uint16]:
     """Return the type of the delivered values."""
     return np.uint8 if photometry.bits == 8 else np.uint16  # noqa: PLR2004 -- bits
-
-
-def tone(linear: np.ndarray, curve: ToneCurve) -> np.ndarray:
-    """Return linear values (0 to 1) after the tone curve, 0 to 1; IEC 61966-2-1 and ITU-R BT.709."""
-    if curve is ToneCurve.LINEAR:
-        return linear
-    if curve is ToneCurve.GAMMA22:
-        curved: np.ndarray = linear ** (1.0 / 2.2)
-        return curved
-    if curve is ToneCurve.REC709:
-        return np.where(
-            linear < REC709_KNEE, 4.5 * linear, 1.099 * np.maximum(linear, REC709_KNEE) ** 0.45 - 0.099
-        )
-    return np.where(
-        linear <= SRGB_KNEE,
-        12.92 * linear,
-        1.055 * np.maximum(linear, SRGB_KNEE) ** (1.0 / 2.4) - 0.055,
-    )

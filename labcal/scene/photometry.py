@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.scene.sensor_presets import expanded
+from labcal.shoot.tone_curve import ToneCurve
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -19,18 +20,6 @@ class PictureFormat(StrEnum):
     TIFF = "tif"
     EXR = "exr"
     """Linear light on the sensor before any noise, float32; 1.0 is the full scale of the sensor."""
-
-
-class ToneCurve(StrEnum):
-    """From linear light to the delivered values."""
-
-    LINEAR = "linear"
-    SRGB = "srgb"
-    """IEC 61966-2-1."""
-    REC709 = "rec709"
-    """ITU-R BT.709, that of video."""
-    GAMMA22 = "gamma-2.2"
-    """The power 1 / 2.2."""
 
 
 class Stage(StrEnum):

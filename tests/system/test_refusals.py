@@ -69,6 +69,7 @@ def copy(stage: Path, tmp_path: Path) -> Path:
         ),
         (["scene", "show", "stil-plane"], "Did you mean 'still-plane'?"),
         (["detect", ".", "--target", "ring-10x8", "-o", "x"], "There are no pictures"),
+        (["detect", ".", "--tone-curve", "sgrb", "-o", "x"], "Did you mean 'srgb'?"),
         (["calibrate", "x.csv", "--lens", "brown-k1-k2", "-o", "x"], "Did you mean 'brown-k1k2'?"),
         (["calibrate", "x.csv", "--target", "rings-10x9", "-o", "x"], "Did you mean 'rings-10x8'?"),
         (["fit", "x", "--method", "afine", "-o", "x"], "Did you mean 'affine'?"),

@@ -9,7 +9,8 @@ from labcal.experiments.bench_detect.sight import LEAST_MINOR_PX, Sight
 from labcal.experiments.held_board import BARE_BOARD
 from labcal.render.development import develop
 from labcal.render.response import Exposure, Shot, read_sensor
-from labcal.scene.photometry import Photometry, ToneCurve
+from labcal.scene.photometry import Photometry
+from labcal.shoot.tone_curve import ToneCurve
 
 WHITE = 0.8
 """Share of full scale of the brightest bare board."""

@@ -5,29 +5,12 @@ import pytest
 
 from labcal.render import bands
 from labcal.render.demosaic import demosaic
-from labcal.render.development import develop, tone
+from labcal.render.development import develop
 from labcal.render.response import Exposure, Shot, exposure_for, read_sensor
-from labcal.scene.photometry import Photometry, ToneCurve
+from labcal.scene.photometry import Photometry
+from labcal.shoot.tone_curve import ToneCurve
 
 UNIT = Exposure(1.0, (1.0, 1.0, 1.0))
-
-
-@pytest.mark.parametrize(
-    ("curve", "linear", "expected"),
-    [
-        # IEC 61966-2-1 and ITU-R BT.709-6, worked out by hand.
-        (ToneCurve.SRGB, [0.0, 0.002, 0.0031308, 0.18, 1.0], [0.0, 0.02584, 0.040450, 0.461356, 1.0]),
-        (ToneCurve.REC709, [0.0, 0.01, 0.018, 0.18, 1.0], [0.0, 0.045, 0.0812, 0.409008, 1.0]),
-        (ToneCurve.GAMMA22, [0.0, 0.18, 0.5, 1.0], [0.0, 0.458656, 0.729740, 1.0]),
-        (ToneCurve.LINEAR, [0.0, 0.3, 1.0], [0.0, 0.3, 1.0]),
-    ],
-)
-def test_tone_curves_are_those_of_the_standards(
-    curve: ToneCurve, linear: list[float], expected: list[float]
-) -> None:
-    np.testing.assert_allclose(
-        tone(np.array(linear), curve), expected, atol=1e-4 if curve == "rec709" else 2e-6
-    )
 
 
 @pytest.mark.parametrize("bits", [8, 16])

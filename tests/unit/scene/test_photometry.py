@@ -3,8 +3,9 @@ from pydantic import ValidationError
 
 from labcal.errors import InputError
 from labcal.scene.catalogue import load_scene
-from labcal.scene.photometry import Photometry, PictureFormat, ToneCurve
+from labcal.scene.photometry import Photometry, PictureFormat
 from labcal.scene.sensor_presets import PRESETS
+from labcal.shoot.tone_curve import ToneCurve
 
 
 def test_a_sensor_left_at_its_defaults_has_no_defect() -> None:
