@@ -49,8 +49,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import write_rig
     from labcal.cli.calibrate_result import calibrate_result, calibrate_table
-    from labcal.cli.detect import choose_target
-    from labcal.cli.inputs import read_or_detect
+    from labcal.cli.inputs import choose_target, read_or_detect
     from labcal.errors import InputError
     from labcal.optim.solution import StopReason
     from labcal.run.outputs import refuse_existing

@@ -1,12 +1,12 @@
 """``labcal detect``: dots in pictures."""
 
 from argparse import Namespace
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from labcal.cli.options import add_output, add_workers
+from labcal.cli.inputs import pictures_and_target
+from labcal.cli.options import add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -24,18 +24,10 @@ def add_parser(commands: CommandGroup) -> None:
         "Find the dots in the pictures of a shoot, or in loose pictures, and number them by the target.",
         example="labcal detect photos --target rings-10x8 --cameras '_0=left,_1=right' -o detections.csv",
     )
-    parser.add_argument(
-        "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
-    )
-    parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
+    add_pictures(parser)
     add_output(parser, "detections.csv", "table of dots to write")
     parser.add_argument(
         "--overlay", type=Path, metavar="DIR", help="folder for pictures with the dots drawn in"
-    )
-    parser.add_argument(
-        "--cameras",
-        metavar="ENDINGS",
-        help="cameras of loose pictures by the end of the name: '_0=left,_1=right'",
     )
     parser.add_argument(
         "--tone-curve",
@@ -73,7 +65,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Detect, write the table, tell what came of each picture."""
     from labcal.correspond.detections import detections_csv
     from labcal.correspond.measure import detections_of
-    from labcal.correspond.sources import find_sources, parse_camera_endings
     from labcal.run.outputs import refuse_existing, write_file
     from labcal.shoot.tone_curve import find_tone_curve
     from labcal.workflow import measure
@@ -82,10 +73,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if arguments.overlay is not None:
         refuse_existing(arguments.overlay, force=arguments.force)
     tone_curve = find_tone_curve(arguments.tone_curve)
-    sources = find_sources(
-        arguments.pictures, parse_camera_endings(arguments.cameras) if arguments.cameras else {}
-    )
-    target = choose_target(arguments.target, arguments.pictures)
+    sources, target = pictures_and_target(arguments)
     with session.progress() as progress:
         measurements = measure(sources, target, arguments.workers, progress, tone_curve)
     if arguments.overlay is not None:
@@ -103,29 +91,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_file(arguments.output, detections_csv(detections_of(measurements)), force=arguments.force)
     session.emit(result, _table(result))
     return ExitStatus.PARTIAL if result.refused else ExitStatus.DONE
-
-
-def choose_target(name: str | None, pictures: Sequence[str]) -> "AnyTarget":
-    """Return the target named, or that of the shoot.
-
-    Raises
-    ------
-    UnknownNameError
-        There is no target of that name.
-    InputError
-        No target is named, and the pictures are no shoot.
-    """
-    from labcal.errors import InputError
-    from labcal.shoot.dataset import is_shoot, open_shoot
-    from labcal.targets.catalogue import load_target
-
-    if name is not None:
-        return load_target(name)
-    if len(pictures) == 1 and is_shoot(Path(pictures[0])):
-        return open_shoot(Path(pictures[0])).target
-    raise InputError(
-        "Say which target the pictures show: --target NAME ('labcal target list' shows the names)."
-    )
 
 
 def _result(measurements: "list[Measurement]", target: "AnyTarget") -> DetectResult:

@@ -27,6 +27,12 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("shoot", nargs="?", type=Path, metavar="SHOOT", help="left out for loose photographs")
     parser.add_argument("--target", metavar="NAME", help="the target of loose photographs, for its lengths")
     parser.add_argument(
+        "--dots",
+        type=Path,
+        metavar="RIG-dots.json",
+        help="in place of --target: where the dots of this print are, from 'labcal calibrate --free-dots'",
+    )
+    parser.add_argument(
         "--detections",
         type=Path,
         metavar="FILE",
@@ -48,13 +54,18 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.shoot.dataset import open_shoot
     from labcal.targets.catalogue import load_target
+    from labcal.targets.places import read_places
     from labcal.workflow import evaluate
 
-    if (arguments.shoot is None) == (arguments.target is None):
-        raise InputError("Give the SHOOT that the points are of or, for loose photographs, --target NAME.")
+    if [arguments.shoot, arguments.target, arguments.dots].count(None) != 2:  # noqa: PLR2004 -- one is given
+        raise InputError(
+            "Give the SHOOT that the points are of or, to compare with the target's own lengths, "
+            "--target NAME or --dots RIG-dots.json."
+        )
     points = read_points(arguments.points)
     if arguments.shoot is None:
-        lengths = errors_of_lengths(points, load_target(arguments.target))
+        printed = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
+        lengths = errors_of_lengths(points, printed)
         session.emit(lengths, _of_lengths(lengths))
         return ExitStatus.DONE
     shoot = open_shoot(arguments.shoot)

@@ -1,5 +1,7 @@
 """What several commands are given: a shoot or its detections, and the target that it shows."""
 
+from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,6 +9,7 @@ from labcal.cli.session import Session
 
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
+    from labcal.correspond.sources import Source
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -30,3 +33,42 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")
     return detections_of(measurements)
+
+
+def pictures_and_target(arguments: Namespace) -> "tuple[list[Source], AnyTarget]":
+    """Return the pictures that a command is given, and the target that they show.
+
+    Raises
+    ------
+    InputError
+        There are no such pictures, or no target is named and they are no shoot.
+    UnknownNameError
+        There is no target of that name.
+    """
+    from labcal.correspond.sources import find_sources, parse_camera_endings
+
+    endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
+    return find_sources(arguments.pictures, endings), choose_target(arguments.target, arguments.pictures)
+
+
+def choose_target(name: str | None, pictures: Sequence[str]) -> "AnyTarget":
+    """Return the target named, or that of the shoot.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no target of that name.
+    InputError
+        No target is named, and the pictures are no shoot.
+    """
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import is_shoot, open_shoot
+    from labcal.targets.catalogue import load_target
+
+    if name is not None:
+        return load_target(name)
+    if len(pictures) == 1 and is_shoot(Path(pictures[0])):
+        return open_shoot(Path(pictures[0])).target
+    raise InputError(
+        "Say which target the pictures show: --target NAME ('labcal target list' shows the names)."
+    )

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, add_workers
+from labcal.cli.inputs import pictures_and_target
+from labcal.cli.options import add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -20,11 +21,11 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "inspect",
         run,
-        "Draw a contact sheet of a shoot: exposure, sharpness and dots of every picture, and where in each "
-        "camera's picture dots were found.",
+        "Draw a contact sheet: exposure, sharpness and dots of every picture, and where in each camera's "
+        "picture dots were found.",
         example="labcal inspect shoot -o sheet.png",
     )
-    parser.add_argument("shoot", type=Path, metavar="SHOOT")
+    add_pictures(parser)
     add_output(parser, "sheet.png", "picture to write")
     add_workers(parser)
 
@@ -36,7 +37,8 @@ class InspectedPicture:
     image: str
     view: str
     camera: str
-    role: str
+    role: str | None
+    """``train`` or ``test``; null for a loose picture."""
     median_level: float | None
     """Share of full scale; null where the picture cannot be read, as the next two."""
     saturated_share: float | None
@@ -70,26 +72,24 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure, draw the sheet, tell."""
     from labcal.correspond.coverage import coverage
     from labcal.correspond.measure import detections_of
-    from labcal.correspond.sources import shoot_sources
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
     from labcal.run.outputs import refuse_existing
-    from labcal.shoot.dataset import open_shoot
     from labcal.shoot.pictures import write_picture
     from labcal.workflow import measure
 
     refuse_existing(arguments.output, force=arguments.force)
-    shoot = open_shoot(arguments.shoot)
-    sizes = {name: camera.size for name, camera in shoot.manifest.cameras.items()}
-    aspect = max(height / width for width, height in sizes.values())
-    roles = {view.name: view.role.value for view in shoot.views()}
+    sources, target = pictures_and_target(arguments)
+    roles = _roles(arguments.pictures)
     with session.progress() as progress:
-        measurements = measure(shoot_sources(shoot), shoot.target, arguments.workers, progress)
+        measurements = measure(sources, target, arguments.workers, progress)
         detections = detections_of(measurements)
+        sizes = {name: detections.picture_size(name) for name in dict.fromkeys(detections.camera.tolist())}
+        aspect = max(height / width for width, height in sizes.values())
         layout = plan_layout(len(measurements), len(sizes), aspect)
         progress.start("drawing", len(measurements))
         pictures, tiles = [], []
         for found in measurements:  # one picture in memory at a time
-            picture, tile = _inspect(found, roles[found.source.view], shoot.target.count, layout)
+            picture, tile = _inspect(found, roles.get(found.source.view), target.count, layout)
             pictures.append(picture)
             tiles.append(tile)
             progress.advance()
@@ -100,18 +100,27 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         cameras[name] = InspectedCamera(share, int(cells.sum()))
         title = f"{name}: dots in {share:.0%} of the picture, all views"
         coverages.append(SheetCoverage(title, size, cells))
-    heading = (
-        f"{arguments.shoot.resolve().name}: {shoot.target.name}, {len(roles)} views, {len(tiles)} pictures"
-    )
+    views = len({found.source.view for found in measurements})
+    place = Path(arguments.pictures[0]).resolve().name
+    heading = f"{place}: {target.name}, {views} views, {len(tiles)} pictures"
     write_picture(arguments.output, contact_sheet(heading, layout, tiles, coverages), force=arguments.force)
     result = InspectResult(str(arguments.output), pictures, cameras)
-    session.emit(result, _table(result, shoot.target.count))
+    session.emit(result, _table(result, target.count))
     refused = any(picture.reason is not None for picture in pictures)
     return ExitStatus.PARTIAL if refused else ExitStatus.DONE
 
 
+def _roles(pictures: list[str]) -> dict[str, str]:
+    """Return what each view of a shoot is for; nothing for loose pictures."""
+    from labcal.shoot.dataset import is_shoot, open_shoot
+
+    if len(pictures) != 1 or not is_shoot(Path(pictures[0])):
+        return {}
+    return {view.name: view.role.value for view in open_shoot(Path(pictures[0])).views()}
+
+
 def _inspect(
-    found: "Measurement", role: str, expected: int, layout: "SheetLayout"
+    found: "Measurement", role: str | None, expected: int, layout: "SheetLayout"
 ) -> "tuple[InspectedPicture, SheetTile]":
     """Return what there is to say of one picture, and its tile."""
     from labcal.report.contact_sheet import SheetTile
@@ -120,7 +129,7 @@ def _inspect(
 
     source = found.source
     count = 0 if found.dots is None else int(found.dots.ok.sum())
-    first = f"{source.view}  {source.camera}  ({role})"
+    first = f"{source.view}  {source.camera}" + (f"  ({role})" if role else "")
     if found.dots is None:
         unread = InspectedPicture(
             source.image, source.view, source.camera, role, None, None, None, 0, found.reason
@@ -163,5 +172,5 @@ def _table(result: InspectResult, expected: int) -> object:
                 f"{picture.sharpness:.3f}",
             )
         dots = picture.reason or f"{picture.dots} of {expected}"
-        table.add_row(picture.view, picture.camera, picture.role, *exposure, dots)
+        table.add_row(picture.view, picture.camera, picture.role or "-", *exposure, dots)
     return table

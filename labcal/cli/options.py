@@ -12,6 +12,19 @@ def add_output(parser: argparse.ArgumentParser, metavar: str, help_text: str) ->
     parser.add_argument("--force", action="store_true", help="replace what exists")
 
 
+def add_pictures(parser: argparse.ArgumentParser) -> None:
+    """Add what :func:`labcal.cli.inputs.pictures_and_target` reads: pictures, ``--target``, ``--cameras``."""
+    parser.add_argument(
+        "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
+    )
+    parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
+    parser.add_argument(
+        "--cameras",
+        metavar="ENDINGS",
+        help="cameras of loose pictures by the end of the name: '_0=left,_1=right'",
+    )
+
+
 def add_seed(parser: argparse.ArgumentParser) -> None:
     """Add ``--seed``, 0 where not given."""
     parser.add_argument(

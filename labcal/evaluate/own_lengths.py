@@ -7,6 +7,7 @@ from scipy.spatial.distance import pdist
 
 from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
+from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 
 
@@ -33,26 +34,29 @@ class LengthErrors:
     """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
 
 
-def errors_of_lengths(points: ReconstructedPoints, target: Target) -> LengthErrors:
+def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -> LengthErrors:
     """Compare the distance of every two dots of a view with their distance on the target.
 
     Parameters
     ----------
     points : ReconstructedPoints
-    target : Target
-        Its dots are taken as exactly placed.
+    target : Target or DotPlaces
+        Its dots are taken as exactly placed: where they were declared, or where they were found to be.
 
     Raises
     ------
     InputError
-        No view has two points.
+        No view has two points, or there is a point of a dot that the target does not have.
     """
+    declared = target.target if isinstance(target, DotPlaces) else target
+    _require_dots(points, declared)
+    places = target.points()
     solved = points.where(np.isfinite(points.point).all(axis=1))
     measured, nominal = [], []
     for view in dict.fromkeys(solved.view.tolist()):
         of_view = solved.where(solved.view == view)
         measured.append(pdist(of_view.point))
-        nominal.append(pdist(target.points(of_view.index)))
+        nominal.append(pdist(places[of_view.index[:, 1] * declared.cols + of_view.index[:, 0]]))
     lengths = np.concatenate(measured) if measured else np.zeros(0)
     if len(lengths) == 0:
         raise InputError("There are no two points of the same view, so there is no length to compare.")
@@ -64,3 +68,14 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target) -> LengthErro
         epipolar_rms_px=float("nan"),
         scale_ppm=float(1e6 * ((lengths @ expected) / (expected @ expected) - 1.0)),
     )
+
+
+def _require_dots(points: ReconstructedPoints, target: Target) -> None:
+    """Raise unless every point is of a dot of the target."""
+    unknown = ((points.index < 0) | (points.index >= [target.cols, target.rows])).any(axis=1)
+    if unknown.any():
+        col, row = points.index[np.argmax(unknown)].tolist()
+        raise InputError(
+            f"There is a point of dot ({col}, {row}), but '{target.name}' has {target.cols} x {target.rows} "
+            "dots. Name the target that the points are of."
+        )

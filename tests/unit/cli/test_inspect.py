@@ -86,5 +86,21 @@ def test_every_picture_is_on_the_sheet_and_in_the_document(
 
 def test_a_folder_that_is_no_shoot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["inspect", str(tmp_path), "-o", str(tmp_path / "sheet.png")]) == ExitStatus.UNUSABLE
-    assert "is not a shoot" in capsys.readouterr().err
+    assert "There are no pictures" in capsys.readouterr().err
     assert not (tmp_path / "sheet.png").exists()
+
+
+def test_loose_pictures_are_inspected_when_their_target_is_named(
+    shoot: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    images = [str(shoot / "images" / f"a_{camera}.png") for camera in ("left", "right")]
+    words = ["inspect", *images, "-o", str(tmp_path / "sheet.png"), "--workers", "1", "--json"]
+    assert main(words) == ExitStatus.UNUSABLE
+    assert "--target NAME" in capsys.readouterr().err
+    assert main([*words, "--target", TARGET.name, "--cameras", "_left=l,_right=r"]) == ExitStatus.DONE
+    document = json.loads(capsys.readouterr().out)
+    assert [(one["camera"], one["role"], one["dots"]) for one in document["pictures"]] == [
+        ("l", None, 130),
+        ("r", None, 130),
+    ]
+    assert document["cameras"]["r"] == {"coverage": 30 / 48, "dots": 130}

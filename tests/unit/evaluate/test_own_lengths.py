@@ -8,6 +8,7 @@ from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
 from labcal.targets.grid import DotGrid
+from labcal.targets.places import DotPlaces
 
 
 def views(grid: DotGrid, scale: float) -> ReconstructedPoints:
@@ -55,3 +56,22 @@ def test_missing_points_are_left_out(grid: DotGrid) -> None:
     one_a_view = points.where(points.index.sum(axis=1) == 0)
     with pytest.raises(InputError, match="no two points of the same view"):
         errors_of_lengths(one_a_view, grid)
+
+
+def test_lengths_of_a_misprinted_target_are_those_of_its_freed_dots(grid: DotGrid) -> None:
+    n = grid.count
+    places = grid.points() + np.random.default_rng(0).normal(0, 0.02, (n, 3))
+    points = views(grid, 1.0)
+    R = Rotation.from_rotvec([0.1, 0.7, -0.2]).as_matrix()
+    points.point[:n] = places @ R.T + 30.0
+    points.point[n:] = np.nan
+    freed = DotPlaces.of(grid, places, np.zeros((n, 3, 3)), np.full(n, 9), np.full(n, fill_value=True))
+    assert errors_of_lengths(points, grid).length_error_mm.rms > 0.02
+    assert errors_of_lengths(points, freed).length_error_mm.max < 1e-9
+
+
+def test_dots_of_another_target_are_refused(grid: DotGrid) -> None:
+    points = views(grid, 1.0)
+    points.index[4] = (grid.cols, 0)
+    with pytest.raises(InputError, match=rf"dot \({grid.cols}, 0\)"):
+        errors_of_lengths(points, grid)
