@@ -18,6 +18,7 @@ _MIN_ASPECT = 0.2  # a disc seen at 78 degrees
 _LARGEST = 0.2  # semi-axis over the picture's longer side
 _NOISE_FACTOR = 8.0  # the range of noise alone in one window is 6 to 7 standard deviations
 _MIN_CONTRAST = 0.05  # of the picture's range
+_BUSY, _BUSY_REACH = 0.15, 15  # changes a pixel along a row, around so many px: noise, grass, and no dots
 _ROWS_AT_ONCE = 512
 _EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
 
@@ -104,6 +105,8 @@ def _dark_contours(level: np.ndarray) -> list[np.ndarray]:
     contrast = max(_NOISE_FACTOR * _noise(smooth), 255.0 * _MIN_CONTRAST)
     middle = cv2.addWeighted(bright, 0.5, dark, 0.5, 0.0)
     mask = ((smooth < middle) & (cv2.subtract(bright, dark) > contrast)).astype(np.uint8)
+    if _changes(mask[::_BUSY_REACH]).mean() > 0.5 * _BUSY:
+        mask &= cv2.blur(_changes(mask).astype(np.float32), (2 * _BUSY_REACH + 1,) * 2) < _BUSY
     contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     if hierarchy is None:
         return []
@@ -113,6 +116,13 @@ def _dark_contours(level: np.ndarray) -> list[np.ndarray]:
         for contour, keep in zip(contours, outer, strict=True)
         if keep and len(contour) >= _MIN_CONTOUR
     ]
+
+
+def _changes(mask: np.ndarray) -> np.ndarray:
+    """Return where a mask differs from its neighbour to the right."""
+    changes = np.zeros(mask.shape, dtype=bool)
+    np.not_equal(mask[:, 1:], mask[:, :-1], out=changes[:, :-1])
+    return changes
 
 
 def _noise(level: np.ndarray) -> float:

@@ -91,6 +91,7 @@ def _collect(corners: Corners, grey: GreyPicture, refusal: Refusal | None) -> Pi
             [missing[0] if fit is None else fit.centre for fit in corners.fits], dtype=np.float64
         ).reshape(-1, 2),
         covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
+        misfit=np.full(n, np.nan),
         flag=tuple(
             DotFlag.OK if fit is not None else DotFlag.CUT if is_cut(place, grey) else DotFlag.BAD_FIT
             for fit, place in zip(corners.fits, corners.seen_at, strict=True)

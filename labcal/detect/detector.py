@@ -27,6 +27,8 @@ from labcal.targets.grid import DotGrid, Polarity
 _DEPARTURE = (2.5, 0.012)
 _BLURRED = 0.6  # of the minor axis
 _CLIPPED = 0.06
+_MISFIT = 1.5  # of the usual noise; clean dots of the photographs reach 1.4
+_PALE = 0.2  # of the step; what hides part of a small dot. Rings lighten with their holes, so they may
 _ALIKE = 0.5  # in the logarithm of the radius
 
 
@@ -40,6 +42,7 @@ class _Dot:
     outline: np.ndarray
     centre: np.ndarray | None = None
     covariance: np.ndarray | None = None
+    misfit: float = np.nan
 
 
 def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
@@ -128,6 +131,7 @@ def _measured(
     rough = fits.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius
     shape = outlines.shape.copy()
     shape[list(lattice.spots.values())] = np.where(fits.ok[:, None, None], fits.shape, spots.shape)
+    rough |= (fits.misfit > _MISFIT) | ((fits.paleness > _PALE) & (holes == 0.0))
     rough |= odd_shapes(lattice, replace(outlines, shape=shape), target)
     minor = np.sqrt(np.linalg.eigvalsh(spots.shape)[:, 0])
     dots = []
@@ -142,7 +146,8 @@ def _measured(
         else:
             flag = DotFlag.OK if target.holds(*index) else DotFlag.BEYOND_GRID
             centre = fits.centre[number]
-            dots.append(_Dot(index, flag, centre, fits.shape[number], centre, fits.covariance[number]))
+            told = (centre, fits.covariance[number], float(fits.misfit[number]))
+            dots.append(_Dot(index, flag, centre, fits.shape[number], *told))
     return dots
 
 
@@ -195,6 +200,7 @@ def _collect(
         covariance=np.array(
             [missing if dot.covariance is None else dot.covariance for dot in dots], float
         ).reshape(-1, 2, 2),
+        misfit=np.array([dot.misfit for dot in dots], dtype=np.float64),
         flag=tuple(dot.flag for dot in dots),
         seen_at=np.array([dot.seen_at for dot in dots], float).reshape(-1, 2),
         outline=np.array([dot.outline for dot in dots], float).reshape(-1, 2, 2),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float64, Int
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.flags import DotFlag, Refusal
@@ -33,6 +33,9 @@ class PictureDots:
         Centre of area of the dot's outer outline, px; NaN where not measured.
     covariance : ndarray, shape (n, 2, 2)
         Covariance of `position`, px squared; NaN where not measured.
+    misfit : ndarray, shape (n,)
+        Goodness of fit: standard deviation of a dot's residuals over what is usual among the picture's
+        dots in such light. About 1; NaN where not measured, and for corners.
     flag : tuple of DotFlag, length n
         What became of the dot.
     seen_at : ndarray, shape (n, 2)
@@ -52,6 +55,7 @@ class PictureDots:
     has_id: Mask
     position: Pixels
     covariance: PixelCovariances
+    misfit: Float64[np.ndarray, " n"]
     flag: tuple[DotFlag, ...]
     seen_at: Pixels
     outline: PixelCovariances
@@ -69,8 +73,8 @@ class PictureDots:
         order[self.has_id.sum() :] = np.flatnonzero(~self.has_id)
         return PictureDots(
             self.size, self.polarity, self.refusal, index[order], self.has_id[order], self.position[order],
-            self.covariance[order], tuple(self.flag[i] for i in order), self.seen_at[order],
-            self.outline[order], tuple(other[order] for other in others),
+            self.covariance[order], self.misfit[order], tuple(self.flag[i] for i in order),
+            self.seen_at[order], self.outline[order], tuple(other[order] for other in others),
         )  # fmt: skip
 
     def refused(self, refusal: Refusal) -> "PictureDots":
@@ -84,6 +88,7 @@ class PictureDots:
             has_id=np.zeros(n, dtype=bool),
             position=np.full((n, 2), np.nan),
             covariance=np.full((n, 2, 2), np.nan),
+            misfit=np.full(n, np.nan),
             flag=(DotFlag.NO_ID,) * n,
         )
 

@@ -15,11 +15,14 @@ from labcal.detect.edge_judge import (
     SUMS,
     TIE,
     TIE_COVARIANCE,
+    VARIANCE,
 )
 from labcal.detect.edge_kernel import fit_all
+from labcal.detect.edge_model import STATE
 from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.noise import noise_factor
 from labcal.detect.outlines import Outlines, matrix_root
+from labcal.detect.peers import misfits, paleness
 
 _LEAST_BLUR, _MOST_BLUR = 0.4, 0.3
 """A first blur: at least px, at most of the radius."""
@@ -53,6 +56,10 @@ class EdgeFits:
         Root mean square distance of the outline from the ellipse over twelve sectors, px.
     clipped : ndarray, shape (n,)
         How one-sidedly the picture clips the board beside the edge, or the dot, 0 to 1.
+    misfit : ndarray, shape (n,)
+        Standard deviation of the residuals over what is usual among the dots in such light: about 1.
+    paleness : ndarray, shape (n,)
+        By how much of the step a dark dot is brighter than is usual in such light: about 0.
     noise_factor : float
         What tied noise made of the covariances.
     """
@@ -64,6 +71,8 @@ class EdgeFits:
     blur: Float64[np.ndarray, " n"]
     departure: Float64[np.ndarray, " n"]
     clipped: Float64[np.ndarray, " n"]
+    misfit: Float64[np.ndarray, " n"]
+    paleness: Float64[np.ndarray, " n"]
     noise_factor: float
 
 
@@ -102,6 +111,7 @@ def fit_edges(
     factor = noise_factor(sums)
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
     centre, covariance = _in_one_light(table, factor)
+    board, dot = np.abs(table[:, [STATE, STATE + 3]] - black).T
     return EdgeFits(
         ok=ok,
         centre=centre,
@@ -110,6 +120,8 @@ def fit_edges(
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
         clipped=table[:, CLIPPED],
+        misfit=misfits(np.minimum(board, dot), np.maximum(board, dot), table[:, VARIANCE]),
+        paleness=paleness(board, dot),
         noise_factor=factor,
     )
 

@@ -13,6 +13,7 @@ _MISS = 0.12  # of a step between an outline and where it is expected
 _SIZE_TOLERANCE = 0.35  # in the logarithm of the radius
 _GAP = 4  # steps over hidden dots
 _ROUNDS = 20  # each goes a node farther
+_KEEP_MISS = 0.2  # of a step, once all neighbours are known
 
 
 def with_missed(
@@ -30,7 +31,7 @@ def with_missed(
         To which the lattice's spots refer; further ones are added at the end.
     target : DotGrid
     """
-    size = (grey.shape[1], grey.shape[0])
+    size, first = (grey.shape[1], grey.shape[0]), len(outlines.centre)
     tried: dict[Node, int] = {}
     for _ in range(_ROUNDS):
         nodes = _beside(lattice, numbering, target)
@@ -58,7 +59,23 @@ def with_missed(
         if len(spots) == len(lattice):
             break
         lattice = Lattice(spots, lattice.flattening)
-    return lattice, outlines
+    return _consistent(lattice, outlines, first), outlines
+
+
+def _consistent(lattice: Lattice, outlines: Outlines, first: int) -> Lattice:
+    """Return the lattice without the added nodes that disagree with their neighbours, the worst first.
+
+    Beyond a gap at the rim of a wide lens the step to the next dot is a guess, and may have met the one
+    behind it. `first` is the number of outlines before nodes were added.
+    """
+    while True:
+        spots = lattice.spots
+        predictions = Predictor(lattice, outlines).predict([n for n, spot in spots.items() if spot >= first])
+        misses = {node: found.miss(outlines.centre[spots[node]]) for node, found in predictions.items()}
+        worst = max(misses, key=lambda node: misses[node], default=None)
+        if worst is None or misses[worst] <= _KEEP_MISS:
+            return lattice
+        lattice = Lattice({node: spot for node, spot in spots.items() if node != worst}, lattice.flattening)
 
 
 def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid) -> list[Node]:

@@ -40,7 +40,8 @@ class Seen:
 
 def search(grey: GreyPicture, target: DotGrid) -> Seen:
     """Look for the grid from a coarse level of the picture on, and in finer ones until nothing is missed."""
-    levels = pyramid(grey)
+    flat = grey.size == 0 or grey.min() == grey.max()  # however large: there is nothing to look at
+    levels = [] if flat else pyramid(grey)
     start = next((k for k, level in enumerate(levels) if max(level.grey.shape) <= _COARSE), 0)
     looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
     blobs: dict[int, Blobs] = {}

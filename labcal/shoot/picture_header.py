@@ -135,6 +135,8 @@ def _tiff_size(data: bytes) -> tuple[int, int] | None:
     order = "<" if data[:2] == b"II" else ">"
     big = struct.unpack_from(order + "H", data, 2)[0] == _BIG_TIFF
     (first,) = struct.unpack_from(order + ("Q" if big else "I"), data, 8 if big else 4)
+    if first > len(data):
+        return None
     (count,) = struct.unpack_from(order + ("Q" if big else "H"), data, first)
     entry, values = (20, 12) if big else (12, 8)
     at = first + (8 if big else 2)

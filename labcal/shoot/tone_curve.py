@@ -5,7 +5,7 @@ from enum import StrEnum
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Shaped
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.tables import damaged_line, read_table
@@ -77,16 +77,17 @@ def light(value: Float[np.ndarray, "*shape"], curve: AnyToneCurve) -> Float[np.n
     return np.where(value <= 12.92 * SRGB_KNEE, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-def undone(picture: np.ndarray, curve: AnyToneCurve) -> Float[np.ndarray, "*shape"]:
+def undone(picture: Shaped[np.ndarray, "*shape"], curve: AnyToneCurve) -> Shaped[np.ndarray, "*shape"]:
     """Return the light of a picture, from 0 to the largest value of its type, float32.
 
     Parameters
     ----------
     picture : ndarray of any shape
-        uint8 or uint16. A picture of other values (EXR) is light already, and is returned as it is.
+        uint8 or uint16. A picture of other values (EXR) is light already, and is returned as it is; so is
+        every picture under a linear curve.
     curve : AnyToneCurve
     """
-    if picture.dtype not in (np.uint8, np.uint16):
+    if curve is ToneCurve.LINEAR or picture.dtype not in (np.uint8, np.uint16):
         return picture
     top = int(np.iinfo(picture.dtype).max)
     every_value = np.arange(top + 1) / top

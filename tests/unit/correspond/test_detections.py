@@ -133,6 +133,7 @@ def dots(n: int, refusal: Refusal | None) -> PictureDots:
         has_id=np.full(n, refusal is None),
         position=np.arange(2.0 * n).reshape(n, 2),
         covariance=np.tile(np.eye(2), (n, 1, 1)),
+        misfit=np.ones(n),
         flag=(DotFlag.OK if refusal is None else DotFlag.NO_ID,) * n,
         seen_at=np.zeros((n, 2)),
         outline=np.zeros((n, 2, 2)),

@@ -26,7 +26,7 @@ def picture(camera: Camera, T_world_target: np.ndarray, target: DotGrid, own: in
     index = target.indices()
     dots = PictureDots(
         (640, 480), Polarity.BLACK_ON_WHITE, None, index, np.ones(n, dtype=bool), q[:, 0],
-        np.tile(np.eye(2), (n, 1, 1)), (DotFlag.OK,) * n, q[:, 0], np.tile(np.eye(2), (n, 1, 1)),
+        np.tile(np.eye(2), (n, 1, 1)), np.ones(n), (DotFlag.OK,) * n, q[:, 0], np.tile(np.eye(2), (n, 1, 1)),
         target.lookalikes(index),
     )  # fmt: skip
     return dots if own == 0 else dots.renumbered(own - 1)

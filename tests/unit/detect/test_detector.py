@@ -239,3 +239,17 @@ def test_what_is_no_picture_is_misuse() -> None:
 def test_every_refusal_tells_what_to_do() -> None:
     sentences = {advice(refusal) for refusal in Refusal}
     assert len(sentences) == len(Refusal)
+
+
+@pytest.mark.parametrize("grey", [60.0, 110.0, 190.0])
+def test_what_a_rod_covers_or_touches_is_not_measured(make_board: MakeBoard, grey: float) -> None:
+    board = make_board(TARGET, rotation=(10, -15, 20), **WHOLE)
+    fine = 4
+    rod = np.zeros((480 * fine, 640 * fine), np.uint8)
+    cv2.line(rod, (150 * fine, -20 * fine), (520 * fine, 500 * fine), 1, 13 * fine)
+    cover = cv2.GaussianBlur(rod.astype(np.float64), (0, 0), 0.6 * fine)
+    cover = cover.reshape(480, fine, 640, fine).mean((1, 3))
+    picture = (1.0 - cover) * board.draw() + cover * grey
+    dots = detect_dots(as_bytes(picture), TARGET)
+    assert check(board, dots, 0.12) > 95
+    assert np.nanmax(dots.misfit) < 1.6

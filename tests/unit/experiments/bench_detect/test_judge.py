@@ -36,6 +36,7 @@ def detected(seen: Sight) -> PictureDots:
         has_id=np.ones(n, dtype=bool),
         position=seen.centroid + 0.05,
         covariance=np.tile(np.eye(2), (n, 1, 1)),
+        misfit=np.ones(n),
         flag=(DotFlag.OK,) * n,
         seen_at=seen.centroid + 0.05,
         outline=np.tile(36.0 * np.eye(2), (n, 1, 1)),
