@@ -10,14 +10,15 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
-from labcal.detect.lattice import Lattice
 from labcal.detect.lost import lost_dots
 from labcal.detect.numbering import AnyNumbering
 from labcal.detect.outlines import Outlines, clear_reach
 from labcal.detect.plain import goes_on, with_lookalikes
+from labcal.detect.prediction import Predictor
 from labcal.detect.probe import with_missed
 from labcal.detect.search import cause, search
 from labcal.detect.shapes import odd_shapes
+from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
@@ -103,10 +104,11 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity, black: float
         return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, refusal)
     lattice, numbering = seen.grid
     lattice, outlines = with_missed(grey, lattice, numbering, seen.whole, target)
-    lost = lost_dots(lattice, outlines, seen.blobs, size, lambda node: target.holds(*numbering.index(node)))
+    predictor = Predictor(lattice, outlines)
+    lost = lost_dots(predictor, seen.blobs, size, lambda node: target.holds(*numbering.index(node)))
     if target.rings is None and goes_on(lost, numbering, target):
         return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, Refusal.AMBIGUOUS)
-    dots = _measured((grey, black), lattice, numbering, outlines, target)
+    dots = _measured((grey, black), predictor, numbering, target)
     dots += [_Dot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
     named = set(lattice.spots.values())
     typical = float(np.median(outlines.radius[sorted(named)]))
@@ -115,14 +117,10 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity, black: float
 
 
 def _measured(
-    picture: tuple[GreyPicture, float],
-    lattice: Lattice,
-    numbering: AnyNumbering,
-    outlines: Outlines,
-    target: DotGrid,
+    picture: tuple[GreyPicture, float], predictor: Predictor, numbering: AnyNumbering, target: DotGrid
 ) -> list[_Dot]:
-    """Return the dots of the lattice, fitted in a picture with its grey value of no light."""
-    hole = target.hole_share
+    """Return the dots of a lattice, fitted in a picture with its grey value of no light."""
+    lattice, outlines, hole = predictor.lattice, predictor.outlines, target.hole_share
     named = [(numbering.index(node), spot) for node, spot in lattice.spots.items()]
     spots = outlines.select(np.array([spot for _, spot in named]))
     holes = np.array([hole if index in target.ring_indices else 0.0 for index, _ in named])
@@ -132,8 +130,8 @@ def _measured(
     shape = outlines.shape.copy()
     shape[list(lattice.spots.values())] = np.where(fits.ok[:, None, None], fits.shape, spots.shape)
     rough |= (fits.misfit > _MISFIT) | ((fits.paleness > _PALE) & (holes == 0.0))
-    rough |= odd_shapes(lattice, replace(outlines, shape=shape), target)
-    minor = np.sqrt(np.linalg.eigvalsh(spots.shape)[:, 0])
+    rough |= odd_shapes(predictor, replace(outlines, shape=shape), target)
+    minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
     dots = []
     for number, (index, _) in enumerate(named):
         seen_at, outline = spots.centre[number], spots.shape[number]

@@ -23,6 +23,7 @@ from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.noise import noise_factor
 from labcal.detect.outlines import Outlines, matrix_root
 from labcal.detect.peers import misfits, paleness
+from labcal.geometry.two_by_two import inverses
 
 _LEAST_BLUR, _MOST_BLUR = 0.4, 0.3
 """A first blur: at least px, at most of the radius."""
@@ -99,7 +100,7 @@ def fit_edges(
         Grey value of no light: the largest one of a negative.
     """
     count = len(spots.centre)
-    flatten = np.linalg.inv(matrix_root(spots.shape))
+    flatten = inverses(matrix_root(spots.shape))
     table = np.zeros((count, COLUMNS))
     table[:, :2] = spots.centre
     table[:, 2], table[:, 3], table[:, 4] = flatten[:, 0, 0], flatten[:, 0, 1], flatten[:, 1, 1]
@@ -116,7 +117,7 @@ def fit_edges(
         ok=ok,
         centre=centre,
         covariance=covariance,
-        shape=np.linalg.inv(F @ F),
+        shape=inverses(F @ F),
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
         clipped=table[:, CLIPPED],
@@ -146,7 +147,7 @@ def _in_one_light(table: np.ndarray, factor: float) -> tuple[Pixels, PixelCovari
     seen = np.median(off[known] ** 2) / _MEDIAN_SQUARE - expected
     count = 2 * int(known.sum())
     scatter = (count * max(seen, 0.0) + _USUAL_COUNT * _USUAL_TIE**2) / (count + _USUAL_COUNT)
-    gain = shared @ np.linalg.inv(noise + scatter * np.eye(2))
+    gain = shared @ inverses(noise + scatter * np.eye(2))
     moved = centre - np.einsum("nij,nj->ni", gain, off)
     covariance = covariance - gain @ np.swapaxes(shared, 1, 2)
     covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same

@@ -38,9 +38,9 @@ _TOLD = 3
 """Where a settled fit leaves how many parameters the pixels have told, in the row below the system."""
 _ITERATIONS, _SOME = 12, 4
 """The first levels come from one of so many pixels."""
-_EDGE_BLURS, _EDGE_PX = 3.2, 0.3
+_EDGE_BLURS, _EDGE_PX = 2.8, 0.3
 """Half width of the edge: pixels beyond show the dot or the board alone."""
-_FLAT_BLURS, _FLAT_PX, _FLAT_RADII = 3.5, 4.0, 0.2
+_FLAT_BLURS, _FLAT_PX, _FLAT_RADII = 3.5, 2.0, 0.12
 """Half width of the fitted band: blurs, and px or radii, whatever is more."""
 _HOLE_BLURS = 1.5
 """Blurs kept away from a ring's hole."""
@@ -289,7 +289,7 @@ def _residuals(
     """
     planes = chunk.reshape(PLANES, CHUNK)
     pixels, total = band
-    found = np.zeros((5, pixels.shape[1]))
+    found = np.empty((5, pixels.shape[1]))
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
         planes[:ROWS, :count] = pixels[:, first : first + count]
@@ -302,6 +302,7 @@ def _residuals(
         side = 3 if inside else 0
         found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v
         found[1, k] = -FAR if inside else FAR
+        found[2, k], found[3, k], found[4, k] = 0.0, 0.0, 0.0
     return found
 
 

@@ -9,7 +9,8 @@ from labcal.errors import InputError, InputTypeError
 AnyPicture = Shaped[np.ndarray, "*shape"]
 """(h, w), or (h, w, 3 or 4), of uint8, uint16 or float; other kinds are refused with a message."""
 
-_CLIPPED_SHARE = 0.002
+_CLIPPED_SHARE, _ROWS = 0.002, 256
+"""Of the pixels in so many rows, evenly spread."""
 GreyPicture = Float32[np.ndarray, "h w"]
 """Grey values in the unit of the picture they came from."""
 
@@ -55,6 +56,13 @@ def clipping(grey: GreyPicture) -> tuple[float, float]:
     if grey.size == 0:
         return -np.inf, np.inf
     low, high, _, _ = cv2.minMaxLoc(grey)
-    few = _CLIPPED_SHARE * grey.size
-    black, burnt = np.count_nonzero(grey == low) > few, np.count_nonzero(grey == high) > few
+    some = grey[:: 1 + grey.shape[0] // _ROWS]
+    few = _CLIPPED_SHARE * some.size
+    black, burnt = np.count_nonzero(some == low) > few, np.count_nonzero(some == high) > few
     return (low if black else -np.inf), (high if burnt else np.inf)
+
+
+def is_flat(grey: GreyPicture) -> bool:
+    """Tell whether all pixels are alike."""
+    some = grey[:: 1 + grey.shape[0] // _ROWS, :: 1 + grey.shape[1] // _ROWS]  # most pictures differ here
+    return all(part.size == 0 or bool(part.min() == part.max()) for part in (some, grey))

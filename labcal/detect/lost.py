@@ -9,8 +9,8 @@ from jaxtyping import Int64
 from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
-from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines, inside_frame, mean_radius
+from labcal.detect.lattice import Node
+from labcal.detect.outlines import inside_frame, mean_radius
 from labcal.detect.prediction import Predictor
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
@@ -32,18 +32,14 @@ class LostDot:
 
 
 def lost_dots(
-    lattice: Lattice,
-    outlines: Outlines,
-    blobs: Blobs,
-    size: tuple[int, int],
-    declared: Callable[[Node], bool],
+    predictor: Predictor, blobs: Blobs, size: tuple[int, int], declared: Callable[[Node], bool]
 ) -> list[LostDot]:
     """Return the nodes beside the lattice that the frame cuts, that are hidden, or have no clean outline.
 
     Parameters
     ----------
-    lattice, outlines
-        What is known.
+    predictor : Predictor
+        Of the lattice.
     blobs : Blobs
         The rough spots of the picture, cut ones among them.
     size : tuple of int
@@ -51,9 +47,9 @@ def lost_dots(
     declared : callable
         Tells whether a node belongs to the declared grid: only such ones can be hidden.
     """
-    span = (-1, 0, 1)
-    beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span}
-    expected = Predictor(lattice, outlines).predict(sorted(beside - lattice.spots.keys()))
+    span, spots = (-1, 0, 1), predictor.lattice.spots
+    beside = {(a + i, b + j) for a, b in spots for i in span for j in span}
+    expected = predictor.predict(sorted(beside - spots.keys()))
     if not expected:
         return []
     nodes, predictions = list(expected), list(expected.values())
@@ -73,7 +69,7 @@ def lost_dots(
             lost.append(LostDot(node, DotFlag.BAD_FIT, blobs.centre[spot], blobs.shape[spot]))
         elif in_picture[k] and declared(node):
             lost.append(LostDot(node, DotFlag.HIDDEN, position[k], nothing))
-    taken = outlines.centre[list(lattice.spots.values())]
+    taken = predictor.outlines.centre[list(spots.values())]
     radius = dict(zip(nodes, mean_radius(shape), strict=True))
     return [dot for dot in lost if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
 

@@ -9,11 +9,12 @@ from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.blobs import Blobs
 from labcal.detect.grey import GreyPicture
 from labcal.detect.trace_kernel import COLUMNS, distinct, trace_all
+from labcal.geometry.two_by_two import determinants
 from labcal.targets.grid import DotGrid
 
 _LONGEST_RAY = 1.5
 """Of the radius."""
-_STEP_PX = 0.75
+_STEP_PX = 1.0
 """Between the samples of a ray."""
 _SETTLED = 0.05
 """Of the radius: an ellipse that is so near to where its rays began needs no further ones."""
@@ -61,7 +62,7 @@ class Outlines:
 
 def mean_radius(shape: PixelCovariances) -> Float64[np.ndarray, " n"]:
     """Return the geometric means of outlines' semi-axes, px."""
-    radius: np.ndarray = np.sqrt(np.sqrt(np.linalg.det(shape)))
+    radius: np.ndarray = np.sqrt(np.sqrt(determinants(shape)))
     return radius
 
 
@@ -119,8 +120,8 @@ def _shape_of(table: np.ndarray) -> PixelCovariances:
 
 def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
     """Return the symmetric square roots of symmetric positive 2 x 2 matrices (by Cayley-Hamilton)."""
-    root = np.sqrt(np.linalg.det(matrix))
-    trace = np.trace(matrix, axis1=-2, axis2=-1)
+    root = np.sqrt(determinants(matrix))
+    trace = matrix[..., 0, 0] + matrix[..., 1, 1]
     scale = np.sqrt(trace + 2 * root)
     result: np.ndarray = (matrix + root[..., None, None] * np.eye(2)) / scale[..., None, None]
     return result
@@ -136,7 +137,7 @@ def inside_frame(centre: Pixels, shape: PixelCovariances, size: tuple[int, int],
 
 def geometric_mean(A: PixelCovariances, B: np.ndarray) -> PixelCovariances:
     """Return the geometric means of positive symmetric 2 x 2 matrices (Bhatia 2007, chapter 4)."""
-    alpha, beta = (np.sqrt(np.linalg.det(M))[..., None, None] for M in (A, B))
+    alpha, beta = (np.sqrt(determinants(M))[..., None, None] for M in (A, B))
     total = A / alpha + B / beta
-    mean: np.ndarray = np.sqrt(alpha * beta / np.linalg.det(total)[..., None, None]) * total
+    mean: np.ndarray = np.sqrt(alpha * beta / determinants(total)[..., None, None]) * total
     return mean

@@ -10,6 +10,7 @@ from labcal.detect.flattening import Flattening
 from labcal.detect.grid_kernel import miss, predict_all
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines
+from labcal.geometry.two_by_two import inverses
 
 _AROUND = 4
 """Empty nodes kept around a lattice."""
@@ -52,26 +53,32 @@ class Predictor:
         self._nodes, self._spots = nodes - self._corner, np.array(list(lattice.spots.values()))
         self._grid = np.full(self._nodes.max(axis=0) + 1 + _AROUND, -1)
         self._grid[tuple(self._nodes.T)] = self._spots
-        self._lattice, self._flat = lattice, lattice.flattening.outlines(outlines)
+        self.lattice, self.outlines = lattice, outlines
+        self._flat = lattice.flattening.outlines(outlines)
+
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        """The predictions of the lattice's own nodes."""
+        return predict_all(self._grid, self._flat.centre, self._nodes)
 
     @cached_property
     def _shape(self) -> np.ndarray:
         """The usual shape of a dot in units of the grid's steps."""
-        shapes = self.shapes_in_steps()
+        shapes = self.shapes_in_steps(self.outlines)
         known = np.isfinite(shapes[:, 0, 0])
         usual: np.ndarray = np.median(shapes[known], axis=0) if known.any() else np.zeros((2, 2))
         return usual
 
-    def shapes_in_steps(self) -> PixelCovariances:
-        """Return the outline matrices of the lattice's spots in units of the grid's steps, in their order.
+    def shapes_in_steps(self, outlines: Outlines) -> PixelCovariances:
+        """Return shapes of the lattice's spots in units of the grid's steps, in their order, by `outlines`.
 
         Wherever a board is seen from, all its dots have one shape there. NaN where a node has no prediction.
         """
-        numbers = predict_all(self._grid, self._flat.centre, self._nodes)
+        numbers, flat = self._numbers, self.lattice.flattening.outlines(outlines)
         known = np.isfinite(numbers[:, 0])
         shapes = np.full((len(numbers), 2, 2), np.nan)
-        back = np.linalg.inv(np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2))
-        shapes[known] = back @ self._flat.shape[self._spots[known]] @ np.swapaxes(back, 1, 2)
+        back = inverses(np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2))
+        shapes[known] = back @ flat.shape[self._spots[known]] @ np.swapaxes(back, 1, 2)
         return shapes
 
     def predict(self, nodes: list[Node]) -> dict[Node, Prediction]:
@@ -81,10 +88,10 @@ class Predictor:
         places = np.array(nodes) - self._corner
         numbers = predict_all(self._grid, self._flat.centre, places)
         known = np.flatnonzero(np.isfinite(numbers[:, 0]))
-        flattening = self._lattice.flattening
+        flattening = self.lattice.flattening
         positions = flattening.backward(numbers[known, :2])
         steps = np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2)
-        steps = np.linalg.inv(flattening.slopes(positions)) @ steps
+        steps = inverses(flattening.slopes(positions)) @ steps
         outlines = steps @ self._shape @ np.swapaxes(steps, 1, 2)
         near = self._neighbours(places[known])
         return {

@@ -8,6 +8,7 @@ from labcal.detect.flags import Refusal
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines, geometric_mean, matrix_root
 from labcal.detect.seeds import RING_HOLE
+from labcal.geometry.two_by_two import inverses
 from labcal.targets.grid import DotGrid, Rings
 
 _NO_HOLE = 0.15  # and of a full dot at most so bright
@@ -118,7 +119,7 @@ def _is_free_of_contradiction(
 
 def pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
     """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio."""
-    flatten = np.linalg.inv(matrix_root(outlines.shape))
+    flatten = inverses(matrix_root(outlines.shape))
     lengths: list[np.ndarray] = []
     for step in ((1, 0), (0, 1)):
         pairs = [

@@ -7,12 +7,13 @@ import numpy as np
 from labcal.detect.blobs import Blobs, blobs_of, joined, pyramid
 from labcal.detect.flags import Refusal
 from labcal.detect.flattening import NONE, Flattening, fisheyes
-from labcal.detect.grey import GreyPicture, clipping
+from labcal.detect.grey import GreyPicture, clipping, is_flat
 from labcal.detect.lattice import Lattice, find_lattices
 from labcal.detect.numbering import AnyNumbering, number_lattice, why_unnamed
 from labcal.detect.outlines import Outlines, inside_frame, trace_outlines
 from labcal.detect.shapes import without_odd
 from labcal.detect.smoothness import is_smooth
+from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import DotGrid
 
 _FEWEST_DOTS = 9  # a cross, its corners: less is no grid
@@ -40,8 +41,7 @@ class Seen:
 
 def search(grey: GreyPicture, target: DotGrid) -> Seen:
     """Look for the grid from a coarse level of the picture on, and in finer ones until nothing is missed."""
-    flat = grey.size == 0 or grey.min() == grey.max()  # however large: there is nothing to look at
-    levels = [] if flat else pyramid(grey)
+    levels = [] if is_flat(grey) else pyramid(grey)  # however large: there is nothing to look at
     start = next((k for k, level in enumerate(levels) if max(level.grey.shape) <= _COARSE), 0)
     looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
     blobs: dict[int, Blobs] = {}
@@ -55,7 +55,7 @@ def search(grey: GreyPicture, target: DotGrid) -> Seen:
         largest = levels[start].scale * _TOO_LARGE if look.stop else np.inf
         if not isinstance(seen.grid, Refusal):
             shape = seen.whole.shape[list(seen.grid[0].spots.values())]
-            minor, major = np.sqrt(np.linalg.eigvalsh(shape)).T
+            minor, major = np.sqrt(eigenvalues(shape)).T
             if minor.min() >= _RESOLVED * levels[look.start].scale and major.max() <= largest:
                 break
     return seen
@@ -78,7 +78,7 @@ def cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines) -> Refusal:
     clipped = np.count_nonzero(grey <= low) + np.count_nonzero(grey >= high)
     if low < high and clipped > _CLIPPED_PICTURE * grey.size:
         return Refusal.SATURATED
-    minor = np.sqrt(np.linalg.eigvalsh(outlines.shape)[:, 0])
+    minor = np.sqrt(eigenvalues(outlines.shape)[:, 0])
     blur = outlines.blur
     blurred = len(minor) >= _FEWEST_DOTS and np.median(blur / minor) > _SOFT and np.median(blur) > _SOFT_PX
     return Refusal.BLURRED if blurred else refusal

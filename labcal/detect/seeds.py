@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.outlines import Outlines, geometric_mean, matrix_root
+from labcal.geometry.two_by_two import inverses
 from labcal.targets.grid import DotGrid
 
 _NEAREST = 24  # spots looked at around a seed: two rings of neighbours
@@ -46,7 +47,7 @@ def seed_at(i: int, outlines: Outlines, target: DotGrid, near: np.ndarray) -> Se
     near = near[np.argsort(distance, kind="stable")[:_NEAREST]]
     if len(near) < _FEWEST:
         return None
-    flatten = np.linalg.inv(matrix_root(outlines.shape[np.append(near, i)]))
+    flatten = inverses(matrix_root(outlines.shape[np.append(near, i)]))
     ring = outlines.hole[np.append(near, i)] > RING_HOLE
     flatten[ring] *= target.ring_size
     steps = outlines.centre[near] - outlines.centre[i]

@@ -7,6 +7,7 @@ from labcal.detect.lattice import Lattice
 from labcal.detect.outlines import Outlines
 from labcal.detect.prediction import Predictor
 from labcal.detect.seeds import RING_HOLE
+from labcal.geometry.two_by_two import eigenvalues, inverses
 from labcal.targets.grid import DotGrid
 
 _ODD, _ODD_AT_RIM, _VERY_ODD = 0.2, 0.3, 0.45
@@ -18,33 +19,40 @@ _AMID = 12
 """Neighbours of a dot that is amid others."""
 
 
-def odd_shapes(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Mask:
+def odd_shapes(predictor: Predictor, outlines: Outlines, target: DotGrid) -> Mask:
     """Tell which of a lattice's spots, in their order, have another shape than the others: hidden in part.
 
     In units of the grid's steps all dots of a board have one shape, wherever it is seen from.
+
+    Parameters
+    ----------
+    predictor : Predictor
+        Of the lattice.
+    outlines : Outlines
+        The same spots as the predictor's, of whatever shapes are to be judged.
+    target : DotGrid
     """
-    predictor = Predictor(lattice, outlines)
     limit = np.where(predictor.neighbours() >= _AMID, _ODD, _ODD_AT_RIM)
-    return _off(lattice, outlines, target, predictor) > limit
+    return _off(predictor, outlines, target) > limit
 
 
 def without_odd(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Lattice:
     """Return a lattice without spots of very odd shapes, as they are where it skips every other dot."""
-    odd = _off(lattice, outlines, target, Predictor(lattice, outlines)) > _VERY_ODD
+    odd = _off(Predictor(lattice, outlines), outlines, target) > _VERY_ODD
     kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), odd, strict=True) if not out}
     return Lattice(kept, lattice.flattening) if kept else lattice
 
 
-def _off(lattice: Lattice, outlines: Outlines, target: DotGrid, predictor: Predictor) -> np.ndarray:
+def _off(predictor: Predictor, outlines: Outlines, target: DotGrid) -> np.ndarray:
     """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 where none can tell."""
-    spots = list(lattice.spots.values())
-    found = predictor.shapes_in_steps()
+    spots = list(predictor.lattice.spots.values())
+    found = predictor.shapes_in_steps(outlines)
     found[outlines.hole[spots] > RING_HOLE] /= target.ring_size**2
     known = np.isfinite(found[:, 0, 0])
     off = np.zeros(len(spots))
     if known.any():
         usual = np.median(found[known], axis=0)
-        axes = np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(usual, found[known]))))
-        minor = np.sqrt(np.linalg.eigvalsh(outlines.shape[spots])[known, 0])
+        axes = np.sqrt(eigenvalues(inverses(usual) @ found[known]))
+        minor = np.sqrt(eigenvalues(outlines.shape[spots])[known, 0])
         off[known] = np.abs(np.log(axes)).max(axis=1) - _ODD_PX / minor
     return off

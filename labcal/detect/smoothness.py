@@ -51,7 +51,7 @@ def _homography(source: np.ndarray, aim: np.ndarray) -> np.ndarray:
             np.stack([zero, zero, zero, x, y, one, -v * x, -v * y, -v], axis=-1),
         ]
     )
-    solution = np.linalg.svd(system, full_matrices=False)[2][-1].reshape(3, 3)
+    solution = np.linalg.eigh(system.T @ system)[1][:, 0].reshape(3, 3)
     normalise = np.array([[1, 0, -centre[0]], [0, 1, -centre[1]], [0, 0, size]]) / size
     homography: np.ndarray = solution @ normalise
     return homography

@@ -8,6 +8,7 @@ from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 
 RAYS = 24
+_DIRECTIONS = np.array([[cos(2.0 * pi * ray / RAYS), sin(2.0 * pi * ray / RAYS)] for ray in range(RAYS)])
 _MOST_STEPS, _FEWEST_STEPS = 64, 20
 """Samples along a ray."""
 _MIN_RAYS = 18
@@ -73,7 +74,8 @@ def _rise(profile: np.ndarray, first: int, level: float, spacing: float) -> floa
 def _middle_of_five(values: np.ndarray, first: int, five: np.ndarray) -> float:
     """Return the median of five neighbours in a ring of values."""
     for k in range(5):
-        value, at = values[(first + k) % len(values)], k
+        place = first + k
+        value, at = values[place if place < len(values) else place - len(values)], k
         while at > 0 and five[at - 1] > value:
             five[at] = five[at - 1]
             at -= 1
@@ -141,7 +143,7 @@ def trace_all(
         spacing = reach / steps
         profile = np.empty((RAYS, steps + 1))
         for ray in range(RAYS):
-            u, v = cos(2.0 * pi * ray / RAYS), sin(2.0 * pi * ray / RAYS)
+            u, v = _DIRECTIONS[ray]
             along_x, along_y = (a * u + b * v) * spacing, (b * u + c * v) * spacing
             _cast(grey, (x, y), (along_x, along_y), profile[ray])
         inner, outer = int(_BODY[0] / spacing) + 1, max(int(_BODY[1] / spacing), int(_BODY[0] / spacing) + 1)
@@ -158,7 +160,7 @@ def trace_all(
             darkest = first + int(np.argmin(profile[ray, first : int(1.0 / spacing) + 1]))
             edge[ray] = _rise(profile[ray], darkest, 0.5 * (inside + level), spacing)
             found[ray] = np.isfinite(edge[ray])
-            u, v = cos(2.0 * pi * ray / RAYS), sin(2.0 * pi * ray / RAYS)
+            u, v = _DIRECTIONS[ray]
             points[ray, 0], points[ray, 1] = edge[ray] * u, edge[ray] * v
             low = _rise(profile[ray], darkest, 0.75 * inside + 0.25 * level, spacing)
             high = _rise(profile[ray], darkest, 0.25 * inside + 0.75 * level, spacing)
