@@ -10,6 +10,8 @@ from labcal.experiments.bench_detect.sight import Sight
 
 MEASURED_OFF_PX = 3.0
 """A measured dot further from where it truly is has the id of another thing."""
+MISLED_PX, MISLED_SIGMAS = 0.2, 4.0
+"""A measured dot further off than both has been misled, by what lies over or beside it."""
 LEAST_SEEN = 0.5
 """A dot of which less can be seen is not there."""
 
@@ -29,6 +31,10 @@ class Verdict:
     """Dots that are flagged and not measured, and drawn elsewhere than the dot of their id."""
     false_dots: int
     """Measured dots where no dot is, or at most a part of one."""
+    measured: int
+    """Dots measured, measurable or not."""
+    misled: int
+    """Of these, how many are off by more than their uncertainty allows, under right ids."""
     worst_px: float
     """Greatest error of the measurable dots found, px; NaN for none."""
 
@@ -59,6 +65,7 @@ def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
     right = dots.has_id & declared & (off <= bound)
     wrong = dots.has_id & ~right
     found = right & dots.ok & seen.measurable[own]
+    sigma = np.sqrt(np.trace(dots.covariance, axis1=1, axis2=2))
     return Verdict(
         indexed=dots.indexed,
         refusal=None if dots.refusal is None else str(dots.refusal),
@@ -67,6 +74,8 @@ def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
         wrong_ids=int((wrong & measured).sum()),
         astray=int((wrong & ~measured & declared).sum()),
         false_dots=sum(_is_false(place[i], seen) for i in np.flatnonzero(measured)),
+        measured=int(measured.sum()),
+        misled=int((right & measured & (off > np.maximum(MISLED_PX, MISLED_SIGMAS * sigma))).sum()),
         worst_px=float(off[found].max()) if found.any() else float("nan"),
     )
 

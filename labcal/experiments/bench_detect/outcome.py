@@ -75,6 +75,9 @@ def suite_figures(outcomes: list[Outcome]) -> list[Figure]:
     ):
         share = float(np.mean([not outcome.verdict.indexed for outcome in rest])) if rest else np.nan
         figures.append(Figure(name=f"suite, {len(rest)} pictures, {what}: share not indexed", value=share))
+    measured = max(sum(outcome.verdict.measured for outcome in outcomes), 1)
+    misled = sum(outcome.verdict.misled for outcome in outcomes) / measured
+    figures.append(Figure(name="suite, all pictures: share of measured dots misled", value=misled))
     astray = sum(outcome.verdict.astray for outcome in outcomes)
     figures.append(Figure(name="suite, all pictures: flagged dots drawn half a pitch off", value=astray))
     return figures

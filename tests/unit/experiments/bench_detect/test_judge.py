@@ -74,6 +74,15 @@ def test_a_measured_dot_some_pixels_off_is_wrong_and_one_only_seen_there_is_not(
     assert (verdict.wrong_ids, verdict.astray) == (0, 1)
 
 
+def test_a_measured_dot_is_misled_beyond_its_uncertainty() -> None:
+    dots = detected(truth())
+    position, covariance = dots.position.copy(), 1e-3 * dots.covariance
+    position[[1, 2]] += [[0.3, 0.0], [0.1, 0.0]]
+    verdict = judged(replace(dots, position=position, covariance=covariance), truth(), COLS)
+    assert (verdict.measured, verdict.misled) == (12, 1)
+    assert judged(replace(dots, position=position), truth(), COLS).misled == 0  # it said that it was unsure
+
+
 def test_a_measured_dot_is_false_where_none_is_or_something_covers_it() -> None:
     dots = detected(truth())
     nowhere = dots.position.copy()
