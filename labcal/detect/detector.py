@@ -110,9 +110,10 @@ def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity, black: float
         return _collect(_unnamed(seen.whole.joined(seen.cut), set()), size, polarity, Refusal.AMBIGUOUS)
     dots = _measured((grey, black), predictor, numbering, target)
     dots += [_Dot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
-    named = set(lattice.spots.values())
-    typical = float(np.median(outlines.radius[sorted(named)]))
-    dots += [dot for dot in _unnamed(outlines.joined(seen.cut), named) if _alike(dot, typical)]
+    spots, taken = list(lattice.spots.values()), np.array([dot.seen_at for dot in dots])
+    typical = float(np.median(outlines.radius[spots]))
+    unnamed = _unnamed(outlines.joined(seen.cut), set(spots))
+    dots += [dot for dot in unnamed if _alike(dot, typical) and _is_apart(dot, taken)]
     return with_lookalikes(_collect(_one_an_id(dots), size, polarity, None), target)
 
 
@@ -161,6 +162,12 @@ def _unnamed(outlines: Outlines, named: set[int]) -> list[_Dot]:
 def _alike(dot: _Dot, radius: float) -> bool:
     """Tell whether a spot is about as large as the dots, so that a person might take it for one."""
     return bool(abs(np.log(np.linalg.det(dot.outline) ** 0.25 / radius)) < _ALIKE)
+
+
+def _is_apart(dot: _Dot, taken: np.ndarray) -> bool:
+    """Tell whether a spot is none of the dots at places (n, 2), which were looked for once more."""
+    away = np.linalg.norm(taken - dot.seen_at, axis=1).min()
+    return bool(away > 0.5 * np.linalg.det(dot.outline) ** 0.25)
 
 
 def _one_an_id(dots: list[_Dot]) -> list[_Dot]:

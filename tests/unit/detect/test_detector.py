@@ -33,6 +33,8 @@ def check(
     assert dots.refusal is None, dots.refusal
     indices = [tuple(i) for i in dots.index[dots.has_id].tolist()]
     assert len(set(indices)) == len(indices)
+    for stray in dots.seen_at[~dots.has_id]:  # nothing is told twice
+        assert np.linalg.norm(dots.seen_at[dots.has_id] - stray, axis=1).min() > 3.0
     for index, position, seen, flag in zip(
         dots.index[dots.has_id].tolist(), dots.position, dots.seen_at, dots.flag, strict=False
     ):
