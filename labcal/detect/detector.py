@@ -25,7 +25,7 @@ from labcal.targets.grid import DotGrid, Polarity
 
 # An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a
 # print may be ragged, a renderer's discs are polygons), and of the radius.
-_DEPARTURE = (2.5, 0.012)
+_DEPARTURE = (2.5, 0.001)
 _BLURRED = 0.6  # of the minor axis
 _CLIPPED = 0.06
 _MISFIT = 1.5  # of the usual noise; clean dots of the photographs reach 1.4
@@ -138,7 +138,7 @@ def _measured(
         seen_at, outline = spots.centre[number], spots.shape[number]
         if spots.blur[number] > _BLURRED * minor[number]:
             dots.append(_Dot(index, DotFlag.BLURRED, seen_at, outline))
-        elif fits.ok[number] and fits.clipped[number] > _CLIPPED:
+        elif fits.ok[number] and (fits.burnt_out or fits.clipped[number] > _CLIPPED):
             dots.append(_Dot(index, DotFlag.SATURATED, seen_at, outline))
         elif not fits.ok[number] or rough[number]:
             dots.append(_Dot(index, DotFlag.BAD_FIT, seen_at, outline))

@@ -7,11 +7,13 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.edge_judge import (
+    BURNT,
     CLIPPED,
     COLUMNS,
     COVARIANCE,
     DEPARTURE,
     LAGS,
+    PROFILE,
     SUMS,
     TIE,
     TIE_COVARIANCE,
@@ -32,6 +34,9 @@ _USUAL_TIE, _USUAL_COUNT = 0.005, 2
 counts for; in photographs of a print on office paper it is 0.006."""
 _MEDIAN_SQUARE = 0.4549
 """The median of chi-square's distribution with one degree of freedom."""
+_BURNT_OUT = np.array([0.8, 0.028])
+"""What is bright is clipped, and of a cut off edge no error function is left; a drawn picture may well be as
+white as white can be, but its edges are whole."""
 _SCATTERS = 16
 """Dots that the noise is looked at around; more tell no more."""
 
@@ -57,6 +62,8 @@ class EdgeFits:
         Root mean square distance of the outline from the ellipse over twelve sectors, px.
     clipped : ndarray, shape (n,)
         How one-sidedly the picture clips the board beside the edge, or the dot, 0 to 1.
+    burnt_out : bool
+        Whether the picture is so bright that the fits miss the greater part of most edges.
     misfit : ndarray, shape (n,)
         Standard deviation of the residuals over what is usual among the dots in such light: about 1.
     paleness : ndarray, shape (n,)
@@ -72,6 +79,7 @@ class EdgeFits:
     blur: Float64[np.ndarray, " n"]
     departure: Float64[np.ndarray, " n"]
     clipped: Float64[np.ndarray, " n"]
+    burnt_out: bool
     misfit: Float64[np.ndarray, " n"]
     paleness: Float64[np.ndarray, " n"]
     noise_factor: float
@@ -121,6 +129,7 @@ def fit_edges(
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
         clipped=table[:, CLIPPED],
+        burnt_out=bool(ok.any() and (np.median(table[ok][:, [BURNT, PROFILE]], axis=0) > _BURNT_OUT).all()),
         misfit=misfits(np.minimum(board, dot), np.maximum(board, dot), table[:, VARIANCE]),
         paleness=paleness(board, dot),
         noise_factor=factor,

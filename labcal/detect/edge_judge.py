@@ -8,9 +8,20 @@ from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
 from labcal.detect.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
 
-COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, COLUMNS = 14, 17, 18, 19, 20, 22, 29
+COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, BURNT, PROFILE, COLUMNS = (
+    14,
+    17,
+    18,
+    19,
+    20,
+    22,
+    29,
+    30,
+    31,
+)
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
-how one-sidedly the board or the dot is clipped (0 to 1), and the tie, see :func:`tie`."""
+how one-sidedly the board or the dot is clipped (0 to 1), the tie, see :func:`tie`, how much more of the
+brighter side is clipped than of the darker one, and by how much of the step the edge is no error function."""
 _SECTORS = 12
 _MOST_ARCS, _SHORTEST_ARC, _FEWEST_ARCS = 24, 8.0, 8
 """Arcs of the outline whose places are no noise: so many, px long; fewer are the ellipse itself."""
@@ -64,7 +75,9 @@ def judge(
         for k in range(count):
             noise[k] -= along[k] * moved[min(int(around[k] * arcs), arcs - 1)]
     # The mean profile holds both levels and the blur, which the fit has told already.
+    before = noise[:count].copy()
     profile = max(_take_out_profile(noise, found[1]) - 3, 0)
+    row[PROFILE] = sqrt(((before - noise[:count]) ** 2).mean()) / max(abs(row[STATE] - row[STATE + 3]), TINY)
     freedom = len(noise) - told - max(arcs - _FEWEST_ARCS + 1, 0) - profile
     # Clipping cuts the noise off: such a side does not tell how much of it the edge has.
     for k in range(count, len(noise)):

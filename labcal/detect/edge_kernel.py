@@ -7,6 +7,7 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.edge_judge import (
+    BURNT,
     CLIPPED,
     COVARIANCE,
     SURELY_FLAT,
@@ -83,6 +84,8 @@ def fit_all(
         if pixels.shape[1] == 0 or moved > 0.5 * radius:
             continue
         row[CLIPPED], clipped = clipped_sides(row, pixels, found, (limits[1], limits[2]))
+        is_dot = int(abs(row[STATE + 3] - limits[3]) > abs(row[STATE] - limits[3]))
+        row[BURNT] = clipped[is_dot] - clipped[1 - is_dot]
         if not judge(row, band, found, system[PARAMETERS, _TOLD], clipped):
             continue
         tie(row, limits[3], system)

@@ -7,7 +7,7 @@ _FEWEST = 8
 """Fewer dots tell no trend."""
 _LEAST_SPAN = 0.05
 """Of the light, between the darker half of the dots and the brighter one: less tells no trend either."""
-_LEAST_NOISE, _LEAST_SHARE = 0.01, 0.4
+_LEAST_NOISE, _LEAST_SHARE = 0.01, 0.6
 """What a fit may always leave: as a share of the step, and in variance of that of the picture's dots."""
 
 

@@ -52,7 +52,7 @@ def _off(predictor: Predictor, outlines: Outlines, target: DotGrid) -> np.ndarra
     off = np.zeros(len(spots))
     if known.any():
         usual = np.median(found[known], axis=0)
-        axes = np.sqrt(eigenvalues(inverses(usual) @ found[known]))
+        axes = np.sqrt(np.abs(eigenvalues(inverses(usual) @ found[known])))
         minor = np.sqrt(eigenvalues(outlines.shape[spots])[known, 0])
         off[known] = np.abs(np.log(axes)).max(axis=1) - _ODD_PX / minor
     return off
