@@ -10,7 +10,7 @@ DARK = 0.06 * LIGHT + 3.0
 
 def test_noise_that_grows_with_light_is_usual_and_more_is_not() -> None:
     rng = np.random.default_rng(0)
-    variance = (1.0 + 0.05 * LIGHT) * rng.chisquare(300, 60) / 300
+    variance = (6.0 + 0.05 * LIGHT) * rng.chisquare(300, 60) / 300
     odd = np.arange(0, 60, 5)
     variance[odd] *= 6.0
     found = misfits(DARK, LIGHT, variance)
