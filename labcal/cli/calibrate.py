@@ -10,6 +10,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.cameras.record import CameraRecord
     from labcal.solve.freed_dots import FreedDots
     from labcal.solve.handheld import HandheldSettings
 
@@ -52,7 +53,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.inputs import choose_target, read_or_detect
     from labcal.errors import InputError
     from labcal.optim.solution import StopReason
-    from labcal.run.outputs import refuse_existing
+    from labcal.run.outputs import refuse_existing, refuse_homeless
     from labcal.workflow import calibrate, epipolar_rms
 
     outputs = [arguments.output]
@@ -64,6 +65,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         outputs.append(arguments.overlay)
     for path in outputs:
         refuse_existing(path, force=arguments.force)
+        refuse_homeless(path)
     settings = _settings(arguments)
     lens = arguments.lens or _lens_of(settings)
     target = choose_target(arguments.target, [arguments.source])
@@ -74,6 +76,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         _write_dots(arguments, found.freed)
     for reason in found.skipped:
         session.warn(f"left out {reason}")
+    for name, camera in found.rig.cameras.items():
+        if not _middle_inside(camera):
+            session.warn(
+                f"the principal point of {name} lies outside its picture: the views do not determine it, or "
+                f"the dots are not those of '{target.name}'"
+            )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         session.warn(f"the adjustment has not come to its end: {found.reason.value}")
     result = calibrate_result(found, epipolar_rms(found.rig, detections, target))
@@ -105,6 +113,13 @@ def _lens_of(settings: "HandheldSettings") -> str:
         return DEFAULT_LENS
     lenses = {record.lens for record in settings.start.cameras.values()}
     return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS
+
+
+def _middle_inside(camera: "CameraRecord") -> bool:
+    """Tell whether a camera's principal point lies in its picture."""
+    (_, _, cx), (_, _, cy), _ = camera.K
+    width, height = camera.size
+    return 0.0 <= cx <= width - 1 and 0.0 <= cy <= height - 1
 
 
 def _dots_path(output: Path) -> Path:

@@ -13,6 +13,7 @@ from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement
+    from labcal.detect.dots import PictureDots
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -50,6 +51,8 @@ class PictureResult:
     expected: int
     numberings: int | None
     """How many numberings fit as well, this one included: 1 where the dots are known for certain."""
+    flags: dict[str, int]
+    """How many dots have each flag but ``ok``."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +68,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Detect, write the table, tell what came of each picture."""
     from labcal.correspond.detections import detections_csv
     from labcal.correspond.measure import detections_of
-    from labcal.run.outputs import refuse_existing, write_file
+    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
     from labcal.shoot.tone_curve import find_tone_curve
     from labcal.workflow import measure
 
     refuse_existing(arguments.output, force=arguments.force)
+    refuse_homeless(arguments.output)
     if arguments.overlay is not None:
         refuse_existing(arguments.overlay, force=arguments.force)
     tone_curve = find_tone_curve(arguments.tone_curve)
@@ -102,11 +106,19 @@ def _result(measurements: "list[Measurement]", target: "AnyTarget") -> DetectRes
             dots=0 if found.dots is None else int(found.dots.ok.sum()),
             expected=target.count,
             numberings=None if found.dots is None or not found.indexed else 1 + len(found.dots.others),
+            flags={} if found.dots is None else _flags(found.dots),
         )
         for found in measurements
     ]
     indexed = sum(image.status == "ok" for image in images)
     return DetectResult(images, indexed, len(images) - indexed)
+
+
+def _flags(dots: "PictureDots") -> dict[str, int]:
+    """Return how many dots have each flag but ``ok``."""
+    from collections import Counter
+
+    return dict(sorted(Counter(flag.value for flag in dots.flag if flag.value != "ok").items()))
 
 
 def _table(result: DetectResult) -> object:
@@ -116,7 +128,9 @@ def _table(result: DetectResult) -> object:
         "picture", "dots", "what came of it", caption=f"{result.indexed} indexed, {result.refused} refused"
     )
     for image in result.images:
-        table.add_row(image.image, f"{image.dots} of {image.expected}", image.reason or "ok")
+        others = ", ".join(f"{count} {flag}" for flag, count in image.flags.items())
+        came = image.reason or ("ok" if not others else f"ok; not used: {others}")
+        table.add_row(image.image, f"{image.dots} of {image.expected}", came)
     return table
 
 

@@ -60,7 +60,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if [arguments.shoot, arguments.target, arguments.dots].count(None) != 2:  # noqa: PLR2004 -- one is given
         raise InputError(
             "Give the SHOOT that the points are of or, to compare with the target's own lengths, "
-            "--target NAME or --dots RIG-dots.json."
+            "--target NAME or --dots RIG-dots.json: one of the three."
         )
     points = read_points(arguments.points)
     if arguments.shoot is None:

@@ -70,7 +70,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.inputs import read_or_detect
     from labcal.correspond.detections import read_detections
     from labcal.errors import InputError
-    from labcal.run.outputs import refuse_existing
+    from labcal.run.outputs import refuse_existing, refuse_homeless
     from labcal.shoot.dataset import open_shoot
     from labcal.solve.registry import make_estimator
     from labcal.workflow import centred_training, fit, training_data
@@ -82,6 +82,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     paths = [_path(arguments.output, name, alone=len(names) == 1) for name in names]
     for path in paths:
         refuse_existing(path, force=arguments.force)
+        refuse_homeless(path)
     shoot = open_shoot(arguments.shoot)
     detections = (
         read_detections(arguments.detections)

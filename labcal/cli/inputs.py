@@ -21,11 +21,17 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
     from labcal.correspond.detections import read_detections
     from labcal.correspond.measure import detections_of
     from labcal.correspond.sources import shoot_sources
-    from labcal.shoot.dataset import open_shoot
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import is_shoot, open_shoot
     from labcal.workflow import measure
 
     if Path(source).is_file():
         return read_detections(Path(source))
+    if not is_shoot(Path(source)):
+        there = "is not a shoot" if Path(source).exists() else "does not exist"
+        raise InputError(
+            f"{source} {there}. Give a shoot's folder, or the table that 'labcal detect' writes of pictures."
+        )
     shoot = open_shoot(Path(source))
     with session.progress() as progress:
         measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)

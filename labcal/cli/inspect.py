@@ -73,11 +73,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.coverage import coverage
     from labcal.correspond.measure import detections_of
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
-    from labcal.run.outputs import refuse_existing
+    from labcal.run.outputs import refuse_existing, refuse_homeless
     from labcal.shoot.pictures import write_picture
     from labcal.workflow import measure
 
     refuse_existing(arguments.output, force=arguments.force)
+    refuse_homeless(arguments.output)
     sources, target = pictures_and_target(arguments)
     roles = _roles(arguments.pictures)
     with session.progress() as progress:

@@ -52,10 +52,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cameras.rig import Rig
     from labcal.cli.inputs import read_or_detect
     from labcal.correspond.points import points_csv
-    from labcal.run.outputs import refuse_existing, write_file
+    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
 
     refuse_existing(arguments.output, force=arguments.force)
+    refuse_homeless(arguments.output)
     model = load_reconstructor(arguments.model)
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
     target = _target(arguments)

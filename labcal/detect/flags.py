@@ -82,7 +82,7 @@ _ADVICE = {
     Refusal.AMBIGUOUS: (
         "The dots are all alike, and it cannot be told which is which. Show the whole grid, with nothing "
         "hidden at its edges and all cameras the same way up; check that the target named has as many "
-        "columns and rows as the print; or use a target with rings, of which a part is enough."
+        "columns and rows as the print; or use a target with rings, which need not be seen whole."
     ),
     Refusal.NO_MARKERS: (
         "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "

@@ -191,6 +191,7 @@ def _label_step(dots: PictureDots, height: float) -> int:
 
 def _text(canvas: np.ndarray, text: str, place: tuple[int, int], size: float, colour: Colour) -> None:
     """Write text with a dark rim, readable on any ground."""
-    thin = max(1, round(size * 1.5))
-    for ink, width in (((0, 0, 0), thin + 2), (colour, thin)):
-        cv2.putText(canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, ink, width, cv2.LINE_AA)
+    thin, (x, y) = max(1, round(size * 1.5)), place
+    rim = [(x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]  # thicker letters are wider
+    for at, ink in (*((at, (0, 0, 0)) for at in rim), (place, colour)):
+        cv2.putText(canvas, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, ink, thin, cv2.LINE_AA)

@@ -23,6 +23,18 @@ def refuse_existing(path: Path, *, force: bool) -> None:
         raise OutputError(f"{path} exists already. Choose another name, or add --force to replace it.")
 
 
+def refuse_homeless(path: Path) -> None:
+    """Raise where the folder that a file should appear in does not exist.
+
+    Raises
+    ------
+    OutputError
+        There is no such folder.
+    """
+    if not path.parent.exists():
+        raise OutputError(f"{path} cannot be written: there is no folder {path.parent}. Create it first.")
+
+
 @contextmanager
 def appearing_file(path: Path, *, force: bool) -> Iterator[Path]:
     """Give an empty file to fill that becomes `path` when that went well, and is removed when not.

@@ -184,7 +184,7 @@ def test_folders_that_cannot_be_written(
     for words in writing:
         refused(labcal, "cannot be written: Not a directory", *words, "-o", tmp_path / "file" / "x")
     for words in writing[1:]:
-        refused(labcal, "cannot be written: No such file", *words, "-o", tmp_path / "none" / "x")
+        refused(labcal, "cannot be written: there is no folder", *words, "-o", tmp_path / "none" / "x")
     assert (tmp_path / "file").read_text() == "mine"
 
 
