@@ -28,7 +28,11 @@ from labcal.targets.grid import DotGrid, Polarity
 _DEPARTURE = (2.5, 0.001)
 _BLURRED = 0.6  # of the minor axis
 _CLIPPED = 0.06
-_MISFIT = 1.5  # of the usual noise; clean dots of the photographs reach 1.4
+_MISFIT, _RING_MISFIT = (
+    1.5,
+    2.0,
+)  # of the usual noise; clean dots of the photographs reach 1.4, and small rings,
+# whose holes shine into the fit, 1.6
 _PALE = 0.2  # of the step; what hides part of a small dot. Rings lighten with their holes, so they may
 _ALIKE = 0.5  # in the logarithm of the radius
 
@@ -130,7 +134,9 @@ def _measured(
     rough = fits.departure > _DEPARTURE[0] * usual + _DEPARTURE[1] * spots.radius
     shape = outlines.shape.copy()
     shape[list(lattice.spots.values())] = np.where(fits.ok[:, None, None], fits.shape, spots.shape)
-    rough |= (fits.misfit > _MISFIT) | ((fits.paleness > _PALE) & (holes == 0.0))
+    rough |= (fits.misfit > np.where(holes > 0.0, _RING_MISFIT, _MISFIT)) | (
+        (fits.paleness > _PALE) & (holes == 0.0)
+    )
     rough |= odd_shapes(predictor, replace(outlines, shape=shape), target)
     minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
     dots = []
