@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from labcal.cli.inputs import pictures_and_target
+from labcal.cli.inputs import pictures_and_target, say_whether_compiling
 from labcal.cli.options import add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -78,6 +78,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_existing(arguments.overlay, force=arguments.force)
     tone_curve = find_tone_curve(arguments.tone_curve)
     sources, target = pictures_and_target(arguments)
+    say_whether_compiling(session)
     with session.progress() as progress:
         measurements = measure(sources, target, arguments.workers, progress, tone_curve)
     if arguments.overlay is not None:

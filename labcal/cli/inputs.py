@@ -33,12 +33,22 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
             f"{source} {there}. Give a shoot's folder, or the table that 'labcal detect' writes of pictures."
         )
     shoot = open_shoot(Path(source))
+    say_whether_compiling(session)
     with session.progress() as progress:
         measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)
     for found in measurements:
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")
     return detections_of(measurements)
+
+
+def say_whether_compiling(session: Session) -> None:
+    """Say that the first picture waits for the compiler, where it does."""
+    from labcal.detect.compiled import is_kept
+    from labcal.detect.edge_kernel import fit_all
+
+    if not is_kept(fit_all):
+        session.say("The detector is compiled for this machine now, once: it takes about half a minute.")
 
 
 def pictures_and_target(arguments: Namespace) -> "tuple[list[Source], AnyTarget]":

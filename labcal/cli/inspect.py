@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.inputs import pictures_and_target
+from labcal.cli.inputs import pictures_and_target, say_whether_compiling
 from labcal.cli.options import add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -81,6 +81,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     refuse_homeless(arguments.output)
     sources, target = pictures_and_target(arguments)
     roles = _roles(arguments.pictures)
+    say_whether_compiling(session)
     with session.progress() as progress:
         measurements = measure(sources, target, arguments.workers, progress)
         detections = detections_of(measurements)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TypeVar, cast
 
 from numba import njit
+from numba.core.dispatcher import Dispatcher
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -43,6 +44,12 @@ def compiled(function: Function) -> Function:
         return cast("Function", _compiler(keep=True)(plain))
     except RuntimeError:  # no folder to keep it in can be written to
         return cast("Function", _compiler(keep=False)(plain))
+
+
+def is_kept(function: Callable[..., object]) -> bool:
+    """Tell whether machine code of a compiled function, of these sources, is on disk: nobody waits then."""
+    folder = Path(cast("Dispatcher", function).stats.cache_path or "")
+    return any(folder.glob(f"*{function.__name__}-{_SOURCES}-*.nbc"))
 
 
 def _compiler(*, keep: bool) -> Callable[[Callable[..., object]], object]:

@@ -2,8 +2,13 @@
 
 from pathlib import Path
 
-from labcal.detect.compiled import _SOURCES, _digest_of
+import numpy as np
+import pytest
+
+from labcal.detect import compiled
+from labcal.detect.compiled import _SOURCES, _digest_of, is_kept
 from labcal.detect.edge_kernel import fit_all
+from labcal.detect.grid_kernel import miss
 
 
 def test_the_digest_sees_every_source(tmp_path: Path) -> None:
@@ -17,3 +22,10 @@ def test_the_digest_sees_every_source(tmp_path: Path) -> None:
 
 def test_machine_code_is_kept_under_the_digest() -> None:
     assert fit_all.__qualname__ == f"fit_all-{_SOURCES}"  # Numba makes the files' names from it
+
+
+def test_code_is_kept_once_it_was_used_and_not_that_of_other_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    miss(np.array([0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), 0.5, 0.5)
+    assert is_kept(miss)
+    monkeypatch.setattr(compiled, "_SOURCES", "0123456789ab")
+    assert not is_kept(miss)
