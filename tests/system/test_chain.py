@@ -68,8 +68,9 @@ def test_detect_tells_of_each_picture(labcal: Run, stage: Path, stage_dots: Path
     assert set(told.document) == {"images", "indexed", "refused"}
     assert (told.document["indexed"], told.document["refused"]) == (4, 0)
     for image in told.document["images"]:
-        assert set(image) == {"image", "status", "reason", "dots", "expected", "numberings"}
+        assert set(image) == {"image", "status", "reason", "dots", "expected", "numberings", "flags"}
         assert image["numberings"] == 1  # its rings say which way up it is
+        assert image["flags"] == {}
         assert (image["status"], image["reason"], image["dots"], image["expected"]) == ("ok", None, 130, 130)
         assert image["image"].startswith(str(stage / "images"))
     assert again.read_bytes() == stage_dots.read_bytes()  # also with two workers
