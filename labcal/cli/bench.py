@@ -18,9 +18,9 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "what",
-        choices=("render", "detect"),
+        choices=("render", "detect", "solve"),
         help="render: the rendered laboratory's own error and cost; detect: how well dots are found and "
-        "measured",
+        "measured; solve: how near methods come to the physical limit, and how fast",
     )
     parser.add_argument(
         "--quick", action="store_true", help="fewer pictures; some ten minutes in place of an hour"
@@ -28,7 +28,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--only",
         metavar="GROUP,...",
-        help="of detect only some groups of checks: suite, accuracy, real, bias, speed, hostile",
+        help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile; "
+        "of solve: limits, training, adjustment, real, mrcal",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
@@ -40,15 +41,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.experiments.bench_detect.bench import bench_detect
     from labcal.experiments.bench_render.bench import bench_render
     from labcal.experiments.bench_settings import BenchSettings
+    from labcal.experiments.bench_solve.bench import bench_solve
     from labcal.report.bench import bench_table
 
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
-    if groups and arguments.what != "detect":
-        raise InputError(
-            f"--only names groups of checks of 'bench detect'; 'bench {arguments.what}' has none."
-        )
+    if groups and arguments.what == "render":
+        raise InputError("--only names groups of checks, of which 'bench render' has none.")
     settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups)
-    measure = {"render": bench_render, "detect": bench_detect}[arguments.what]
+    measure = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}[arguments.what]
     with session.progress() as progress:
         result = measure(arguments.output, settings, progress)
     session.emit(result, bench_table(result))

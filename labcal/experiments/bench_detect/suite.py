@@ -8,7 +8,7 @@ import numpy as np
 
 from labcal.detect.detector import detect_dots
 from labcal.experiments.bench_detect.design import PictureDesign, designs
-from labcal.experiments.bench_detect.findings import Bench, Findings
+from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_detect.judge import judged
 from labcal.experiments.bench_detect.opencv_grid import MODES, finds_grid
 from labcal.experiments.bench_detect.outcome import Outcome, outcome_table, suite_checks, suite_figures

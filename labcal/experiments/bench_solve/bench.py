@@ -1,0 +1,30 @@
+"""``labcal bench solve``: all checks of the solvers."""
+
+from pathlib import Path
+
+from labcal.experiments.bench_groups import Groups, measured_groups
+from labcal.experiments.bench_settings import BenchSettings
+from labcal.report.bench import BenchResult
+from labcal.run.progress import Progress
+
+GROUPS: Groups = {}
+
+
+def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> BenchResult:
+    """Measure every check and write ``results.json``.
+
+    Parameters
+    ----------
+    folder : Path
+        It appears when all is measured.
+    settings : BenchSettings
+    progress : Progress
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such group of checks.
+    OutputError
+        The folder exists already.
+    """
+    return measured_groups("solve", GROUPS, folder, settings, progress)
