@@ -7,9 +7,9 @@ from scipy.stats import chi2, norm
 
 from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.detector import detect_dots
-from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_detect.lit_board import LitBoard, lit_board
 from labcal.experiments.bench_detect.plain_centres import blob_centres, contour_centres
+from labcal.experiments.bench_groups import Bench, Findings
 from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_detect.hostile_encoding import TARGET, dots_picture
 from labcal.experiments.bench_detect.hostile_files import hostile_file
 from labcal.experiments.bench_detect.watched import Limits, Watched, WatchedProcess
+from labcal.experiments.bench_groups import Bench, Findings
 from labcal.report.bench import Figure, at_most
 from labcal.run.machine import usable_cores
 from labcal.run.outputs import write_file

@@ -8,8 +8,8 @@ from pathlib import Path
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
-from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_detect.freed import photo_checks, rendered_checks
+from labcal.experiments.bench_groups import Bench, Findings
 from labcal.report.bench import Check, at_most
 from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget, load_target

@@ -10,8 +10,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.lens import LENGTH
 from labcal.detect.detector import detect_dots
-from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_detect.opencv_grid import MODES, blob_detector
+from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.held_board import tilted_pose
 from labcal.report.bench import Figure, at_most
 from labcal.rng import generator

@@ -8,13 +8,13 @@ import numpy as np
 
 from labcal.detect.detector import detect_dots
 from labcal.experiments.bench_detect.design import PictureDesign, designs
-from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_detect.judge import judged
 from labcal.experiments.bench_detect.opencv_grid import MODES, finds_grid
 from labcal.experiments.bench_detect.outcome import Outcome, outcome_table, suite_checks, suite_figures
 from labcal.experiments.bench_detect.sight import Sight, sight
 from labcal.experiments.bench_detect.staging import Staged, staged
 from labcal.experiments.bench_detect.taking import blur_px, taken
+from labcal.experiments.bench_groups import Bench, Findings
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
