@@ -38,6 +38,15 @@ class Projection:
 
 
 @dataclass(frozen=True)
+class Imaged:
+    """Where points are imaged, and how that changes with the points."""
+
+    q: Pixels
+    by_point: PointJacobians
+    """(..., 2, 3), px/mm."""
+
+
+@dataclass(frozen=True)
 class Camera:
     """A camera with a lens model, at its place in the world.
 
@@ -189,16 +198,32 @@ class Camera:
         ok = np.asarray(found.ok)
         return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
-    def point_jacobian(self, p: Points) -> PointJacobians:
-        """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
+    def imaged(self, p: Points) -> Imaged:
+        """Return where world points are imaged and how that changes with them.
+
+        Parameters
+        ----------
+        p : ndarray, shape (..., 3)
+            World points, mm.
+
+        Returns
+        -------
+        Imaged
+            NaN for what the camera cannot image.
+        """
         X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
-        numbers = constants(self.numbers, 3)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x, y, z = variables(X, Y, Z)
-            found = self.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
+            found = self.optics.project(DualMathematics(NUMPY), constants(self.numbers, 3), (x, y, z))
+        ok = np.asarray(found.ok)[..., None]
         local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
-        jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
-        return jacobian
+        q = np.stack(np.broadcast_arrays(found.u.value, found.v.value), axis=-1)
+        by_point = local @ self.T_cam_world[:3, :3]
+        return Imaged(np.where(ok, q, np.nan), np.where(ok[..., None], by_point, np.nan))
+
+    def point_jacobian(self, p: Points) -> PointJacobians:
+        """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
+        return self.imaged(p).by_point
 
     def intrinsic_jacobian(self, p: Points) -> np.ndarray:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""

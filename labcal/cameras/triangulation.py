@@ -2,17 +2,26 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pixels, PointCovariances, Points
-from labcal.cameras.camera import Camera
+from labcal.cameras.camera import Camera, Imaged
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.rays import closest_points
 
 STEPS = 10
 """Gauss-Newton steps; from the rays' meeting point three are enough."""
+
+
+@runtime_checkable  # so that tests can check annotations
+class Imager(Protocol):
+    """What images points: a camera, or one with corrections that were learned."""
+
+    def imaged(self, p: Points) -> Imaged:
+        """Return where world points, mm, are imaged, and how that changes."""
 
 
 @dataclass(frozen=True)
@@ -48,15 +57,39 @@ def triangulate(
     Gauss-Newton on the reprojection error from the point nearest to all rays; with normal pixel noise this is
     the maximum-likelihood point, and the inverse normal matrix its covariance.
     """
+    return refined(cameras, nearest_points(cameras, q), q, covariance)
+
+
+def nearest_points(cameras: Sequence[Camera], q: Float64[np.ndarray, "n cameras 2"]) -> Points:
+    """Return the points nearest to the rays of pixels, mm, as mere geometry; NaN where there is none."""
     rays = [camera.rays(q[:, i]) for i, camera in enumerate(cameras)]
-    p = closest_points(
-        np.stack([ray.origin for ray in rays], axis=1), np.stack([ray.direction for ray in rays], axis=1)
-    )
+    origins = np.stack([ray.origin for ray in rays], axis=1)
+    return closest_points(origins, np.stack([ray.direction for ray in rays], axis=1))
+
+
+def refined(
+    imagers: Sequence[Imager],
+    start: Points,
+    q: Float64[np.ndarray, "n cameras 2"],
+    covariance: Float64[np.ndarray, "n cameras 2 2"],
+) -> TriangulatedPoints:
+    """Return the points of :func:`triangulate` for anything that images points, from a start.
+
+    Parameters
+    ----------
+    imagers : sequence of Imager
+        At least two, in the order of `q`.
+    start : ndarray, shape (n, 3)
+        Millimetres; NaN for points without one.
+    q, covariance
+        As of :func:`triangulate`.
+    """
+    p = start.copy()
     known = positive_definite(covariance).all(axis=1) & np.isfinite(p).all(axis=1)
     weight = np.linalg.inv(np.where(known[:, None, None, None], covariance, np.eye(2)))
     cov = np.full((len(q), 3, 3), np.nan)
     for _ in range(STEPS):
-        normal, gradient = _normal_equations(cameras, p, q, weight)
+        normal, gradient = _normal_equations(imagers, p, q, weight)
         known = known & np.isfinite(gradient).all(axis=1) & np.isfinite(normal).all(axis=(1, 2))
         known[known] = np.linalg.cond(normal[known]) < 1e14  # noqa: PLR2004 -- float64 resolves no more
         cov[known] = np.linalg.inv(normal[known])
@@ -67,15 +100,15 @@ def triangulate(
 
 
 def _normal_equations(
-    cameras: Sequence[Camera], p: np.ndarray, q: np.ndarray, weight: np.ndarray
+    imagers: Sequence[Imager], p: np.ndarray, q: np.ndarray, weight: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     normal = np.zeros((len(p), 3, 3))
     gradient = np.zeros((len(p), 3))
-    for i, camera in enumerate(cameras):
-        J = camera.point_jacobian(p)
-        residual = camera.project(p).q - q[:, i]
-        WJ = weight[:, i] @ J
-        normal += np.einsum("nki,nkj->nij", J, WJ)
+    for i, imager in enumerate(imagers):
+        found = imager.imaged(p)
+        residual = found.q - q[:, i]
+        WJ = weight[:, i] @ found.by_point
+        normal += np.einsum("nki,nkj->nij", found.by_point, WJ)
         gradient += np.einsum("nki,nk->ni", WJ, residual)
     return normal, gradient
 

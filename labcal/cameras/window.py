@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.cameras.field import Direction, SceneRay
-from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.mathematics import NUMPY, Mathematics, Number
 
 Index = Annotated[float, Field(ge=1.0, le=4.0)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -42,10 +42,15 @@ class FlatWindow(BaseModel):
     @property
     def numbers(self) -> tuple[float, ...]:
         """The normal (away from the camera), distance, thickness, and both indices."""
-        a, b = np.radians(self.tilt_x_deg), np.radians(self.tilt_y_deg)
-        normal = (np.sin(b) * np.cos(a), -np.sin(a), np.cos(b) * np.cos(a))
-        rest = (self.distance_mm, self.thickness_mm, self.glass_index, self.behind_index)
-        return (*(float(n) for n in normal), *rest)
+        place = (np.radians(self.tilt_x_deg), np.radians(self.tilt_y_deg), self.distance_mm)
+        return tuple(float(number) for number in self.formula(NUMPY, place))
+
+    def formula(self, m: Mathematics, place: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return :attr:`numbers` of the same pane at a place: both tilts (rad) and the distance (mm)."""
+        a, b, distance = place
+        normal = (m.sin(b) * m.cos(a), -m.sin(a), m.cos(b) * m.cos(a))
+        rest = (self.thickness_mm, self.glass_index, self.behind_index)
+        return (*normal, distance, *(0.0 * distance + number for number in rest))
 
 
 class Wave(BaseModel):

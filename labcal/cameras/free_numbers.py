@@ -1,0 +1,131 @@
+"""The numbers of a camera that a calibration may find: intrinsics, lens coefficients, a window's place."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Mask, Pixels, PointJacobians, Points
+from labcal.cameras.camera import Camera, slopes_of
+from labcal.cameras.dual import Dual, DualMathematics, constants, variables
+from labcal.cameras.lens import LENGTH
+from labcal.cameras.mathematics import NUMPY
+from labcal.cameras.optics import INTRINSICS
+from labcal.cameras.window import FlatWindow
+
+POINT = 3
+PLACE = 3
+"""Both tilts (rad) and the distance (mm) of a flat window."""
+
+
+@dataclass(frozen=True)
+class ImagedPoints:
+    """Where n points of the camera's frame are imaged, and how that changes."""
+
+    q: Pixels
+    """(n, 2), px."""
+    ok: Mask
+    """(n,), whether the camera images the point."""
+    by_point: PointJacobians
+    """(n, 2, 3), by the point in the camera's frame, px/mm."""
+    by_number: Float64[np.ndarray, "n 2 free"]
+    """By the camera's free numbers."""
+
+
+@dataclass(frozen=True)
+class FreeNumbers:
+    """Which numbers of a camera are free.
+
+    Of a lens formula fx fy cx cy and all coefficients; of a prescription, whose glass is known, f cx cy. Of a
+    flat window its place: both tilts and the distance. A wavy pane is known or not there.
+    """
+
+    camera: Camera
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.values)
+
+    @property
+    def coefficients(self) -> slice:
+        """Where the lens's coefficients stand."""
+        if self._prescribed:
+            return slice(INTRINSICS - 1, INTRINSICS - 1)
+        return slice(INTRINSICS, INTRINSICS + self.camera.model.coefficients)
+
+    @property
+    def values(self) -> Float64[np.ndarray, " free"]:
+        """The numbers: intrinsics (px), coefficients, window."""
+        camera = self.camera
+        intrinsics = camera.intrinsics[1:] if self._prescribed else camera.intrinsics
+        window = camera.window
+        place = (
+            (np.radians(window.tilt_x_deg), np.radians(window.tilt_y_deg), window.distance_mm)
+            if isinstance(window, FlatWindow)
+            else ()
+        )
+        return np.array([*intrinsics, *camera.padded_dist[: camera.model.coefficients], *place])
+
+    def moved(self, step: Float64[np.ndarray, " free"]) -> Camera:
+        """Return the camera with the step added to its numbers.
+
+        Raises
+        ------
+        InputError
+            There is no such camera.
+        ValueError
+            There is no such window (pydantic's).
+        """
+        values, camera = self.values + step, self.camera
+        first = values[0]
+        fx, fy, cx, cy = (first, *values[:3]) if self._prescribed else values[:INTRINSICS]
+        dist = camera.dist
+        if not self._prescribed:
+            dist = np.zeros(max(LENGTH, len(camera.dist)))
+            dist[: camera.model.coefficients] = values[self.coefficients]
+        window = camera.window
+        if isinstance(window, FlatWindow):
+            a, b, distance = values[-PLACE:]
+            window = FlatWindow(
+                distance_mm=float(distance),
+                tilt_x_deg=float(np.degrees(a)),
+                tilt_y_deg=float(np.degrees(b)),
+                thickness_mm=window.thickness_mm,
+                glass_index=window.glass_index,
+                behind_index=window.behind_index,
+            )
+        K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+        return replace(camera, K=K, dist=dist, window=window)
+
+    def imaged(self, p_cam: Points) -> ImagedPoints:
+        """Return images of points of the camera's frame, with all derivatives, by dual numbers.
+
+        Parameters
+        ----------
+        p_cam : ndarray, shape (n, 3)
+            Millimetres.
+        """
+        camera, m = self.camera, DualMathematics(NUMPY)
+        varied = variables(*np.moveaxis(p_cam, -1, 0), *self.values)
+        p, free = varied[:POINT], varied[POINT:]
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            found = camera.optics.project(m, self._dual_numbers(m, free), (p[0], p[1], p[2]))
+        J = slopes_of(found.u.slopes, found.v.slopes, p_cam.shape[:-1])
+        q = np.stack(np.broadcast_arrays(found.u.value, found.v.value), axis=-1)
+        return ImagedPoints(q, np.asarray(found.ok), J[..., :POINT], J[..., POINT:])
+
+    def _dual_numbers(self, m: DualMathematics, free: tuple[Dual, ...]) -> tuple[Dual, ...]:
+        """Return ``Camera.numbers`` with the free ones varying."""
+        camera, directions = self.camera, POINT + self.count
+        intrinsics = (free[0], *free[:3]) if self._prescribed else free[:INTRINSICS]
+        lens = constants(camera.padded_dist[camera.model.coefficients :], directions)
+        numbers = camera.dual_numbers(m, intrinsics, (*free[self.coefficients], *lens))
+        if not isinstance(camera.window, FlatWindow):
+            return numbers
+        pane = camera.window.formula(m, free[-PLACE:])
+        return (*numbers[:INTRINSICS], *pane, *numbers[INTRINSICS + len(pane) :])
+
+    @property
+    def _prescribed(self) -> bool:
+        return self.camera.prescription is not None

@@ -1,0 +1,107 @@
+"""Learning a camera and a field together."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.arrays import Pixels, Points
+from labcal.solve.blas_threads import one_blas_thread
+from labcal.solve.field.evidence import FieldScale, field_scale
+from labcal.solve.field.learned_camera import Asked, LearnedCamera, LearnedField
+from labcal.solve.field.pixel_field import PixelField
+from labcal.solve.field.places import Places
+from labcal.solve.resection.resected import ResectedCamera, adjusted
+from labcal.solve.resection.whitening import Correlated
+
+ROUNDS = 3
+"""After these, neither the field's scale nor the camera moves by more than a few percent of their sd."""
+
+
+@one_blas_thread()
+def learned_camera(start: ResectedCamera, q: Pixels, p: Points) -> LearnedCamera:
+    """Return a camera with the field that its residuals call for, or without where they call for none.
+
+    Parameters
+    ----------
+    start : ResectedCamera
+        Found with independent errors.
+    q, p : ndarray, shapes (n, 2) and (n, 3)
+        Pixels, and the world points (mm) that they see.
+
+    Notes
+    -----
+    In rounds: the field's scale by restricted likelihood, then the camera once more by generalised least
+    squares with the field as correlated noise, since otherwise its pose absorbs the field. Some displacements
+    are a smoother function of where light arrives than of where it would have arrived: both are tried, and
+    the likelier one is taken.
+    """
+    ideal = _learned(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
+    if ideal is None:
+        return LearnedCamera(start.placed, start.covariance, start.sigma_px)
+    arrived = _learned(_Stage(ideal.found, ideal.scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
+    best = ideal if arrived is None or arrived.likelihood < ideal.likelihood else arrived
+    return best.camera
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """Where rounds begin: a camera, perhaps the field's scale, and the pixels where the field is asked."""
+
+    found: ResectedCamera
+    scale: FieldScale | None
+    at: Pixels
+
+
+@dataclass(frozen=True)
+class _Learned:
+    """The end of some rounds."""
+
+    found: ResectedCamera
+    scale: FieldScale
+    learned: LearnedField
+
+    @property
+    def camera(self) -> LearnedCamera:
+        """The camera with its field."""
+        return LearnedCamera(self.found.placed, self.found.covariance, self.scale.noise_px, self.learned)
+
+    @property
+    def likelihood(self) -> float:
+        """The logarithm of how much likelier pixels are with the field than without.
+
+        A field that is asked where light arrives gives the density of measured minus explained pixels; that
+        of the pixels takes the determinant of how the former change with the latter.
+        """
+        if self.learned.asked is Asked.IDEAL:
+            return self.scale.gain
+        field = self.learned.field
+        turn = np.eye(2) - field.slopes(field.x)[:, :, :2] / self.learned.places.width_px
+        with np.errstate(divide="ignore"):
+            return self.scale.gain + float(np.log(np.maximum(np.linalg.det(turn), 0.0)).sum())
+
+    def arrived(self, q: Pixels) -> Pixels:
+        """Return where the light of trained points arrives, by lens and field."""
+        return np.asarray(q + self.found.residual + self.learned.field.smoothed())
+
+
+def _learned(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> _Learned | None:
+    """Return camera and field after some rounds, or None where no field is called for."""
+    found, scale, at = stage.found, stage.scale, stage.at
+    for _ in range(ROUNDS):
+        camera = found.camera
+        x = Places.of(camera, p).inputs(camera, at, p)
+        scale = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
+        if scale.amplitude_px == 0.0:
+            return None
+        found = adjusted(found.placed, q, p, Correlated(scale.root(x)))
+        if not np.isfinite(found.residual).all():
+            return None
+        if asked is Asked.IDEAL:
+            at = found.camera.project(p).q
+        camera = found.camera
+        places = Places.of(camera, p)
+        field = PixelField(scale, places.inputs(camera, at, p), -found.residual)
+        end = _Learned(found, scale, LearnedField(field, places, asked, np.array(p)))
+        if asked is Asked.ARRIVED:
+            at = end.arrived(q)
+    return end

@@ -1,0 +1,1 @@
+"""Resection: a camera from points in space that it saw, whatever its lens."""

@@ -1,0 +1,117 @@
+"""A camera found from points in space, and how sure it is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import PixelCovariances, Pixels, Points
+from labcal.cameras.camera import Camera
+from labcal.errors import InputError
+from labcal.optim.damping import Damping
+from labcal.optim.levenberg_marquardt import minimize
+from labcal.optim.solution import Stopping
+from labcal.solve.blas_threads import one_blas_thread
+from labcal.solve.geometry_checks import refuse_collinear, refuse_few, refuse_one_plane
+from labcal.solve.resection.placed import PlacedCamera
+from labcal.solve.resection.problem import ResectionProblem, lens_prior
+from labcal.solve.resection.start import resection_starts
+from labcal.solve.resection.whitening import Even, Whitening
+
+_STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
+_DAMPING = Damping(ceiling=1e8)
+_MOST_OFF = 0.05
+"""RMS residual, as a share of the picture's width, from which on it is not the camera of these points."""
+
+
+@dataclass(frozen=True)
+class ResectedCamera:
+    """The end of a resection.
+
+    Attributes
+    ----------
+    placed : PlacedCamera
+    covariance : float64 array, (free, free)
+        Of pose and free numbers.
+    residual : float64 array, (n, 2)
+        Predicted minus measured, px.
+    sigma_px : float
+        What residuals scatter along each axis, by as many degrees of freedom as are left.
+    """
+
+    placed: PlacedCamera
+    covariance: Float64[np.ndarray, "free free"]
+    residual: Float64[np.ndarray, "n 2"]
+    sigma_px: float
+
+    @property
+    def camera(self) -> Camera:
+        """The camera."""
+        return self.placed.camera
+
+    def pixel_covariance(self, p: Points) -> PixelCovariances:
+        """Return how sure the images of world points (mm) are, by what was learned alone, px squared."""
+        J = self.placed.seen(p).by_camera
+        return np.asarray(J @ self.covariance @ J.transpose(0, 2, 1))
+
+
+@one_blas_thread()
+def resect(method: str, q: Pixels, p: Points, kind: Camera) -> ResectedCamera:
+    """Return the camera that images points nearest to pixels.
+
+    Parameters
+    ----------
+    method : str
+        For messages.
+    q : ndarray, shape (n, 2)
+        Pixels.
+    p : ndarray, shape (n, 3)
+        World points, mm, not all on one plane.
+    kind : Camera
+        Size, lens, prescription and window; of a flat window the place is a start, of the rest the numbers
+        do not matter.
+
+    Raises
+    ------
+    InputError
+        Too few points, all on a plane, or no such camera images them anywhere near the pixels.
+    """
+    unknowns = PlacedCamera(kind, np.zeros(3)).count
+    refuse_few(method, len(p), unknowns // 2 + 1)
+    refuse_collinear(method, p)
+    refuse_one_plane(method, p)
+    middle = p.mean(axis=0)
+    ends = []
+    for start in resection_starts(q, p, kind):
+        ends.append(adjusted(PlacedCamera(start, middle), q, p, Even(1.0)))
+    best = min(ends, key=lambda end: float((end.residual**2).sum()))
+    rms = float(np.sqrt((best.residual**2).sum(axis=1).mean()))
+    if not rms <= _MOST_OFF * kind.size[0]:
+        raise InputError(
+            f"{method}: no camera with the lens '{kind.lens}' explains the dots; the best is off by "
+            f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."
+        )
+    return adjusted(best.placed, q, p, Even(max(best.sigma_px, 1e-6)))
+
+
+def adjusted(start: PlacedCamera, q: Pixels, p: Points, whitening: Whitening) -> ResectedCamera:
+    """Return the camera nearest to pixels, from a start that images all points.
+
+    Parameters
+    ----------
+    start : PlacedCamera
+    q, p : ndarray, shapes (n, 2) and (n, 3)
+        Pixels, and world points in mm.
+    whitening : Whitening
+        The covariance is right if this is.
+    """
+    problem = ResectionProblem(q, p, whitening, lens_prior(start, start.seen(p)))
+    placed = minimize(problem, start, _STOPPING, _DAMPING).parameters
+    residual = placed.camera.project(p).q - q
+    freedom = max(1, residual.size - placed.count)
+    return ResectedCamera(
+        placed,
+        problem.linearize(placed).covariance,
+        residual,
+        float(np.sqrt((residual**2).sum() / freedom)),
+    )
