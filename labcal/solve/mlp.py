@@ -8,13 +8,14 @@ from jaxtyping import Float64
 
 from labcal.errors import InputError
 from labcal.optim.damping import Damping
-from labcal.optim.levenberg_marquardt import minimize
+from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
 from labcal.optim.solution import Stopping
 from labcal.optim.threads import one_thread
 from labcal.rng import generator
+from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.estimator import FittedArray, PointEstimator
 from labcal.solve.scaling import RangeScaling
 
@@ -86,8 +87,8 @@ class Mlp(PointEstimator):
         problem = NetworkProblem(
             network, torch.from_numpy(inputs.scaled(pixels)), torch.from_numpy(outputs.scaled(points))
         )
-        with one_thread():
-            solution = minimize(problem, start, Stopping(self.goal, self.max_epochs), Damping())
+        with one_thread(), one_blas_thread():
+            (solution,) = minimize_batch(problem, [start], Stopping(self.goal, self.max_epochs), Damping())
         self.parameters_ = solution.parameters.numpy()
         self.input_centre_, self.input_half_range_ = inputs.centre, inputs.half_range
         self.output_centre_, self.output_half_range_ = outputs.centre, outputs.half_range
