@@ -52,8 +52,20 @@ class Descent(Generic[Parameters]):
         """The number of accepted steps."""
         return len(self._costs) - 1
 
+    def restate(self, cost: float) -> None:
+        """Take another cost for the present parameters, where what they cost has changed."""
+        self.cost = self._costs[-1] = cost
+        if not math.isfinite(cost):
+            self.reason = StopReason.NOT_FINITE
+
+    def stop(self, reason: StopReason) -> None:
+        """Stop where it is."""
+        self.reason = reason
+
     def begin_step(self, gradient_norm: float) -> None:
-        """Set out from a linearisation at the present parameters, unless its gradient vanishes."""
+        """Set out from a linearisation at the present parameters, unless it has stopped or need not."""
+        if self.reason is not None:
+            return
         if gradient_norm <= self.stopping.min_gradient:
             self.reason = StopReason.GRADIENT
         else:

@@ -50,12 +50,24 @@ class NormalEquations:
         """Return the parameters of some runs after the damped step, None where a pivot is not positive."""
         return [self._step(place, mu) for place, mu in zip(places, mus, strict=True)]
 
-    def _step(self, place: int, mu: float) -> Weights | None:
+    def diagonal(self, place: int) -> Float64[np.ndarray, " p"]:
+        """Return the diagonal of one matrix, to be changed in place."""
+        return np.asarray(self.matrices[place].reshape(-1)[:: self.matrices.shape[1] + 1])
+
+    def factor(self, place: int, mu: float) -> Float64[np.ndarray, "p p"] | None:
+        """Return the upper Cholesky factor R with R'R = J'J + mu I, or None; the next call overwrites it.
+
+        Its lower triangle is left in any state.
+        """
         np.copyto(self.scratch, self.matrices[place])
-        self.scratch.ravel()[:: len(self.scratch) + 1] += mu
+        self.scratch.reshape(-1)[:: len(self.scratch) + 1] += mu
         # The lower triangle by rows is the upper one by columns, as LAPACK reads it: nothing is copied.
         factor, failed = dpotrf(self.scratch.T, lower=0, clean=0, overwrite_a=1)
-        if failed:
+        return None if failed else factor
+
+    def _step(self, place: int, mu: float) -> Weights | None:
+        factor = self.factor(place, mu)
+        if factor is None:
             return None
         step, _ = dpotrs(factor, self.gradients[place], lower=0)
         return self.parameters[place] - torch.from_numpy(step)
