@@ -31,6 +31,7 @@ _GRIDS: dict[tuple[Data, int], tuple[int, ...]] = {
     (Data.VOLUME, 100): (5, 5, 4),
     (Data.VOLUME, 200): (10, 5, 4),
     (Data.VOLUME, 300): (10, 10, 3),
+    (Data.VOLUME, 520): (13, 10, 4),
 }
 """Points along X, Y and Z of each regular grid (for row 06: of each of the two camera models)."""
 

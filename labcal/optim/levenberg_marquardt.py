@@ -1,12 +1,13 @@
 """The Levenberg-Marquardt loop, for any problem that can be linearised and solved with damping."""
 
-import math
-
-import numpy as np
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic
 
 from labcal.optim.damping import Damping
-from labcal.optim.problem import Linearization, Parameters, Problem
-from labcal.optim.solution import History, Solution, Stopping, StopReason
+from labcal.optim.descent import Descent
+from labcal.optim.problem import Batch, BatchLinearization, Linearization, Parameters, Problem
+from labcal.optim.solution import Solution, Stopping
 
 
 def minimize(
@@ -37,52 +38,108 @@ def minimize(
     Solution
         Not reaching the goal is a result: see its `reason`. The parameters are never worse than `start`.
     """
-    parameters, cost, mu = start, problem.cost(start), damping.start
-    costs, dampings = [cost], [mu]
-    while True:
-        reason = _reason_to_stop(cost, len(costs) - 1, stopping)
-        if reason is not None:
-            break
-        linearization = problem.linearize(parameters)
-        if linearization.gradient_norm <= stopping.min_gradient:
-            reason = StopReason.GRADIENT
-            break
-        accepted, mu = _accepted_step(problem, linearization, cost, mu, damping)
-        if accepted is None:
-            reason = StopReason.CEILING
-            break
-        parameters, cost = accepted
-        mu = damping.after_success(mu)
-        costs.append(cost)
-        dampings.append(mu)
-    history = History(np.array(costs), np.array(dampings))
-    return Solution(parameters, cost, reason, len(costs) - 1, mu, history)
+    return minimize_batch(_Alone(problem), [start], stopping, damping)[0]
 
 
-def _reason_to_stop(cost: float, epochs: int, stopping: Stopping) -> StopReason | None:
-    """Return why no further step is needed or possible, or None."""
-    if not math.isfinite(cost):
-        return StopReason.NOT_FINITE
-    if cost <= stopping.goal:
-        return StopReason.GOAL
-    if epochs >= stopping.max_epochs:
-        return StopReason.EPOCHS
-    return None
-
-
-def _accepted_step(
-    problem: Problem[Parameters],
-    linearization: Linearization[Parameters],
-    cost: float,
-    mu: float,
+def minimize_batch(
+    batch: Batch[Parameters],
+    starts: Sequence[Parameters],
+    stopping: Stopping,
     damping: Damping,
-) -> tuple[tuple[Parameters, float] | None, float]:
-    """Return the first step that lowers the cost, or None at the ceiling, and the damping it came to."""
-    while mu <= damping.ceiling:
-        candidate = linearization.stepped(mu)
-        if candidate is not None:
-            candidate_cost = problem.cost(candidate)
-            if candidate_cost < cost:  # False for NaN too
-                return (candidate, candidate_cost), mu
-        mu = damping.after_failure(mu)
-    return None, mu
+) -> list[Solution[Parameters]]:
+    """Lower the costs of several runs at once, each ending where it would alone.
+
+    All that are still running take their epochs together. See :func:`minimize`.
+
+    Parameters
+    ----------
+    batch : Batch
+        What the runs have in common.
+    starts : sequence of Parameters
+        One a run.
+    stopping : Stopping
+        For every run.
+    damping : Damping
+        For every run; each has a damping of its own.
+
+    Returns
+    -------
+    list of Solution
+        One a run.
+    """
+    runs = begun(batch, starts, stopping, damping)
+    while members := [number for number, run in enumerate(runs) if run.reason is None]:
+        parameters = [runs[number].parameters for number in members]
+        take_epoch(batch, batch.linearize(members, parameters), runs, members)
+    return [run.solution() for run in runs]
+
+
+def begun(
+    batch: Batch[Parameters], starts: Sequence[Parameters], stopping: Stopping, damping: Damping
+) -> list[Descent[Parameters]]:
+    """Return the runs of a batch at their starts."""
+    costs = batch.costs(range(len(starts)), starts)
+    return [Descent(start, cost, stopping, damping) for start, cost in zip(starts, costs, strict=True)]
+
+
+def take_epoch(
+    batch: Batch[Parameters],
+    linearization: BatchLinearization[Parameters],
+    runs: Sequence[Descent[Parameters]],
+    members: Sequence[int],
+) -> None:
+    """Take each member to its next accepted step, or to a reason to stop.
+
+    Parameters
+    ----------
+    batch : Batch
+        Tells the costs of candidates.
+    linearization : BatchLinearization
+        Of these members, in their order.
+    runs : sequence of Descent
+        All runs of the batch.
+    members : sequence of int
+        The numbers of those that take part.
+    """
+    for number, norm in zip(members, linearization.gradient_norms, strict=True):
+        runs[number].begin_step(norm)
+    while places := [place for place, number in enumerate(members) if runs[number].is_stepping]:
+        tried = [members[place] for place in places]
+        steps = linearization.stepped(places, [runs[number].mu for number in tried])
+        solved = [(number, step) for number, step in zip(tried, steps, strict=True) if step is not None]
+        numbers, candidates = [number for number, _ in solved], [step for _, step in solved]
+        costs = batch.costs(numbers, candidates) if solved else []
+        for number, candidate, cost in zip(numbers, candidates, costs, strict=True):
+            runs[number].consider(candidate, cost)
+        for number in tried:
+            if runs[number].is_stepping:
+                runs[number].damp()
+
+
+@dataclass(frozen=True)
+class _AloneLinearization(Generic[Parameters]):
+    linearization: Linearization[Parameters]
+
+    @property
+    def gradient_norms(self) -> list[float]:
+        return [self.linearization.gradient_norm]
+
+    def stepped(self, places: Sequence[int], mus: Sequence[float]) -> list[Parameters | None]:  # noqa: ARG002 - there is one
+        return [self.linearization.stepped(mu) for mu in mus]
+
+
+@dataclass(frozen=True)
+class _Alone(Generic[Parameters]):
+    """A problem as a batch of one run."""
+
+    problem: Problem[Parameters]
+
+    def costs(self, members: Sequence[int], parameters: Sequence[Parameters]) -> list[float]:  # noqa: ARG002 - there is one
+        return [self.problem.cost(one) for one in parameters]
+
+    def linearize(
+        self,
+        members: Sequence[int],  # noqa: ARG002 - there is one
+        parameters: Sequence[Parameters],
+    ) -> _AloneLinearization[Parameters]:
+        return _AloneLinearization(self.problem.linearize(parameters[0]))

@@ -85,6 +85,17 @@ class Network:
             backward = sensitivity @ layers[index][:, :-1]
         return found[::-1]
 
+    def input_jacobian(
+        self, parameters: Float64[torch.Tensor, " parameters"], inputs: Float64[torch.Tensor, "n _"]
+    ) -> Float64[torch.Tensor, "n outputs inputs"]:
+        """Return the derivatives of all outputs by all inputs."""
+        entering, _ = self.forward(parameters, inputs)
+        first = self.layers(parameters)[0][:, :-1]
+        sensitivities = self.sensitivities(parameters, entering)
+        if not sensitivities:
+            return first.expand(len(inputs), *first.shape)
+        return sensitivities[0] @ first
+
     def jacobian(
         self, parameters: Float64[torch.Tensor, " parameters"], inputs: Float64[torch.Tensor, "n _"]
     ) -> Float64[torch.Tensor, "n outputs parameters"]:

@@ -1,5 +1,6 @@
 """What the Levenberg-Marquardt loop asks of a least-squares problem."""
 
+from collections.abc import Sequence
 from typing import Protocol, TypeVar, runtime_checkable
 
 Parameters = TypeVar("Parameters")
@@ -34,3 +35,31 @@ class Problem(Protocol[Parameters]):
 
     def linearize(self, parameters: Parameters) -> Linearization[Parameters]:
         """Return residuals and Jacobian at `parameters`."""
+
+
+@runtime_checkable
+class BatchLinearization(Protocol[Produced_co]):
+    """The linearisations of several runs, each at a point of its own."""
+
+    @property
+    def gradient_norms(self) -> Sequence[float]:
+        """Return the largest absolute component of each run's J'r."""
+
+    def stepped(self, places: Sequence[int], mus: Sequence[float]) -> Sequence[Produced_co | None]:
+        """Return the parameters after a damped step of some runs, named by their places in here."""
+
+
+@runtime_checkable
+class Batch(Protocol[Parameters]):
+    """Several runs of the same kind that are computed together.
+
+    Members are the numbers of runs that are asked for, in the order in which parameters are given.
+    """
+
+    def costs(self, members: Sequence[int], parameters: Sequence[Parameters]) -> Sequence[float]:
+        """Return the cost of each."""
+
+    def linearize(
+        self, members: Sequence[int], parameters: Sequence[Parameters]
+    ) -> BatchLinearization[Parameters]:
+        """Return their linearisations; those of an earlier call may be lost."""

@@ -18,6 +18,7 @@ class StopReason(StrEnum):
     CEILING = "damping ceiling"
     GRADIENT = "gradient vanished"
     NOT_FINITE = "cost not finite"
+    SETTLED = "evidence settled"
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,12 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from labcal.errors import InputError, InputTypeError
+from labcal.solve.pushed_noise import pushed_noise
 
 Estimator = TypeVar("Estimator", bound="PointEstimator")
+
+COORDINATES = 3
+"""X, Y and Z come first among the outputs."""
 
 
 class FittedArray(NamedTuple):
@@ -35,6 +39,8 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         The name under which the registry knows the method.
     fitted_facts : tuple of str
         Fitted attributes that are a number or a text, kept in a model file beside the arrays.
+    residual_covariance_ : float64 array, (3, 3)
+        Mean product of the errors of X, Y and Z on the training data, mm squared; smaller with fewer outputs.
     """
 
     method: ClassVar[str]
@@ -67,6 +73,8 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
         self._fit(pixels, points)
+        errors = (self._predict(pixels) - points)[:, :COORDINATES]
+        self.residual_covariance_ = errors.T @ errors / len(errors)
         return self
 
     def predict(self, X: ArrayLike) -> Float64[np.ndarray, "n *outputs"]:
@@ -93,6 +101,50 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         points = self._predict(self._inputs(X))
         return points[:, 0] if self.single_output_ else points
 
+    def predict_with_covariance(
+        self, X: ArrayLike, pixel_covariance: Float64[np.ndarray, "n cameras 2 2"]
+    ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+        """Return the points that belong to pixels, and how uncertain they are.
+
+        Where a method knows no better, that is the pixels' noise pushed through its predictions, and the
+        covariance of its errors on the training data, which stands for what it could not learn.
+
+        Parameters
+        ----------
+        X : array, (n, 2 x cameras)
+            As for `predict`.
+        pixel_covariance : float64 array, (n, cameras, 2, 2)
+            Covariances of the pixels, px squared.
+
+        Returns
+        -------
+        points : float64 array, (n, outputs)
+            Mm.
+        covariance : float64 array, (n, 3, 3)
+            Of X, Y and Z, mm squared; smaller with fewer outputs.
+
+        Raises
+        ------
+        InputError
+            As for `predict`, or covariances of another shape than the pixels.
+        sklearn.exceptions.NotFittedError
+            `fit` has not been called.
+        """
+        check_is_fitted(self, "n_outputs_")
+        pixels = self._inputs(X)
+        expected = (len(pixels), pixels.shape[1] // 2, 2, 2)
+        if pixel_covariance.shape != expected or pixels.shape[1] % 2:
+            raise InputError(
+                f"{self.method}: covariances of shape {pixel_covariance.shape} were given for pixels of "
+                f"shape {pixels.shape}, but need one of 2 x 2 for each point and camera."
+            )
+        return self._predict(pixels), self._covariance(pixels, pixel_covariance)
+
+    def stored_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays are kept of the fitted estimator: those of the method and of every method."""
+        size = min(self.n_outputs_, COORDINATES)
+        return (*self.fitted_arrays(), FittedArray("residual_covariance_", (size, size)))
+
     @abstractmethod
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
         """Return which arrays the fitted estimator consists of, for the present inputs and outputs."""
@@ -104,6 +156,19 @@ class PointEstimator(RegressorMixin, BaseEstimator):
     @abstractmethod
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         """Predict from checked pixels."""
+
+    def _covariance(
+        self,
+        pixels: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
+    ) -> Float64[np.ndarray, "n dim dim"]:
+        """Return the covariances of predictions; a method that knows better has its own."""
+        pushed = pushed_noise(self._coordinates, pixels, pixel_covariance)
+        return np.asarray(pushed + self.residual_covariance_)
+
+    def _coordinates(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n dim"]:
+        """Predict X, Y and Z only."""
+        return self._predict(pixels)[:, :COORDINATES]
 
     def _training(self, X: ArrayLike, Y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Return both as finite float64 arrays of the same length."""

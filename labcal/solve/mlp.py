@@ -8,18 +8,14 @@ from jaxtyping import Float64
 
 from labcal.errors import InputError
 from labcal.optim.damping import Damping
-from labcal.optim.levenberg_marquardt import minimize
-from labcal.optim.network import Network
+from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network_problem import NetworkProblem
-from labcal.optim.nguyen_widrow import nguyen_widrow
 from labcal.optim.solution import Stopping
-from labcal.optim.threads import one_thread
-from labcal.rng import generator
-from labcal.solve.estimator import FittedArray, PointEstimator
-from labcal.solve.scaling import RangeScaling
+from labcal.solve.estimator import FittedArray
+from labcal.solve.network_estimator import NetworkEstimator, joint_reason, mean_history
 
 
-class Mlp(PointEstimator):
+class Mlp(NetworkEstimator):
     """The method ``mlp``: tanh hidden layers, linear outputs, inputs and outputs scaled to [-1, 1].
 
     All data are one batch. Training stops at the goal, after `max_epochs` accepted steps, or where damping
@@ -33,21 +29,23 @@ class Mlp(PointEstimator):
         Mean squared error over all scaled outputs at which to stop.
     max_epochs : int
         Accepted steps after which to stop.
+    members : int
+        Number of networks, trained from different starts; the prediction is their mean.
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
     Attributes
     ----------
-    parameters_ : float64 array
+    parameters_ : float64 array, (members, parameters)
         All weights and biases, ordered as in `Network`.
     input_centre_, input_half_range_, output_centre_, output_half_range_ : float64 array
         The scalings.
     n_iter_ : int
-        Epochs, that is, accepted steps.
+        Epochs, that is, accepted steps, of the member that took most.
     stop_reason_ : str
-        A value of `StopReason`.
+        A value of `StopReason`; where members differ, all of theirs.
     mse_ : float
-        The mean squared error over all scaled outputs at the end.
+        The mean squared error over all scaled outputs at the end, the mean over the members.
     history_ : float64 array, (epochs + 1,)
         The same at the start and after every epoch.
     """
@@ -60,57 +58,28 @@ class Mlp(PointEstimator):
         hidden: tuple[int, ...] = (20, 30),
         goal: float = 1e-7,
         max_epochs: int = 5000,
+        members: int = 1,
         random_state: int = 0,
     ) -> None:
         self.hidden = hidden
         self.goal = goal
         self.max_epochs = max_epochs
+        self.members = members
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
         """Return which arrays the fitted estimator consists of."""
-        return (
-            FittedArray("parameters_", (self._network().parameter_count,)),
-            FittedArray("input_centre_", (self.n_features_in_,)),
-            FittedArray("input_half_range_", (self.n_features_in_,)),
-            FittedArray("output_centre_", (self.n_outputs_,)),
-            FittedArray("output_half_range_", (self.n_outputs_,)),
-            FittedArray("history_", (self.n_iter_ + 1,)),
-        )
+        return (*super().fitted_arrays(), FittedArray("history_", (self.n_iter_ + 1,)))
 
-    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
-        self._refuse_parameters()
-        network = self._network()
-        inputs, outputs = RangeScaling.of(pixels), RangeScaling.of(points)
-        start = nguyen_widrow(network, generator(self.random_state, "mlp", "start"))
-        problem = NetworkProblem(
-            network, torch.from_numpy(inputs.scaled(pixels)), torch.from_numpy(outputs.scaled(points))
-        )
-        with one_thread():
-            solution = minimize(problem, start, Stopping(self.goal, self.max_epochs), Damping())
-        self.parameters_ = solution.parameters.numpy()
-        self.input_centre_, self.input_half_range_ = inputs.centre, inputs.half_range
-        self.output_centre_, self.output_half_range_ = outputs.centre, outputs.half_range
-        self.n_iter_, self.stop_reason_, self.mse_ = solution.epochs, str(solution.reason), solution.cost
-        self.history_ = solution.history.cost
-
-    def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
-        inputs = RangeScaling(self.input_centre_, self.input_half_range_)
-        outputs = RangeScaling(self.output_centre_, self.output_half_range_)
-        with one_thread():
-            _, scaled = self._network().forward(
-                torch.from_numpy(self.parameters_), torch.from_numpy(inputs.scaled(pixels))
-            )
-        return outputs.restored(scaled.numpy())
-
-    def _network(self) -> Network:
-        """Return the shape for the present inputs and outputs."""
-        return Network((self.n_features_in_, *self.hidden, self.n_outputs_))
+    def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
+        solutions = minimize_batch(problem, starts, Stopping(self.goal, self.max_epochs), Damping())
+        self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
+        self.n_iter_ = max(solution.epochs for solution in solutions)
+        self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])
+        self.history_ = mean_history([solution.history.cost for solution in solutions])
+        self.mse_ = float(self.history_[-1])
 
     def _refuse_parameters(self) -> None:
-        """Raise where a constructor argument cannot be used; scikit-learn wants that here, not before."""
-        if self.goal < 0 or self.max_epochs < 0 or self.random_state < 0:
-            raise InputError(
-                f"{self.method}: goal, max_epochs and random_state must not be negative, but are "
-                f"{self.goal}, {self.max_epochs} and {self.random_state}."
-            )
+        super()._refuse_parameters()
+        if self.goal < 0:
+            raise InputError(f"{self.method}: goal must not be negative, but is {self.goal}.")

@@ -78,7 +78,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
     """
     estimator = model.estimator
     arrays = {
-        spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.fitted_arrays()
+        spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.stored_arrays()
     }
     for field in fields(TrainingBox):
         arrays[BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
@@ -155,6 +155,10 @@ def _header(path: Path, text: str | None) -> ModelHeader:
             f"The model {path} is of version {version}, but this labcal reads up to {VERSION}. Install a "
             "newer labcal."
         )
+    if isinstance(version, int) and version < VERSION:
+        raise InputError(
+            f"The model {path} is of version {version}, which is not read any more. Fit it again."
+        )
     try:
         return ModelHeader.model_validate_json(text)
     except ValidationError as error:
@@ -178,7 +182,7 @@ def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -
     estimator.single_output_ = False
     for name, value in header.facts.items():
         setattr(estimator, name, value)
-    for attribute, shape in estimator.fitted_arrays():
+    for attribute, shape in estimator.stored_arrays():
         setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
     return estimator
 

@@ -9,8 +9,8 @@ from pydantic import BaseModel, ConfigDict
 
 from labcal.cameras.record import CameraRecord
 
-VERSION = 1
-"""Version of the format that this program writes, and the newest that it reads."""
+VERSION = 2
+"""Version of the format that this program writes, and the one that it reads."""
 
 Value = bool | int | float | str | tuple[int, ...]
 """A constructor argument or a fitted fact."""

@@ -52,8 +52,8 @@ def reconstruct_centres(
     Parameters
     ----------
     model : FittedModel or Rig
-        A fitted method gives points in the stage's world and states no covariance; a rig triangulates, with
-        covariances from the pixels', in its own world.
+        A fitted method gives points in the stage's world, with the covariances that it states; a rig
+        triangulates, with covariances from the pixels', in its own world.
     detections : Detections
     target : Target, optional
         Where given, what centroids are off the images of centres is taken off: by the rig, or by the cameras
@@ -105,7 +105,7 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
         roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
         shift = shifts_of_matches(model.resected, matches, roughly, target)
         matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
-    point = np.ascontiguousarray(model.estimator.predict(matches.X)[:, :3])
+    outputs, covariance = model.estimator.predict_with_covariance(matches.X, matches.covariance)
+    point = np.ascontiguousarray(outputs[:, :3])
     flag = np.where(model.box.holds(point), PointFlag.OK.value, PointFlag.EXTRAPOLATED.value)
-    covariance = np.full((len(point), 3, 3), np.nan)
     return Reconstruction(ReconstructedPoints(matches.view, matches.index, point, covariance, flag), bias)

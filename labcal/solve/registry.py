@@ -14,7 +14,9 @@ _CLASSES = {
     "dlt": "Dlt",
     "homography": "Homography",
     "mlp": "Mlp",
+    "mlp-bayes": "MlpBayes",
     "quadratic": "Quadratic",
+    "ray-net": "RayNet",
 }
 
 
@@ -33,7 +35,8 @@ def method_class(name: str) -> "type[PointEstimator]":
     """
     if name not in _CLASSES:
         raise UnknownNameError("method", name, _CLASSES)
-    found: type[PointEstimator] = getattr(import_module(f"labcal.solve.{name}"), _CLASSES[name])
+    module = import_module(f"labcal.solve.{name.replace('-', '_')}")
+    found: type[PointEstimator] = getattr(module, _CLASSES[name])
     return found
 
 

@@ -4,9 +4,12 @@ import torch
 from scipy.stats import kstest
 
 from labcal.errors import InputError
+from labcal.optim.damping import Damping
+from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
+from labcal.optim.solution import Stopping
 from labcal.optim.threads import one_thread
 
 SIZES = [(4, 3), (4, 6, 3), (4, 5, 7, 3), (3, 4, 5, 6, 2), (1, 1, 1)]
@@ -47,25 +50,57 @@ def test_normal_equations_agree_with_autograd(sizes: tuple[int, ...]) -> None:
         return (network.forward(p, inputs)[1] - targets).flatten()
 
     J, r = torch.autograd.functional.jacobian(residuals, parameters), residuals(parameters)
-    system = NetworkProblem(network, inputs, targets).linearize(parameters)
-    torch.testing.assert_close(system.matrix.tril(), (J.T @ J).tril(), rtol=1e-12, atol=1e-12)
-    torch.testing.assert_close(system.gradient, J.T @ r, rtol=1e-12, atol=1e-12)
-    assert system.gradient_norm == pytest.approx(float((J.T @ r).abs().max()), rel=1e-12)
+    system = NetworkProblem(network, inputs, targets).linearize([0], [parameters])
+    lower = torch.from_numpy(system.matrices[0]).tril()
+    torch.testing.assert_close(lower, (J.T @ J).tril(), rtol=1e-12, atol=1e-12)
+    torch.testing.assert_close(torch.from_numpy(system.gradients[0]), J.T @ r, rtol=1e-12, atol=1e-12)
+    assert system.gradient_norms[0] == pytest.approx(float((J.T @ r).abs().max()), rel=1e-12)
     step = torch.linalg.solve(J.T @ J + 0.1 * torch.eye(len(parameters), dtype=torch.float64), -J.T @ r)
-    stepped = system.stepped(0.1)
+    (stepped,) = system.stepped([0], [0.1])
     assert stepped is not None
     torch.testing.assert_close(stepped, parameters + step, rtol=1e-9, atol=1e-10)
 
 
+@pytest.mark.parametrize("sizes", SIZES)
+def test_members_of_a_batch_have_the_equations_that_they_have_alone(sizes: tuple[int, ...]) -> None:
+    network, _, inputs, targets = draw(sizes, 9)
+    starts = [nguyen_widrow(network, np.random.default_rng(seed)) for seed in range(3)]
+    alone, batch = (NetworkProblem(network, inputs, targets, members) for members in (1, 3))
+    system = batch.linearize([2, 0], [starts[2], starts[0]])
+    for place, member in enumerate((2, 0)):
+        expected = alone.linearize([0], [starts[member]])
+        np.testing.assert_allclose(
+            np.tril(system.matrices[place]), np.tril(expected.matrices[0]), rtol=1e-13, atol=1e-13
+        )
+        np.testing.assert_allclose(system.gradients[place], expected.gradients[0], rtol=1e-13, atol=1e-13)
+    assert batch.costs([1], [starts[1]]) == pytest.approx(alone.costs([0], [starts[1]]), rel=1e-14)
+
+
+def test_batches_end_where_each_member_would_alone() -> None:
+    network, _, inputs, targets = draw((4, 6, 3), 40)
+    starts = [nguyen_widrow(network, np.random.default_rng(seed)) for seed in range(4)]
+    stopping = Stopping(goal=0.16, max_epochs=25)
+    together = minimize_batch(NetworkProblem(network, inputs, targets, 4), starts, stopping, Damping())
+    problem = NetworkProblem(network, inputs, targets)
+    alone = [minimize_batch(problem, [start], stopping, Damping())[0] for start in starts]
+    assert [run.epochs for run in together] == [run.epochs for run in alone]
+    assert [run.reason for run in together] == [run.reason for run in alone]
+    assert len({run.epochs for run in alone}) > 1  # some are dropped on the way
+    for one, other in zip(together, alone, strict=True):
+        torch.testing.assert_close(one.parameters, other.parameters, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(one.history.cost, other.history.cost, rtol=1e-9)
+
+
 def test_a_singular_system_gives_no_step_when_undamped() -> None:
     network, parameters, inputs, targets = draw((4, 6, 3), 2)
-    assert NetworkProblem(network, inputs, targets).linearize(parameters).stepped(-1e-6) is None
+    equations = NetworkProblem(network, inputs, targets).linearize([0], [parameters])
+    assert equations.stepped([0], [-1e-6]) == [None]
 
 
 def test_cost_is_the_mean_over_points_and_outputs() -> None:
     network, parameters, inputs, targets = draw((4, 6, 3), 8)
     errors = (network.forward(parameters, inputs)[1] - targets).numpy()
-    cost = NetworkProblem(network, inputs, targets).cost(parameters)
+    (cost,) = NetworkProblem(network, inputs, targets).costs([0], [parameters])
     assert cost == pytest.approx(np.sum(errors**2) / 24, rel=1e-14)
 
 

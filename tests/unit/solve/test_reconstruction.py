@@ -64,14 +64,14 @@ def test_what_cannot_be_solved_is_flagged(see: See, pair: Cameras, grid: DotGrid
     assert set(found.flag[1:]) == {"ok"}
 
 
-def test_a_method_states_no_covariance(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+def test_a_method_states_covariances_and_flags(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
     exact = see(pair, grid, poses)
     trained = exact.where(exact.view != "pose-7")
     model = fitted(trained, grid, poses)
     found = reconstruct_points(model, exact)
     X = match(exact, ("left", "right")).X
     np.testing.assert_array_equal(found.point, model.estimator.predict(X))
-    assert np.isnan(found.covariance).all()
+    assert (np.linalg.eigvalsh(found.covariance) > 0).all()
     outside = ((found.point < model.box.low_mm) | (found.point > model.box.high_mm)).any(axis=1)
     assert outside.any()
     assert not outside.all()
