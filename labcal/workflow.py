@@ -36,6 +36,7 @@ from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
 from labcal.solve.reconstruction import reconstruct_points as reconstruct
+from labcal.solve.rehearsal import Twin, rehearse, twin_of
 from labcal.targets.catalogue import AnyTarget
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "reconstruct",
     "render",
     "training_data",
+    "twin_of",
 ]
 
 
@@ -81,14 +83,22 @@ def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> 
 
 
 def fit(
-    data: TrainingData, estimator: PointEstimator, resected: tuple[Camera, ...] | None = None
+    data: TrainingData,
+    estimator: PointEstimator,
+    resected: tuple[Camera, ...] | None = None,
+    twin: Twin | None = None,
 ) -> FittedModel:
     """Teach a method the dots of the training views, whose places the stage tells.
 
-    `resected` are the cameras of :func:`centred_training`, where it gave the data.
+    `resected` are the cameras of :func:`centred_training`, where it gave the data; `twin` is where the method
+    is rehearsed, so that it is known whether to trust it.
     """
+    if "image_sizes" in estimator.get_params():
+        estimator.set_params(image_sizes=data.image_sizes)
     box = TrainingBox.of(data.X, data.Y)
-    return FittedModel(estimator.fit(data.X, data.Y), data.cameras, data.image_sizes, box, resected)
+    fitted = estimator.fit(data.X, data.Y)
+    rehearsed = None if twin is None else rehearse(fitted, twin)
+    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)
 
 
 def evaluate(

@@ -24,6 +24,8 @@ class PointFlag(StrEnum):
     """Reconstructed."""
     EXTRAPOLATED = "extrapolated"
     """Outside the volume that the method was trained in."""
+    MODEL_MISFIT = "model-misfit"
+    """The method is known to be wrong by more than its covariances say."""
     NO_SOLUTION = "no-solution"
     """The pixels determine no point."""
 

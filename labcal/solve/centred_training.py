@@ -5,13 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.arrays import Pose
+from labcal.arrays import Pixels, Points, Pose
 from labcal.cameras.camera import Camera
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, centre_shift
-from labcal.solve.resection import resected_camera
+from labcal.solve.resection.lens_choice import camera_of_lens, chosen_camera
+from labcal.solve.resection.resected import resect
 from labcal.targets.target import Target
+
+_NAME = "resection"
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ def centred_training(
     for _ in range(ROUNDS):
         try:
             cameras = [
-                resected_camera(q[:, number] - shift[:, number], data.Y, size)
+                _resected(q[:, number] - shift[:, number], data.Y, size, cameras[number] if cameras else None)
                 for number, size in enumerate(data.image_sizes)
             ]
         except InputError as error:
@@ -63,3 +66,10 @@ def centred_training(
                 shift[rows, number] = centre_shift(camera, T_world_target[view], discs, dots[rows])
     centred = replace(data, X=(q - shift).reshape(data.X.shape))
     return CentredTraining(centred, tuple(cameras), CentreBias.of(shift), None)
+
+
+def _resected(q: Pixels, p: Points, size: tuple[int, int], before: Camera | None) -> Camera:
+    """Return the camera that saw points (mm) at pixels, with the lens model of the round before."""
+    if before is None:
+        return chosen_camera(_NAME, q, p, size).camera
+    return resect(_NAME, q, p, camera_of_lens(before.lens, size, None)).camera

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float64
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.solve.estimator import PointEstimator
+from labcal.solve.rehearsal import Rehearsed
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class FittedModel:
         What it was trained on.
     resected : tuple of Camera, optional
         Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
+    rehearsed : Rehearsed, optional
+        How the method did on points between the trained ones; None where that could not be rehearsed.
 
     Raises
     ------
@@ -72,6 +75,12 @@ class FittedModel:
     image_sizes: tuple[tuple[int, int], ...]
     box: TrainingBox
     resected: tuple[Camera, ...] | None = None
+    rehearsed: Rehearsed | None = None
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the method is known to be wrong by more than it says."""
+        return self.rehearsed is not None and self.rehearsed.misfit
 
     def __post_init__(self) -> None:
         """Refuse parts that do not belong together."""

@@ -1,7 +1,7 @@
 """Fitted models on disk: safetensors with a JSON header. Loading never runs code from the file."""
 
 import json
-from dataclasses import fields
+from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.model_header import VERSION, ModelHeader
 from labcal.solve.registry import make_estimator
+from labcal.solve.rehearsal import Rehearsed
 
 # One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
 METADATA_KEY = "labcal"
@@ -95,6 +96,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
         planar=model.box.planar,
         digest="",
         resected=None if model.resected is None else tuple(map(CameraRecord.of, model.resected)),
+        rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
     ).signed(arrays)
     write_file(path, safetensors.numpy.save(arrays, {METADATA_KEY: header.text()}), force=force)
 
@@ -138,7 +140,8 @@ def load_model(path: Path) -> FittedModel:
     box = _box(path, header, arrays)
     estimator = _estimator(path, header, arrays)
     resected = None if header.resected is None else tuple(record.camera() for record in header.resected)
-    return FittedModel(estimator, header.cameras, header.image_sizes, box, resected)
+    rehearsed = None if header.rehearsed is None else _rehearsed(path, header.rehearsed)
+    return FittedModel(estimator, header.cameras, header.image_sizes, box, resected, rehearsed)
 
 
 def _header(path: Path, text: str | None) -> ModelHeader:
@@ -185,6 +188,18 @@ def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -
     for attribute, shape in estimator.stored_arrays():
         setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
     return estimator
+
+
+def _figures(rehearsed: Rehearsed) -> dict[str, float | None]:
+    """Return a rehearsal's figures by name, with null for NaN, which JSON does not know."""
+    return {name: None if np.isnan(value) else value for name, value in asdict(rehearsed).items()}
+
+
+def _rehearsed(path: Path, figures: dict[str, float | None]) -> Rehearsed:
+    """Return the rehearsal's figures."""
+    if figures.keys() != {field.name for field in fields(Rehearsed)}:
+        raise InputError(f"The model {path} has other figures of a rehearsal than this labcal knows.")
+    return Rehearsed(**{name: float("nan") if value is None else value for name, value in figures.items()})
 
 
 def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> TrainingBox:

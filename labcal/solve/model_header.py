@@ -12,7 +12,7 @@ from labcal.cameras.record import CameraRecord
 VERSION = 2
 """Version of the format that this program writes, and the one that it reads."""
 
-Value = bool | int | float | str | tuple[int, ...]
+Value = bool | int | float | str | tuple[int, ...] | tuple[tuple[int, int], ...] | None
 """A constructor argument or a fitted fact."""
 
 
@@ -39,6 +39,8 @@ class ModelHeader(BaseModel):
         Whether all points were trained at one Z; for readers other than this program.
     resected : tuple of CameraRecord, optional
         The cameras that tell what a centroid is off its dot's centre; left out where there are none.
+    rehearsed : mapping, optional
+        The figures of a `Rehearsed`, null for NaN; left out where there are none.
     digest : str
         SHA-256 over this header, with an empty digest, and all arrays.
     """
@@ -57,6 +59,7 @@ class ModelHeader(BaseModel):
     planar: bool
     digest: str
     resected: tuple[CameraRecord, ...] | None = None
+    rehearsed: dict[str, float | None] | None = None
 
     def text(self) -> str:
         """Return the header as JSON, always the same for the same content."""

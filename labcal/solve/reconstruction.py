@@ -107,5 +107,7 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
         matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
     outputs, covariance = model.estimator.predict_with_covariance(matches.X, matches.covariance)
     point = np.ascontiguousarray(outputs[:, :3])
-    flag = np.where(model.box.holds(point), PointFlag.OK.value, PointFlag.EXTRAPOLATED.value)
+    within = PointFlag.MODEL_MISFIT if model.misfit else PointFlag.OK
+    flag = np.where(model.box.holds(point), within.value, PointFlag.EXTRAPOLATED.value)
+    flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(ReconstructedPoints(matches.view, matches.index, point, covariance, flag), bias)

@@ -11,12 +11,15 @@ if TYPE_CHECKING:
 # Class names, not classes: a method must not pay for the imports of another.
 _CLASSES = {
     "affine": "Affine",
+    "bundle": "Bundle",
     "dlt": "Dlt",
     "homography": "Homography",
+    "hybrid": "Hybrid",
     "mlp": "Mlp",
     "mlp-bayes": "MlpBayes",
     "quadratic": "Quadratic",
     "ray-net": "RayNet",
+    "two-plane": "TwoPlane",
 }
 
 

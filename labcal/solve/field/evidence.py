@@ -150,7 +150,7 @@ class _Restricted:
 
     @property
     def _freedom(self) -> int:
-        return max(1, self.residual.size - self.by_camera.shape[2])
+        return int(max(1, self.residual.size - self.by_camera.shape[2]))
 
     def _variance(self, parts: _Parts) -> float:
         return float((parts.left**2).sum()) / self._freedom

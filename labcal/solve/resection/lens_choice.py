@@ -1,36 +1,36 @@
 """Which lens model known points support, by points that were held out."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Points
 from labcal.cameras.camera import Camera
-from labcal.errors import InputError
+from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION
+from labcal.cameras.prescription import load_prescription, prescription_names
+from labcal.cameras.window import FlatWindow
+from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import transform
+from labcal.solve.held_out import folds, simplest
 from labcal.solve.resection.resected import ResectedCamera, adjusted, resect
 from labcal.solve.resection.whitening import Even
 
+AUTO = "auto"
+"""In the place of a lens model's name: the one that held-out points choose."""
 CANDIDATES = ("pinhole", "brown-k1k2", "brown5", "fisheye-kb4", "rational8")
 """By how many numbers they have."""
-_SLABS = 3
-_RIM = 0.2
-"""Share of the points, those farthest from their middle in the picture, that are held out together."""
 _LATTICE = 24
-_SURE = 2.0
-"""Standard errors by which a lens must be better than one with fewer numbers."""
 
 
 @dataclass(frozen=True)
-class LensTrial:
+class _Trial:
     """One lens model and how it did."""
 
-    lens: str
-    fitted: ResectedCamera | None
-    """From all points; None where the model cannot be fitted."""
-    held_out: Float64[np.ndarray, " tests"]
+    fitted: ResectedCamera
+    """From all points."""
+    squares: Float64[np.ndarray, " tests"]
     """Squared distances of held-out points, px squared; infinite where they cannot be imaged."""
 
 
@@ -53,58 +53,59 @@ def chosen_camera(method: str, q: Pixels, p: Points, size: tuple[int, int]) -> R
 
     Notes
     -----
-    The rim of the picture and slabs of depth are held out as a whole: points drawn at random have neighbours
-    among those that stay, so that too flexible a lens goes unnoticed. Of two models, the one with more
-    numbers must be better by more than chance.
+    What is held out, and what counts as no better: :mod:`labcal.solve.held_out`.
     """
-    trials = [_trial(method, q, p, size, lens) for lens in CANDIDATES]
-    usable = [trial for trial in trials if trial.fitted is not None]
-    if not usable:
-        resect(method, q, p, _kind("pinhole", size))  # says why
+    trials = [trial for lens in CANDIDATES if (trial := _trial(method, q, p, size, lens)) is not None]
+    if not trials:
+        resect(method, q, p, camera_of_lens(CANDIDATES[0], size, None))  # says why
         raise InputError(f"{method}: no lens model images the dots without folding within the picture.")
-    best = min(usable, key=lambda trial: float(trial.held_out.mean()))
-    for trial in usable:
-        worse = trial.held_out - best.held_out
-        if trial is best or worse.mean() <= _SURE * worse.std() / np.sqrt(len(worse)):
-            return _fitted(trial)
-    return _fitted(best)
+    return trials[simplest([trial.squares for trial in trials])].fitted
 
 
-def _fitted(trial: LensTrial) -> ResectedCamera:
-    if trial.fitted is None:
-        raise InputError(f"The lens '{trial.lens}' was not fitted.")
-    return trial.fitted
+def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) -> Camera:
+    """Return a camera of some kind, whose other numbers do not matter.
+
+    Parameters
+    ----------
+    lens : str
+        A lens model, or the name or file of a prescription.
+    size : (int, int)
+        Of the picture, px.
+    window : FlatWindow, optional
+        In front of the lens.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such lens.
+    InputError
+        The prescription's description cannot be read.
+    """
+    width, height = size
+    K = np.array([[width, 0.0, 0.5 * width], [0.0, width, 0.5 * height], [0.0, 0.0, 1.0]])
+    if lens in LENSES:
+        dist = np.zeros(max(LENGTH, LENSES[lens].coefficients))
+        return Camera(K, lens, dist, np.eye(4), size, window=window)
+    if lens in prescription_names() or Path(lens).suffix in {".yaml", ".yml"}:
+        glass = load_prescription(lens)
+        return Camera(K, PRESCRIPTION, np.zeros(LENGTH), np.eye(4), size, glass, window)
+    raise UnknownNameError("lens", lens, [AUTO, *LENSES, *prescription_names()])
 
 
-def _kind(lens: str, size: tuple[int, int]) -> Camera:
-    """Return any camera with a lens model."""
-    K = np.array([[size[0], 0.0, 0.5 * size[0]], [0.0, size[0], 0.5 * size[1]], [0.0, 0.0, 1.0]])
-    return Camera(K, lens, np.zeros(8), np.eye(4), size)
-
-
-def _trial(method: str, q: Pixels, p: Points, size: tuple[int, int], lens: str) -> LensTrial:
+def _trial(method: str, q: Pixels, p: Points, size: tuple[int, int], lens: str) -> _Trial | None:
+    """Return how a lens model does, or None where it cannot be fitted."""
     try:
-        whole = resect(method, q, p, _kind(lens, size))
+        whole = resect(method, q, p, camera_of_lens(lens, size, None))
     except InputError:
-        return LensTrial(lens, None, np.array([np.inf]))
+        return None
     if not _sees_all_between(whole.camera, q):
-        return LensTrial(lens, None, np.array([np.inf]))
+        return None
     squares = []
-    for out in _folds(whole.camera, q, p):
+    for out in folds(q, np.linalg.norm(transform(whole.camera.T_cam_world, p), axis=1)):
         part = adjusted(whole.placed, q[~out], p[~out], Even(max(whole.sigma_px, 1e-6)))
         miss = ((part.camera.project(p[out]).q - q[out]) ** 2).sum(axis=1)
         squares.append(np.where(np.isfinite(miss), miss, np.inf))
-    return LensTrial(lens, whole, np.concatenate(squares))
-
-
-def _folds(camera: Camera, q: Pixels, p: Points) -> Iterator[Bool[np.ndarray, " n"]]:
-    """Return which points are held out, fold by fold."""
-    off = np.linalg.norm(q - np.median(q, axis=0), axis=1)
-    yield off >= np.quantile(off, 1.0 - _RIM)
-    distance = np.linalg.norm(transform(camera.T_cam_world, p), axis=1)
-    order = np.argsort(np.argsort(distance, kind="stable"), kind="stable")
-    for slab in range(_SLABS):
-        yield order * _SLABS // len(p) == slab
+    return _Trial(whole, np.concatenate(squares))
 
 
 def _sees_all_between(camera: Camera, q: Pixels) -> bool:

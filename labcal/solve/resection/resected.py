@@ -81,9 +81,7 @@ def resect(method: str, q: Pixels, p: Points, kind: Camera) -> ResectedCamera:
     refuse_collinear(method, p)
     refuse_one_plane(method, p)
     middle = p.mean(axis=0)
-    ends = []
-    for start in resection_starts(q, p, kind):
-        ends.append(adjusted(PlacedCamera(start, middle), q, p, Even(1.0)))
+    ends = [adjusted(PlacedCamera(start, middle), q, p, Even(1.0)) for start in resection_starts(q, p, kind)]
     best = min(ends, key=lambda end: float((end.residual**2).sum()))
     rms = float(np.sqrt((best.residual**2).sum(axis=1).mean()))
     if not rms <= _MOST_OFF * kind.size[0]:
