@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from labcal.correspond.training import TrainingData
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.fitted_model import FittedModel
+    from labcal.solve.rehearsal import Rehearsed
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -26,7 +27,11 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("shoot", type=Path, metavar="SHOOT")
     parser.add_argument(
-        "--method", required=True, metavar="NAME[,NAME]", help="affine, quadratic, homography, dlt, mlp"
+        "--method",
+        required=True,
+        metavar="NAME[,NAME]",
+        help="hybrid (the one to begin with), bundle, two-plane, dlt, homography, quadratic, affine, mlp, "
+        "mlp-bayes, ray-net",
     )
     add_output(
         parser, "MODEL", "model to write; with several methods their names are added before the ending"
@@ -36,6 +41,11 @@ def add_parser(commands: CommandGroup) -> None:
         type=Path,
         metavar="FILE",
         help="detections.csv of the shoot, instead of detecting anew",
+    )
+    parser.add_argument(
+        "--lens",
+        metavar="MODEL",
+        help="lens model, or prescription, of bundle and hybrid; without it held-out dots choose",
     )
     add_seed(parser)
     add_workers(parser)
@@ -51,6 +61,13 @@ class MethodResult:
     training_rmse_mm: float
     epochs: int | None
     stop_reason: str | None
+    lenses: tuple[str, ...] | None
+    """Lens models by camera, of methods that have cameras."""
+    expected: "Rehearsed | None"
+    """What to expect between the trained dots, by a rehearsal with cameras like these; null where the dots
+    determine none."""
+    misfit: bool
+    """Whether points will carry the flag ``model-misfit``."""
     error: str | None
 
 
@@ -73,7 +90,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.outputs import refuse_existing, refuse_homeless
     from labcal.shoot.dataset import open_shoot
     from labcal.solve.registry import make_estimator
-    from labcal.workflow import centred_training, fit, training_data
+    from labcal.workflow import centred_training, fit, training_data, twin_of
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):
@@ -93,12 +110,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     data = training.data
     if training.reason is not None:
         session.say(f"centroids are taken as they are: {training.reason}")
+    twin = twin_of(data.X, data.Y, data.image_sizes, arguments.seed)
     results, fitted = [], []
     for path, estimator in zip(paths, estimators, strict=True):
         if "random_state" in estimator.get_params():
             estimator.set_params(random_state=arguments.seed)
+        if arguments.lens is not None and "lens" in estimator.get_params():
+            estimator.set_params(lens=arguments.lens)
         try:
-            model = fit(data, estimator, training.cameras)
+            model = fit(data, estimator, training.cameras, twin)
         except InputError as error:
             if len(names) == 1:
                 raise
@@ -138,11 +158,14 @@ def _path(output: Path, method: str, *, alone: bool) -> Path:
 
 
 def _refused(method: str, reason: str) -> MethodResult:
-    return MethodResult(method, None, 0, float("nan"), None, None, reason)
+    return MethodResult(
+        method, None, 0, float("nan"), None, None, None, expected=None, misfit=False, error=reason
+    )
 
 
 def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodResult:
     from labcal.evaluate.statistics import error_statistics
+    from labcal.solve.camera_estimator import CameraEstimator
 
     estimator = model.estimator
     return MethodResult(
@@ -152,6 +175,11 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
         training_rmse_mm=error_statistics(estimator.predict(data.X), data.Y).rmse_mm,
         epochs=getattr(estimator, "n_iter_", None),
         stop_reason=getattr(estimator, "stop_reason_", None),
+        lenses=tuple(camera.lens for camera in estimator.cameras_)
+        if isinstance(estimator, CameraEstimator)
+        else None,
+        expected=model.rehearsed,
+        misfit=model.misfit,
         error=None,
     )
 
@@ -159,13 +187,30 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
 def _table(result: FitResult) -> object:
     from rich.table import Table
 
-    caption = None
+    captions = []
+    limits = {model.expected.limit_mm for model in result.models if model.expected is not None}
+    if limits:
+        captions.append(
+            "to expect: RMS error between the trained dots, rehearsed with cameras like these; the pixels' "
+            f"noise alone leaves {min(limits):.4f} mm"
+        )
     if result.centre_bias_px is not None:
         bias = result.centre_bias_px
-        caption = f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
-    table = Table("method", "dots", "RMS on the trained dots [mm]", "epochs", "model", caption=caption)
+        captions.append(f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
+    table = Table(
+        "method",
+        "dots",
+        "RMS on the trained dots [mm]",
+        "to expect [mm]",
+        "epochs",
+        "model",
+        caption="\n".join(captions) or None,
+    )
     for model in result.models:
         epochs = "" if model.epochs is None else f"{model.epochs} ({model.stop_reason})"
         fate = model.error or str(model.file)
-        table.add_row(model.method, str(model.n), f"{model.training_rmse_mm:.4f}", epochs, fate)
+        expected = "" if model.expected is None else f"{model.expected.rmse_mm:.4f}"
+        if model.misfit:
+            expected += " model-misfit"
+        table.add_row(model.method, str(model.n), f"{model.training_rmse_mm:.4f}", expected, epochs, fate)
     return table

@@ -25,7 +25,7 @@ class PointFlag(StrEnum):
     EXTRAPOLATED = "extrapolated"
     """Outside the volume that the method was trained in."""
     MODEL_MISFIT = "model-misfit"
-    """The method is known to be wrong by more than its covariances say."""
+    """The method is known to err by far more than the noise leaves, or by more than its covariances say."""
     NO_SOLUTION = "no-solution"
     """The pixels determine no point."""
 

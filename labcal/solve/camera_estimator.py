@@ -102,12 +102,13 @@ class CameraEstimator(PointEstimator):
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         return self._triangulated(pixels, self._own_noise(len(pixels))).point
 
-    def _covariance(
+    def _with_covariance(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
-    ) -> Float64[np.ndarray, "n dim dim"]:
-        return self._triangulated(pixels, pixel_covariance).covariance
+    ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+        found = self._triangulated(pixels, pixel_covariance)
+        return found.point, found.covariance
 
     @one_blas_thread()
     def _triangulated(

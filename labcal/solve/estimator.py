@@ -138,7 +138,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
                 f"{self.method}: covariances of shape {pixel_covariance.shape} were given for pixels of "
                 f"shape {pixels.shape}, but need one of 2 x 2 for each point and camera."
             )
-        return self._predict(pixels), self._covariance(pixels, pixel_covariance)
+        return self._with_covariance(pixels, pixel_covariance)
 
     def stored_arrays(self) -> tuple[FittedArray, ...]:
         """Return which arrays are kept of the fitted estimator: those of the method and of every method."""
@@ -156,6 +156,14 @@ class PointEstimator(RegressorMixin, BaseEstimator):
     @abstractmethod
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         """Predict from checked pixels."""
+
+    def _with_covariance(
+        self,
+        pixels: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
+    ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+        """Return predictions and their covariances; a method that knows better has its own."""
+        return self._predict(pixels), self._covariance(pixels, pixel_covariance)
 
     def _covariance(
         self,

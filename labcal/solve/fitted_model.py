@@ -79,7 +79,7 @@ class FittedModel:
 
     @property
     def misfit(self) -> bool:
-        """Whether the method is known to be wrong by more than it says."""
+        """Whether the method is known to err by far more than the noise leaves, or by more than it says."""
         return self.rehearsed is not None and self.rehearsed.misfit
 
     def __post_init__(self) -> None:

@@ -21,6 +21,8 @@ CONFIDENCE = 0.95
 LEAST_COVERAGE = 0.92
 """A method whose 95% ellipsoids hold fewer is wrong by more than it says; a thousand points scatter by
 0.007."""
+MOST_OVER_LIMIT = 2.0
+"""A method that errs by more than so many times what the noise leaves does not fit the cameras."""
 _DRAWN_AT_ONCE = 4 * POINTS
 _MOST_DRAWS = 50
 
@@ -45,8 +47,9 @@ class Rehearsed:
 
     @property
     def misfit(self) -> bool:
-        """Whether the method is wrong by more than it says."""
-        return not self.coverage95 >= LEAST_COVERAGE
+        """Whether the method errs by far more than the noise leaves, or by more than it says."""
+        within = self.rmse_mm <= MOST_OVER_LIMIT * self.limit_mm and self.coverage95 >= LEAST_COVERAGE
+        return not within  # of NaN, too
 
 
 @dataclass(frozen=True)
@@ -134,7 +137,7 @@ def _coverage(error: Points, covariance: PointCovariances) -> float:
     return float(within.sum() / len(error))
 
 
-def _points_within(Y: Points, random: np.random.Generator) -> Points:
+def _points_within(Y: Points, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:
     """Return random points in the convex hull of others."""
     low, high = Y.min(axis=0), Y.max(axis=0)
     found: list[np.ndarray] = []
