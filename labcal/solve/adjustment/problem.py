@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES, Loss
-from labcal.solve.adjustment.blocks import Blocks, Rows, assemble, linearised_rows
+from labcal.solve.adjustment.blocks import Blocks, assemble
 from labcal.solve.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.schur import Reduced
@@ -35,21 +35,15 @@ class AdjustmentProblem:
     def cost(self, parameters: RigState) -> float:
         """Return the cost; infinite where a measured dot could not be imaged at all."""
         with np.errstate(invalid="ignore", over="ignore"):
-            residual = parameters.residuals(self.observations)
-            white = np.einsum("nij,nj->ni", self.observations.whitener, residual)
-            cost = float(self.loss.cost((white**2).sum(axis=1)).sum()) + self.prior.cost(parameters)
+            white = self.observations.whitener.applied(parameters.residuals(self.observations).T)
+            cost = float(self.loss.cost((white**2).sum(axis=0)).sum()) + self.prior.cost(parameters)
         return cost if np.isfinite(cost) else float("inf")
 
     def linearize(self, parameters: RigState) -> "ViewsEliminated":
         """Return the normal equations at a state."""
         layout = Layout(parameters, self.freedom)
-        blocks = assemble(layout, self.observations, self.rows(layout))
+        blocks = assemble(layout, self.observations, self.loss)
         return ViewsEliminated(self, layout, self.prior.added(blocks, layout))
-
-    def rows(self, layout: Layout) -> tuple[Rows, ...]:
-        """Return derivatives and residuals by camera."""
-        cameras = range(len(layout.state.cameras))
-        return tuple(linearised_rows(layout, self.observations, number, self.loss) for number in cameras)
 
 
 @dataclass(frozen=True)
@@ -111,7 +105,7 @@ class ViewsEliminated:
         still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])
         for _ in range(_POSE_STEPS):
             layout = Layout(state, still)
-            blocks = assemble(layout, self.problem.observations, self.problem.rows(layout))
+            blocks = assemble(layout, self.problem.observations, self.problem.loss)
             reduced = Reduced.of(blocks)
             step = None if reduced is None else reduced.solve(blocks.gradient, _UNDAMPED)
             if step is None or not np.isfinite(step.view).all():
