@@ -12,13 +12,15 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, Pixels, PointJacobians, Points
 from labcal.cameras.camera import Camera
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
-from labcal.cameras.mathematics import NUMPY
+from labcal.cameras.mathematics import NUMPY, Number
 from labcal.cameras.optics import INTRINSICS
 
 RUN = 4096
 """Points that outweigh the time NumPy takes for a call, and whose numbers the processor still has at hand."""
 POINT = 3
 """Directions of a point come first; the camera's numbers follow."""
+FIELD = 2
+"""Directions of a field point."""
 
 
 @dataclass(frozen=True)
@@ -51,17 +53,17 @@ def projection_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivativ
     derivatives by the camera alone, since both share the lens formula.
     """
     free = camera.model.coefficients
-    directions = POINT + INTRINSICS + free
-    dist = camera.padded_dist
+    m, dist, width = DualMathematics(NUMPY), camera.padded_dist, POINT + INTRINSICS + free
+    if _has_field(camera):
+        directions = FIELD + free
+        coefficients = _varied(dist, free)
+        rest = constants(camera.forward_numbers, directions)
+        formula = camera.model.formula(m, coefficients)
+        return _through_field(camera, p_cam, (*formula, *rest[INTRINSICS + len(formula) :]), width)
     varied = variables(*np.moveaxis(p_cam, -1, 0), *camera.intrinsics, *dist[:free])
-    p, intrinsics, coefficients = (
-        varied[:POINT],
-        varied[POINT : directions - free],
-        varied[directions - free :],
-    )
-    m = DualMathematics(NUMPY)
-    lens = (*coefficients, *constants(dist[free:], directions))
-    return _derivatives(camera, camera.dual_numbers(m, intrinsics, lens), p)
+    intrinsics, coefficients = varied[POINT : POINT + INTRINSICS], varied[POINT + INTRINSICS :]
+    lens = (*coefficients, *constants(dist[free:], width))
+    return _at_once(camera, camera.dual_numbers(m, intrinsics, lens), varied[:POINT])
 
 
 def point_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivatives:
@@ -73,16 +75,59 @@ def point_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivatives:
     p_cam : ndarray, shape (n, 3)
         Points in the camera's frame, mm.
     """
-    return _derivatives(camera, constants(camera.forward_numbers, POINT), variables(*np.moveaxis(p_cam, -1, 0)))
+    if _has_field(camera):
+        return _through_field(camera, p_cam, camera.forward_numbers[INTRINSICS:], POINT)
+    numbers = constants(camera.forward_numbers, POINT)
+    return _at_once(camera, numbers, variables(*np.moveaxis(p_cam, -1, 0)))
 
 
-def _derivatives(camera: Camera, numbers: tuple[Dual, ...], p: tuple[Dual, ...]) -> ProjectionDerivatives:
+def _has_field(camera: Camera) -> bool:
+    """Tell whether points have their field point by a closed formula, with no glass on the way."""
+    return camera.optics.central and camera.window is None
+
+
+def _varied(dist: tuple[float, ...], free: int) -> tuple[Dual, ...]:
+    """Return coefficients of which the first ones vary, along directions after those of the field."""
+    directions = FIELD + free
+    slopes = [tuple(float(i == FIELD + k) for i in range(directions)) for k in range(len(dist))]
+    return tuple(Dual(value, slope) for value, slope in zip(dist, slopes, strict=True))
+
+
+def _through_field(
+    camera: Camera, p_cam: Points, lens: tuple[Number, ...], width: int
+) -> ProjectionDerivatives:
+    """Return derivatives by the chain rule from the point to its field point and on to the pixel.
+
+    Two directions of the field in the place of three of the point, and none for the intrinsics, leave the
+    lens formula half as much to carry. `lens` are its numbers, varying along the two and its coefficients.
+    """
+    fx, fy, cx, cy = camera.intrinsics
+    m, plain = DualMathematics(NUMPY), camera.forward_numbers[INTRINSICS:]
+    J = np.zeros((width, 2, len(p_cam)))
+    q = np.empty(J.shape[1:])
+    more = (0.0,) * (width - POINT - INTRINSICS)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        field = camera.model.field(m, plain, variables(*np.moveaxis(p_cam, -1, 0)))
+        a, b = Dual(field.a.value, (1.0, 0.0, *more)), Dual(field.b.value, (0.0, 1.0, *more))
+        for axis, at, (f, c) in zip((0, 1), camera.model.image(m, lens, a, b), ((fx, cx), (fy, cy)), strict=True):
+            q[axis] = f * at.value + c
+            by_a, by_b = f * at.slopes[0], f * at.slopes[1]
+            for row, da, db in zip(J[:POINT, axis], field.a.slopes, field.b.slopes, strict=True):
+                row[...] = by_a * da + by_b * db
+            if width > POINT:
+                J[POINT + axis, axis], J[POINT + FIELD + axis, axis] = at.value, 1.0
+            for row, slope in zip(J[POINT + INTRINSICS :, axis], at.slopes[FIELD:], strict=True):
+                row[...] = f * slope
+    return ProjectionDerivatives(q.T, np.asarray(field.ok), J[:POINT].T, J[POINT:].T)
+
+
+def _at_once(camera: Camera, numbers: tuple[Dual, ...], p: tuple[Dual, ...]) -> ProjectionDerivatives:
+    """Return derivatives with all directions carried all the way."""
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         found = camera.optics.project(DualMathematics(NUMPY), numbers, (p[0], p[1], p[2]))
-    count = len(p[0].value)
-    J = np.empty((len(found.u.slopes), 2, count))
+    J = np.empty((len(found.u.slopes), 2, len(p[0].value)))
     for row, of_u, of_v in zip(J, found.u.slopes, found.v.slopes, strict=True):
         row[0], row[1] = of_u, of_v
-    q = np.empty((2, count))
+    q = np.empty(J.shape[1:])
     q[0], q[1] = found.u.value, found.v.value
     return ProjectionDerivatives(q.T, np.asarray(found.ok), J[:POINT].T, J[POINT:].T)

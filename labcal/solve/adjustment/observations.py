@@ -43,6 +43,16 @@ class Run:
         """The observations of all of them."""
         return slice(self.pictures[0].rows.start, self.pictures[-1].rows.stop)
 
+    @cached_property
+    def views(self) -> Int64[np.ndarray, " pictures"]:
+        """Of its pictures."""
+        return np.array([picture.view for picture in self.pictures], dtype=np.int64)
+
+    @cached_property
+    def counts(self) -> Int64[np.ndarray, " pictures"]:
+        """How many rows its pictures have."""
+        return np.array([p.rows.stop - p.rows.start for p in self.pictures], dtype=np.int64)
+
     def within(self) -> Iterator[tuple[Picture, slice]]:
         """Return every picture and its rows, counted from the first of the run."""
         first = self.rows.start

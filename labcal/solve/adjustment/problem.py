@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES, Loss
-from labcal.solve.adjustment.blocks import Blocks, assemble
+from labcal.solve.adjustment.blocks import Blocks, Slopes, assemble
 from labcal.solve.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.schur import Reduced
@@ -17,7 +17,9 @@ from labcal.solve.adjustment.state import Freedom, Layout, Lenses, RigState
 _UNDAMPED = 1e-13
 """Damping, in units of each parameter's own curvature, that only keeps rounding from a negative pivot."""
 _POSE_STEPS = 2
-"""Gauss-Newton steps of all poses after every step of everything."""
+"""Most Gauss-Newton steps of all poses after every step of everything."""
+_SETTLED = 0.01
+"""Share of the gain of a step of everything below which another step of the poses is not worth its time."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class ViewsEliminated:
         step = None if self.reduced is None else self.reduced.solve(gradient, _UNDAMPED)
         if step is None:
             return float("inf")
-        return float(np.sqrt(max(0.0, gradient.shared @ step.shared + (gradient.view * step.view).sum())))
+        return float(np.sqrt(max(0.0, _gain(gradient, step))))
 
     def stepped(self, mu: float) -> RigState | None:
         """Return the state after a damped step, or None where it leads to no possible camera."""
@@ -86,7 +88,7 @@ class ViewsEliminated:
             state = self.layout.stepped(-step.shared, -step.view)
         except InputError:
             return None
-        return self._settled(state)
+        return self._settled(state, _gain(self.blocks.gradient, step))
 
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
         """Return the covariance of all shared parameters; NaN for those that the observations leave open."""
@@ -100,8 +102,11 @@ class ViewsEliminated:
             return np.full_like(self.blocks.shared, np.inf)
         return self.reduced.shared_spread()
 
-    def _settled(self, state: RigState) -> RigState | None:
-        """Return the state with all poses refined, of views and of cameras; lenses and dots are kept."""
+    def _settled(self, state: RigState, gain: float) -> RigState | None:
+        """Return the state with all poses refined, of views and of cameras; lenses and dots are kept.
+
+        `gain` is what the step of everything was to take off the cost.
+        """
         still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])
         for _ in range(_POSE_STEPS):
             layout = Layout(state, still)
@@ -111,4 +116,11 @@ class ViewsEliminated:
             if step is None or not np.isfinite(step.view).all():
                 return None
             state = layout.stepped(-step.shared, -step.view)
+            if _gain(blocks.gradient, step) < _SETTLED * gain:
+                break
         return state
+
+
+def _gain(gradient: Slopes, step: Slopes) -> float:
+    """Return what a step of the linearised equations takes off the cost."""
+    return float(gradient.shared @ step.shared + (gradient.view * step.view).sum())

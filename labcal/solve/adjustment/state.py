@@ -49,14 +49,11 @@ class RigState:
 
         Both in mm along the camera's axes.
         """
-        T_cam_world, dots = self.cameras[run.camera].T_cam_world, self.dots.T
-        arm = np.empty((3, run.rows.stop - run.rows.start))
-        p = np.empty_like(arm)
-        for picture, at in run.within():
-            T_cam_target = T_cam_world @ self.T_world_target[picture.view]
-            arm[:, at] = T_cam_target[:3, :3] @ dots[:, observations.dot[picture.rows]]
-            p[:, at] = arm[:, at] + T_cam_target[:3, 3:]
-        return arm, p
+        T_cam_target = self.cameras[run.camera].T_cam_world @ self.T_world_target[run.views]
+        by_row = np.repeat(T_cam_target[:, :3].reshape(-1, 12).T, run.counts, axis=1).reshape(3, 4, -1)
+        x, y, z = self.dots.T[:, observations.dot[run.rows]]
+        arm = by_row[:, 0] * x + by_row[:, 1] * y + by_row[:, 2] * z
+        return arm, arm + by_row[:, 3]
 
     def residuals(self, observations: Observations) -> Float64[np.ndarray, "n 2"]:
         """Return predicted minus measured pixels; NaN where a dot cannot be imaged."""
