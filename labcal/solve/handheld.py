@@ -103,12 +103,13 @@ def calibrate_handheld(
     require_on_target(usable, target)
     entering, skipped = _entering(usable)
     found, lone = [], []
+    number = {view: place for place, view in enumerate(entering.views)}
     for name in usable.cameras:
         dots = entering.where(entering.camera == name)
         start = _lens_start(dots, name, target, lens, settings)
         state = RigState((start.camera,), start.T_cam_target, target.points())
         alone = _adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
-        views = np.array([entering.views.index(view) for view in dots.views], dtype=np.int64)
+        views = np.array([number[view] for view in dots.views], dtype=np.int64)
         end = alone.adjusted.state
         found.append(_Alone(name, dots, alone))
         lone.append(LoneCamera(name, end.cameras[0], views, end.T_world_target))
@@ -121,16 +122,14 @@ def calibrate_handheld(
 
 def _entering(usable: Detections) -> tuple[Detections, tuple[str, ...]]:
     """Return the dots of pictures with enough of them; and what does not enter, for people."""
+    picture = usable.camera_number * len(usable.views) + usable.view_number
+    dots = np.bincount(picture, minlength=len(usable.cameras) * len(usable.views))
     skipped = []
-    enters = np.ones(len(usable), dtype=bool)
-    for name in usable.cameras:
-        for view in usable.views:
-            rows = (usable.camera == name) & (usable.view == view)
-            if 0 < rows.sum() < MIN_DOTS:
-                few = f"only {rows.sum()} dots, at least {MIN_DOTS} are needed"
-                skipped.append(f"view '{view}' of camera '{name}': {few}")
-                enters &= ~rows
-    return usable.where(enters), tuple(skipped)
+    for few in np.flatnonzero((dots > 0) & (dots < MIN_DOTS)):
+        camera, view = divmod(int(few), len(usable.views))
+        what = f"view '{usable.views[view]}' of camera '{usable.cameras[camera]}'"
+        skipped.append(f"{what}: only {dots[few]} dots, at least {MIN_DOTS} are needed")
+    return usable.where(dots[picture] >= MIN_DOTS), tuple(skipped)
 
 
 def _lens_start(
@@ -142,7 +141,7 @@ def _lens_start(
         raise InputError(
             f"Camera '{name}' has {len(dots.views)} usable views, but needs {needed} at different tilts."
         )
-    pictures = [dots.where(dots.view == view) for view in dots.views]
+    pictures = dots.by_view()
     size = dots.picture_size(name)
     if settings.start is None:
         if settings.lenses is Lenses.FIXED:
