@@ -109,7 +109,9 @@ def _through_field(
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         field = camera.model.field(m, plain, variables(*np.moveaxis(p_cam, -1, 0)))
         a, b = Dual(field.a.value, (1.0, 0.0, *more)), Dual(field.b.value, (0.0, 1.0, *more))
-        for axis, at, (f, c) in zip((0, 1), camera.model.image(m, lens, a, b), ((fx, cx), (fy, cy)), strict=True):
+        for axis, at, (f, c) in zip(
+            (0, 1), camera.model.image(m, lens, a, b), ((fx, cx), (fy, cy)), strict=True
+        ):
             q[axis] = f * at.value + c
             by_a, by_b = f * at.slopes[0], f * at.slopes[1]
             for row, da, db in zip(J[:POINT, axis], field.a.slopes, field.b.slopes, strict=True):

@@ -16,9 +16,9 @@ from labcal.solve.adjustment.scatter import extra_variance
 from labcal.solve.adjustment.state import POSE, Freedom, Layout, RigState
 from labcal.solve.centre_bias import Discs, centre_shift
 
-_STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
+STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 """Within a thousandth of a standard deviation of the minimum."""
-_DAMPING = Damping(ceiling=1e6)
+DAMPING = Damping(ceiling=1e6)
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def adjust_in_rounds(
             shift = predicted_shift(state, observations, radii)
             measured = observations.moved(-shift)
         problem = AdjustmentProblem(measured.scattered(extra), freedom, prior=prior)
-        solution = minimize(problem, state, _STOPPING, _DAMPING)
+        solution = minimize(problem, state, STOPPING, DAMPING)
         state = solution.parameters
         extra = _extra(state, measured, freedom)
     end = AdjustmentProblem(measured.scattered(extra), freedom, prior=prior).linearize(state)
