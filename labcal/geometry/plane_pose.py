@@ -45,7 +45,11 @@ def plane_pose(directions: Float64[np.ndarray, "n 3"], plane_mm: Float64[np.ndar
     on_plane = np.column_stack([(plane_mm - middle) / scale, np.ones(len(plane_mm))])
     # The normal matrix of all cross products: with a unit vector v, [v]x' [v]x is 1 - v v'.
     along = (directions[:, :, None] * on_plane[:, None, :]).reshape(-1, 9)
-    square, axes = np.linalg.eigh(np.kron(np.eye(3), on_plane.T @ on_plane) - along.T @ along)
+    normal = -along.T @ along
+    for axis in range(3):
+        block = slice(3 * axis, 3 * axis + 3)
+        normal[block, block] += on_plane.T @ on_plane
+    square, axes = np.linalg.eigh(normal)
     if square[1] <= _OPEN * square[-1]:
         raise InputError("The pose of a plane needs points that do not all lie on one line.")
     H = axes[:, 0].reshape(3, 3)

@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.optim.robust import Loss
 from labcal.solve.adjustment.dot_sums import DotSums
-from labcal.solve.adjustment.observations import Observations
+from labcal.solve.adjustment.observations import Observations, Run
 from labcal.solve.adjustment.rows import linearised_rows
 from labcal.solve.adjustment.state import POSE, Layout
 
@@ -56,17 +56,30 @@ def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
         done = 0
         for run in (run for run in observations.runs if run.camera == number):
             rows = linearised_rows(layout, observations, run, loss)
-            for picture, at in run.within():
-                of_u, of_v = rows[:, 0, at], rows[:, 1, at]
-                squares[done] = of_u @ of_u.T + of_v @ of_v.T
-                if of_dots is not None:
-                    of_dots.add(layout, picture, rows[:, :, at], moves[done], observations.dot[picture.rows])
-                done += 1
+            here = slice(done, done + len(run.pictures))
+            squares[here] = _squares(rows, run)
+            if of_dots is not None:
+                for (picture, at), move in zip(run.within(), moves[here], strict=True):
+                    of_dots.add(layout, picture, rows[:, :, at], move, observations.dot[picture.rows])
+            done = here.stop
         _add(blocks, layout.own(number), seen, moves.transpose(0, 2, 1) @ (squares @ moves))
     if of_dots is not None:
         of_dots.enter(layout, blocks.shared, blocks.cross, blocks.gradient.shared)
     blocks.view[blocks.view[:, -1, -1] == 0.0] = np.eye(POSE)  # a view without observations stays where it is
     return blocks
+
+
+def _squares(rows: Float64[np.ndarray, "width 2 n"], run: Run) -> Float64[np.ndarray, "pictures width width"]:
+    """Return the products of the rows of each picture of a run."""
+    width = len(rows)
+    if (run.counts == run.counts[0]).all():  # then in half the time
+        of_picture = rows.reshape(width, 2, len(run.pictures), -1).transpose(2, 1, 0, 3)
+        return np.asarray((of_picture @ of_picture.transpose(0, 1, 3, 2)).sum(axis=1))
+    squares = np.empty((len(run.pictures), width, width))
+    for square, (_, at) in zip(squares, run.within(), strict=True):
+        of_u, of_v = rows[:, 0, at], rows[:, 1, at]
+        square[...] = of_u @ of_u.T + of_v @ of_v.T
+    return squares
 
 
 def _moves(

@@ -18,7 +18,8 @@ from labcal.solve.centre_bias import Discs, centre_shift
 
 STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 """Within a thousandth of a standard deviation of the minimum."""
-DAMPING = Damping(ceiling=1e6)
+DAMPING = Damping(start=1e-6, ceiling=1e6)
+"""Starts are good: OpenCV calibrates to the minimum of nearly the same cost."""
 
 
 @dataclass(frozen=True)
