@@ -107,7 +107,8 @@ def _through_field(
     q = np.empty(J.shape[1:])
     more = (0.0,) * (width - POINT - INTRINSICS)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        field = camera.model.field(m, plain, variables(*np.moveaxis(p_cam, -1, 0)))
+        X, Y, Z = variables(*np.moveaxis(p_cam, -1, 0))
+        field = camera.model.field(m, plain, (X, Y, Z))
         a, b = Dual(field.a.value, (1.0, 0.0, *more)), Dual(field.b.value, (0.0, 1.0, *more))
         for axis, at, (f, c) in zip(
             (0, 1), camera.model.image(m, lens, a, b), ((fx, cx), (fy, cy)), strict=True

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 
 import cv2
 import numpy as np
@@ -67,7 +68,6 @@ def _beside_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figure]]:
     pictures = [points.where(points.camera == name).by_view() for name in CAMERAS]
     dots = [TARGET.points().astype(np.float32)] * SIZES[0]
     seen = [[picture.position.astype(np.float32) for picture in of_camera] for of_camera in pictures]
-    guesses = [number for lens in lenses for number in (lens.K, lens.dist)]
 
     def ours() -> Solution[RigState]:
         with one_blas_thread():
@@ -79,8 +79,9 @@ def _beside_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figure]]:
             return minimize(problem, rig_start(lone, TARGET.points()), STOPPING, DAMPING)
 
     def theirs() -> float:
+        (first, second), (left, right) = seen, lenses
         rms, *_ = cv2.stereoCalibrate(
-            dots, *seen, *(number.copy() for number in guesses), SIZE,
+            dots, first, second, left.K.copy(), left.dist.copy(), right.K.copy(), right.dist.copy(), SIZE,
             flags=cv2.CALIB_USE_INTRINSIC_GUESS, criteria=_TERMINATION,
         )  # fmt: skip
         return float(rms)
@@ -122,7 +123,7 @@ def measured_growth(sizes: tuple[int, ...], seed: int) -> Growth:
         for row in times:
             for number, (rig, start) in enumerate(zip(rigs, starts, strict=True)):
                 problem = AdjustmentProblem(replace(rig.observations), _FIXED_DOTS)
-                row[number] = _seconds(lambda p=problem, s=start: minimize(p, s, STOPPING, DAMPING))
+                row[number] = _seconds(partial(minimize, problem, start, STOPPING, DAMPING))
     peak_kib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return Growth(tuple(times.min(axis=0).tolist()), peak_kib / 2**20)
 
