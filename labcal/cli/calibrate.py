@@ -84,7 +84,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         session.warn(f"the adjustment has not come to its end: {found.reason.value}")
-    result = calibrate_result(found, epipolar_rms(found.rig, detections, target))
+    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target))
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
 

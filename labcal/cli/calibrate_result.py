@@ -4,10 +4,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from labcal.evaluate.print_shape import PrintShape
     from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.freed_dots import FreedDots
+    from labcal.solve.outlying_dots import OutlyingDots
+
+MOST_OUTLIERS = 200
+"""Outliers that the document lists, the worst ones."""
+_SHOWN_OUTLIERS = 10
+"""Those that people are shown."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,18 @@ class CameraResult:
 
 
 @dataclass(frozen=True)
+class OutlierResult:
+    """A dot that did not enter, since it is farther off than noise explains."""
+
+    view: str
+    camera: str
+    col: int
+    row: int
+    off_px: list[float]
+    """Measured minus predicted."""
+
+
+@dataclass(frozen=True)
 class FreeDotsResult:
     """The print in the JSON document of ``labcal calibrate --free-dots``."""
 
@@ -58,6 +78,9 @@ class CalibrateResult:
     rms_px: float
     epipolar_rms_px: float
     skipped: list[str]
+    outlier_count: int
+    outliers: list[OutlierResult]
+    """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
     centre_bias_px: "CentreBias"
     stop_reason: str
     free_dots: FreeDotsResult | None
@@ -70,6 +93,8 @@ def calibrate_result(found: "HandheldCalibration", epipolar_rms_px: float) -> Ca
         rms_px=found.rms_px,
         epipolar_rms_px=epipolar_rms_px,
         skipped=list(found.skipped),
+        outlier_count=len(found.outliers),
+        outliers=_outliers(found.outliers),
         centre_bias_px=found.bias,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
@@ -95,6 +120,12 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
         ),
         scatter_px=fit.scatter_px,
     )  # fmt: skip
+
+
+def _outliers(outliers: "OutlyingDots") -> list[OutlierResult]:
+    columns = (outliers.view, outliers.camera, outliers.index, outliers.off_px)
+    lines = zip(*(column[:MOST_OUTLIERS].tolist() for column in columns), strict=True)
+    return [OutlierResult(view, camera, col, row, off) for view, camera, (col, row), off in lines]
 
 
 def _free_dots(freed: "FreedDots", found: "HandheldCalibration") -> FreeDotsResult:
@@ -128,10 +159,26 @@ def calibrate_table(result: CalibrateResult) -> object:
         focal = f"{fx:.2f} ± {sigma.fx:.2f}, {fy:.2f} ± {sigma.fy:.2f}"
         middle = f"{cx:.2f} ± {sigma.cx:.2f}, {cy:.2f} ± {sigma.cy:.2f}"
         table.add_row(name, rms, focal, middle, lens, str(camera.views), str(camera.dots))
-    if result.free_dots is None:
-        return table
-    words = print_words(result.free_dots.shape)
-    if result.free_dots.agreement is not None:
-        x, y = result.free_dots.agreement
-        words += f"\nwhat two cameras find alone correlates: {x:.2f} along x, {y:.2f} along y"
-    return Group(table, Text(words))
+    parts: list[Table | Text] = [table]
+    if result.outliers:
+        parts.append(_outlier_table(result))
+    if result.free_dots is not None:
+        words = print_words(result.free_dots.shape)
+        if result.free_dots.agreement is not None:
+            x, y = result.free_dots.agreement
+            words += f"\nwhat two cameras find alone correlates: {x:.2f} along x, {y:.2f} along y"
+        parts.append(Text(words))
+    return Group(*parts)
+
+
+def _outlier_table(result: CalibrateResult) -> "Table":
+    """Return the worst outliers for people."""
+    from rich.table import Table
+
+    table = Table("view", "camera", "col, row", "off by [px]", title=f"outliers: {result.outlier_count}")
+    for outlier in result.outliers[:_SHOWN_OUTLIERS]:
+        x, y = outlier.off_px
+        table.add_row(outlier.view, outlier.camera, f"{outlier.col}, {outlier.row}", f"{x:.2f}, {y:.2f}")
+    if result.outlier_count > _SHOWN_OUTLIERS:
+        table.caption = f"the worst {_SHOWN_OUTLIERS}; --json lists up to {MOST_OUTLIERS}"
+    return table

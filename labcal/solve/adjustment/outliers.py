@@ -13,6 +13,8 @@ from labcal.solve.adjustment.scatter import Scatter
 FALSE_ALARMS = 0.01
 """How many sound dots are expected to be called outliers in a whole adjustment."""
 _NEIGHBOURS = 8
+_TIMES = 5.0
+"""How much farther than its neighbours from their median an outlier is: at edges a misfit is steep."""
 _MOST = 0.5
 """Share of a picture's dots from which on all of it is off."""
 
@@ -39,35 +41,39 @@ def outliers(
     Notes
     -----
     Both a residual and its difference from the median of its neighbours' must exceed a bound that normal
-    noise, as wide as the median says, exceeds :data:`FALSE_ALARMS` times in all of the observations.
+    noise, as wide as the median says, exceeds :data:`FALSE_ALARMS` times in all of the observations; and the
+    difference is far larger than those among the neighbours.
     """
     scatter = Scatter.of(residual, observations.covariance, share)
     extra = scatter.robust_extra_variance()
     bound = -2.0 * np.log(FALSE_ALARMS / max(len(residual), 1))
-    off = scatter.squares(extra) > bound
+    off = np.asarray(scatter.squares(extra) > bound)
     for picture in observations.pictures:
         of_picture = off[picture.rows]  # a view of it
         candidates = np.flatnonzero(of_picture)
         if len(candidates) == 0:
             continue
-        surroundings = _surroundings(residual[picture.rows], dots[observations.dot[picture.rows]], candidates)
-        apart = residual[picture.rows][candidates] - surroundings
+        places = dots[observations.dot[picture.rows]]
+        apart, usual = _apart(residual[picture.rows], places, candidates)
         covariance = observations.covariance[picture.rows][candidates]
-        of_picture[candidates] = Scatter.of(apart, covariance, share).squares(extra) > bound
+        beyond_noise = Scatter.of(apart, covariance, share).squares(extra) > bound
+        of_picture[candidates] = beyond_noise & (np.linalg.norm(apart, axis=1) > _TIMES * usual)
         if of_picture.mean() > _MOST:
             of_picture[:] = True
     return off
 
 
-def _surroundings(
+def _apart(
     residual: Float64[np.ndarray, "m 2"],
     places: Float64[np.ndarray, "m 3"],
     candidates: Int64[np.ndarray, " c"],
-) -> Float64[np.ndarray, "c 2"]:
-    """Return the median residual of the nearest dots of the same picture; 0 where there are none."""
+) -> tuple[Float64[np.ndarray, "c 2"], Float64[np.ndarray, " c"]]:
+    """Return how far residuals are from the median of the nearest dots', and how far these are, px."""
     if len(places) <= 1:
-        return np.zeros((len(candidates), 2))
-    apart = ((places[candidates, None] - places) ** 2).sum(axis=2)
-    apart[np.arange(len(candidates)), candidates] = np.inf
-    nearest = np.argsort(apart, axis=1, kind="stable")[:, : min(_NEIGHBOURS, len(places) - 1)]
-    return np.asarray(np.median(residual[nearest], axis=1))
+        return residual[candidates], np.zeros(len(candidates))
+    distance = ((places[candidates, None] - places) ** 2).sum(axis=2)
+    distance[np.arange(len(candidates)), candidates] = np.inf
+    nearest = np.argsort(distance, axis=1, kind="stable")[:, : min(_NEIGHBOURS, len(places) - 1)]
+    middle = np.median(residual[nearest], axis=1)
+    usual = np.median(np.linalg.norm(residual[nearest] - middle[:, None], axis=2), axis=1)
+    return residual[candidates] - middle, np.asarray(usual)

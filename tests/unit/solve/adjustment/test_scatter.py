@@ -29,4 +29,7 @@ def test_none_is_invented() -> None:
 
 def test_unknowns_take_up_some() -> None:
     residual, covariance = residuals(0.1)
-    assert Scatter.of(residual, covariance, 0.5).extra_variance() > 1.5 * Scatter.of(residual, covariance, 1.0).extra_variance()
+    assert (
+        Scatter.of(residual, covariance, 0.5).extra_variance()
+        > 1.5 * Scatter.of(residual, covariance, 1.0).extra_variance()
+    )
