@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.freed_dots import FreedDots
+    from labcal.solve.lens_choice import LensChoice
     from labcal.solve.outlying_dots import OutlyingDots
 
 MOST_OUTLIERS = 200
@@ -46,6 +47,8 @@ class CameraResult:
     sigma: SigmaResult
     scatter_px: float
     """Of this camera alone: what dots scatter along each axis beyond their covariances."""
+    undetermined: list[str]
+    """Lens coefficients that the views leave open."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +87,13 @@ class CalibrateResult:
     centre_bias_px: "CentreBias"
     stop_reason: str
     free_dots: FreeDotsResult | None
+    lens_choice: "LensChoice | None"
+    """Of ``--lens auto``."""
 
 
-def calibrate_result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateResult:
+def calibrate_result(
+    found: "HandheldCalibration", epipolar_rms_px: float, choice: "LensChoice | None"
+) -> CalibrateResult:
     """Return the JSON document."""
     return CalibrateResult(
         cameras={name: _camera(found, name) for name in found.rig.cameras},
@@ -98,6 +105,7 @@ def calibrate_result(found: "HandheldCalibration", epipolar_rms_px: float) -> Ca
         centre_bias_px=found.bias,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
+        lens_choice=choice,
     )
 
 
@@ -119,6 +127,7 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
             translation_mm=fit.sigma.translation_mm.tolist(),
         ),
         scatter_px=fit.scatter_px,
+        undetermined=list(fit.undetermined),
     )  # fmt: skip
 
 
@@ -142,6 +151,7 @@ def calibrate_table(result: CalibrateResult) -> object:
     from rich.table import Table
     from rich.text import Text
 
+    from labcal.cli.lens_table import lens_table
     from labcal.report.print_words import print_words
 
     caption = f"rig: RMS {result.rms_px:.4f} px"
@@ -160,6 +170,8 @@ def calibrate_table(result: CalibrateResult) -> object:
         middle = f"{cx:.2f} ± {sigma.cx:.2f}, {cy:.2f} ± {sigma.cy:.2f}"
         table.add_row(name, rms, focal, middle, lens, str(camera.views), str(camera.dots))
     parts: list[Table | Text] = [table]
+    if result.lens_choice is not None:
+        parts.append(lens_table(result.lens_choice))
     if result.outliers:
         parts.append(_outlier_table(result))
     if result.free_dots is not None:

@@ -1,7 +1,7 @@
 """``detections.csv``: the dots of many pictures in one table."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 
@@ -125,6 +125,12 @@ def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detect
         covariance=np.concatenate([dots.covariance for _, dots in pairs]),
         flag=np.array(flags, dtype=np.str_),
     )
+
+
+def joined(tables: Sequence[Detections]) -> Detections:
+    """Return one table with the lines of several."""
+    columns = (column.name for column in fields(Detections))
+    return Detections(*(np.concatenate([getattr(table, name) for table in tables]) for name in columns))
 
 
 def detections_csv(table: Detections) -> str:

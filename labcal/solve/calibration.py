@@ -54,6 +54,8 @@ class CameraFit:
     """Calibrated alone: what dots scatter, along each axis, beyond their covariances."""
     freed: FreedDots | None
     """The dots as this camera alone finds them."""
+    undetermined: tuple[str, ...]
+    """Names of lens coefficients that its views leave open."""
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from labcal.solve.lens_start import (
     start_from_camera,
     start_from_pictures,
 )
+from labcal.solve.lens_support import undetermined
 from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.rig_start import LoneCamera, rig_start
 from labcal.solve.usable_dots import in_full_pictures, usable_dots
@@ -205,6 +206,7 @@ def _assemble(
             sigma=CameraSigma.of(adjusted, number),
             scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
+            undetermined=undetermined(result.adjusted, result.observations),
         )
     names = tuple(alone.name for alone in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)
