@@ -44,7 +44,7 @@ class CameraFit:
     """How well one camera explains its dots."""
 
     rms_px: float
-    """Calibrated alone; OpenCV's: root mean square of the 2-D distance."""
+    """Calibrated alone; OpenCV's: root mean square of the 2-D distance, without outliers."""
     rms_in_rig_px: float
     """The same in the rig."""
     views: tuple[str, ...]

@@ -13,6 +13,7 @@ import numpy as np
 
 from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_solve.held_rig import CAMERAS, SIZE, TARGET, HeldRig
+from labcal.experiments.bench_solve.spoilt import spoilt_checks
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Solution
 from labcal.report.bench import Check, Figure, at_most
@@ -43,7 +44,7 @@ def adjustment_findings(bench: Bench) -> Findings:
     lenses (Brown with five coefficients), all poses of the target and the cameras' relative pose.
     """
     sizes = SIZES[:2] if bench.quick else SIZES
-    bench.progress.start("adjustment", 2)
+    bench.progress.start("adjustment", 3)
     checks, beside = _beside_opencv(bench.seed, QUICK_ROUNDS if bench.quick else ROUNDS)
     bench.progress.advance()
     # In a process of its own, so that its memory is nobody else's.
@@ -56,6 +57,8 @@ def adjustment_findings(bench: Bench) -> Findings:
         ratio = growth.seconds[number] / growth.seconds[number - 1]
         checks.append(at_most(name.format(more, fewer), ratio, limit))
     checks.append(at_most(f"adjustment, {sizes[-1]} views: memory, GiB", growth.peak_gib, MEMORY_LIMIT_GIB))
+    checks += spoilt_checks(bench.seed)
+    bench.progress.advance()
     beside.append(Figure(name=f"adjustment, {sizes[-1]} views, s", value=growth.seconds[-1]))
     left_out = ("adjustment: 4,000 views are left out by --quick",) if bench.quick else ()
     return Findings(checks, beside, left_out)
