@@ -104,8 +104,7 @@ def calibrate_handheld(
     cameras = usable.cameras
     entering, skipped = in_full_pictures(usable)
     found = [_alone(name, entering, target, lens, settings) for name in cameras]
-    odd = _odd_pictures(found, target)
-    if odd:
+    while odd := _odd_pictures(found, target):
         entering, reasons = _without(odd, entering)
         skipped += reasons
         found = [_alone(name, entering, target, lens, settings) for name in cameras]

@@ -94,6 +94,14 @@ def test_a_mirrored_picture_is_named(noisy: Detections, grid: DotGrid) -> None:
     assert len(found.skipped) == 1
     assert found.skipped[0].startswith("view 'pose-4' of camera 'right': it shows the target mirrored")
     assert "pose-4" in found.fits["left"].views
+    turned = (mirrored.view == "pose-1") & (mirrored.camera == "left")
+    both = changed(mirrored, turned, [grid.cols - 1, grid.rows - 1] - mirrored.index[turned])
+    named = [
+        reason.partition(":")[0] for reason in calibrate_handheld(both, grid, "brown-k1k2", CENTRES).skipped
+    ]
+    assert named == [
+        f"view 'pose-{n}' of camera '{name}'" for n, name in ((4, "right"), (1, "left"), (1, "right"))
+    ]
     every = changed(
         noisy, noisy.camera == "right", [grid.cols - 1, 0] + [-1, 1] * noisy.index[noisy.camera == "right"]
     )
