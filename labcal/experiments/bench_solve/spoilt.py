@@ -34,10 +34,10 @@ def spoilt_checks(seed: int) -> list[Check]:
     ]
     what = f"adjustment, {SHARE:.0%} of the dots off by {OFF_PX[0]:g} to {OFF_PX[1]:g} px"
     return [
-        at_most(f"{what}: largest error of the intrinsics, in sigma", np.abs(off).max(), SIGMA_LIMIT),
-        at_most(f"{what}: of {wrong.sum()} not named", int((wrong & ~named).sum()), 0),
-        at_most(f"{what}: sound ones named", int((named & ~wrong).sum()), 0),
-        at_most("adjustment: wrong pictures not named, of 3 kinds", _pictures_missed(dots), 0),
+        at_most(f"{what}: largest error of the intrinsics, in sigma", float(np.abs(off).max()), SIGMA_LIMIT),
+        at_most(f"{what}: of {wrong.sum()} not named", float((wrong & ~named).sum()), 0.0),
+        at_most(f"{what}: sound ones named", float((named & ~wrong).sum()), 0.0),
+        at_most("adjustment: wrong pictures not named, of 3 kinds", float(_pictures_missed(dots)), 0.0),
     ]
 
 
