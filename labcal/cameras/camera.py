@@ -38,15 +38,6 @@ class Projection:
 
 
 @dataclass(frozen=True)
-class Imaged:
-    """Where points are imaged, and how that changes with the points."""
-
-    q: Pixels
-    by_point: PointJacobians
-    """(..., 2, 3), px/mm."""
-
-
-@dataclass(frozen=True)
 class Camera:
     """A camera with a lens model, at its place in the world.
 
@@ -135,6 +126,11 @@ class Camera:
         """All numbers of the camera: fx fy cx cy, then the window's and the lens model's own."""
         return (*self.intrinsics, *self._window_numbers, *self._lens_numbers)
 
+    @cached_property
+    def forward_numbers(self) -> tuple[float, ...]:
+        """The leading :attr:`numbers`: all that the way from points to pixels takes."""
+        return (*self.intrinsics, *self._window_numbers, *self._forward_lens_numbers)
+
     @property
     def reach(self) -> float:
         """Largest radius of the picture on the plane at unit focal length."""
@@ -192,38 +188,32 @@ class Camera:
             Pixels, also outside the picture; NaN and not ok behind the camera, beyond the fold of the lens
             model and for NaN.
         """
-        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = self.optics.project(NUMPY, self.numbers, (X, Y, Z))
-        ok = np.asarray(found.ok)
-        return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
+        return self.image(transform(self.T_cam_world, p))
 
-    def imaged(self, p: Points) -> Imaged:
-        """Return where world points are imaged and how that changes with them.
+    def image(self, p_cam: Points) -> Projection:
+        """Return where points of the camera's frame are imaged, as :meth:`project` does.
 
         Parameters
         ----------
-        p : ndarray, shape (..., 3)
-            World points, mm.
-
-        Returns
-        -------
-        Imaged
-            NaN for what the camera cannot image.
+        p_cam : ndarray, shape (..., 3)
+            Points, mm.
         """
-        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        X, Y, Z = np.moveaxis(p_cam, -1, 0)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            x, y, z = variables(X, Y, Z)
-            found = self.optics.project(DualMathematics(NUMPY), constants(self.numbers, 3), (x, y, z))
-        ok = np.asarray(found.ok)[..., None]
-        local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
-        q = np.stack(np.broadcast_arrays(found.u.value, found.v.value), axis=-1)
-        by_point = local @ self.T_cam_world[:3, :3]
-        return Imaged(np.where(ok, q, np.nan), np.where(ok[..., None], by_point, np.nan))
+            found = self.optics.project(NUMPY, self.forward_numbers, (X, Y, Z))
+        ok = np.asarray(found.ok)
+        return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
     def point_jacobian(self, p: Points) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
-        return self.imaged(p).by_point
+        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        numbers = constants(self.forward_numbers, 3)
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            x, y, z = variables(X, Y, Z)
+            found = self.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
+        local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
+        jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
+        return jacobian
 
     def intrinsic_jacobian(self, p: Points) -> np.ndarray:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""
@@ -242,13 +232,10 @@ class Camera:
     def dual_numbers(
         self, m: DualMathematics, intrinsics: tuple[Dual, ...], dist: tuple[Dual, ...]
     ) -> tuple[Dual, ...]:
-        """Return :attr:`numbers` for derivatives by intrinsics and all of :attr:`padded_dist`.
-
-        What only serves the way back, from pixels to rays, does not vary.
-        """
+        """Return :attr:`forward_numbers` for derivatives by intrinsics and all of :attr:`padded_dist`."""
         directions = len(intrinsics[0].slopes)
         formula = self.model.formula(m, dist)
-        rest = constants(self._lens_numbers[len(formula) :], directions)
+        rest = constants(self._forward_lens_numbers[len(formula) :], directions)
         return (*intrinsics, *constants(self._window_numbers, directions), *formula, *rest)
 
     def in_picture(self, q: Pixels) -> Mask:
@@ -289,6 +276,10 @@ class Camera:
     @cached_property
     def _window_numbers(self) -> tuple[float, ...]:
         return () if self.window is None else self.window.numbers
+
+    @cached_property
+    def _forward_lens_numbers(self) -> tuple[float, ...]:
+        return self.model.forward_numbers(NUMPY, self.padded_dist)
 
     @cached_property
     def _lens_numbers(self) -> tuple[float, ...]:

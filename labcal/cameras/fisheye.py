@@ -44,11 +44,15 @@ class KannalaBrandt:
         """Return what :meth:`image` takes: k1 to k4."""
         return dist[:_POWERS]
 
+    def forward_numbers(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all numbers but the guess's."""
+        return (*dist[:_POWERS], fold_angle(dist))
+
     def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
         """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
-        fold = fold_angle(dist)
-        start = inverse_guess(lambda t: np.asarray(t * _stretch(m, dist, t * t)), fold, reach)
-        return (*dist[:_POWERS], fold, *start)
+        forward = self.forward_numbers(m, dist)
+        start = inverse_guess(lambda t: np.asarray(t * _stretch(m, dist, t * t)), forward[_FOLD], reach)
+        return (*forward, *start)
 
     def image(
         self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number

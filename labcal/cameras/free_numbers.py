@@ -5,31 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Pixels, PointJacobians, Points
+from labcal.arrays import Points
 from labcal.cameras.camera import Camera, slopes_of
+from labcal.cameras.derivatives import POINT, ProjectionDerivatives, has_field, projection_derivatives
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.lens import LENGTH
 from labcal.cameras.mathematics import NUMPY
 from labcal.cameras.optics import INTRINSICS
 from labcal.cameras.window import FlatWindow
 
-POINT = 3
 PLACE = 3
 """Both tilts (rad) and the distance (mm) of a flat window."""
-
-
-@dataclass(frozen=True)
-class ImagedPoints:
-    """Where n points of the camera's frame are imaged, and how that changes."""
-
-    q: Pixels
-    """(n, 2), px."""
-    ok: Mask
-    """(n,), whether the camera images the point."""
-    by_point: PointJacobians
-    """(n, 2, 3), by the point in the camera's frame, px/mm."""
-    by_number: Float64[np.ndarray, "n 2 free"]
-    """By the camera's free numbers."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +84,8 @@ class FreeNumbers:
         K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
         return replace(camera, K=K, dist=dist, window=window)
 
-    def imaged(self, p_cam: Points) -> ImagedPoints:
-        """Return images of points of the camera's frame, with all derivatives, by dual numbers.
+    def imaged(self, p_cam: Points) -> ProjectionDerivatives:
+        """Return images of points of the camera's frame, with derivatives by points and free numbers.
 
         Parameters
         ----------
@@ -107,24 +93,31 @@ class FreeNumbers:
             Millimetres.
         """
         camera, m = self.camera, DualMathematics(NUMPY)
+        if has_field(camera) and not self._prescribed:
+            return projection_derivatives(camera, p_cam)
         varied = variables(*np.moveaxis(p_cam, -1, 0), *self.values)
         p, free = varied[:POINT], varied[POINT:]
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             found = camera.optics.project(m, self._dual_numbers(m, free), (p[0], p[1], p[2]))
         J = slopes_of(found.u.slopes, found.v.slopes, p_cam.shape[:-1])
         q = np.stack(np.broadcast_arrays(found.u.value, found.v.value), axis=-1)
-        return ImagedPoints(q, np.asarray(found.ok), J[..., :POINT], J[..., POINT:])
+        return ProjectionDerivatives(q, np.asarray(found.ok), J[..., :POINT], J[..., POINT:])
 
     def _dual_numbers(self, m: DualMathematics, free: tuple[Dual, ...]) -> tuple[Dual, ...]:
         """Return ``Camera.numbers`` with the free ones varying."""
         camera, directions = self.camera, POINT + self.count
         intrinsics = (free[0], *free[:3]) if self._prescribed else free[:INTRINSICS]
-        lens = constants(camera.padded_dist[camera.model.coefficients :], directions)
-        numbers = camera.dual_numbers(m, intrinsics, (*free[self.coefficients], *lens))
-        if not isinstance(camera.window, FlatWindow):
-            return numbers
-        pane = camera.window.formula(m, free[-PLACE:])
-        return (*numbers[:INTRINSICS], *pane, *numbers[INTRINSICS + len(pane) :])
+        pane: tuple[Dual, ...] = ()
+        if camera.window is not None:
+            pane = constants(camera.window.numbers, directions)
+        if isinstance(camera.window, FlatWindow):
+            pane = camera.window.formula(m, free[-PLACE:])
+        lens = camera.forward_numbers[camera.optics.lens_at :]
+        formula: tuple[Dual, ...] = ()
+        if not self._prescribed:
+            rest = constants(camera.padded_dist[camera.model.coefficients :], directions)
+            formula = camera.model.formula(m, (*free[self.coefficients], *rest))
+        return (*intrinsics, *pane, *formula, *constants(lens[len(formula) :], directions))
 
     @property
     def _prescribed(self) -> bool:

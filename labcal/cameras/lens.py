@@ -37,6 +37,12 @@ class Lens(Protocol):
     def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
         """Return the leading :meth:`numbers`, all that :meth:`image` takes, from the coefficients."""
 
+    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the leading :meth:`numbers`, without what only :meth:`field_at` takes.
+
+        They cost a hundredth: the guess of an inverse is fitted.
+        """
+
     def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
         """Return all numbers; `reach` is the largest radius of the picture at unit focal length."""
 

@@ -60,19 +60,23 @@ class Perspective:
         distortion = dist[:DISTORTION]
         return distortion if self.coefficients < _TILTED else (*distortion, *tilt_matrix(m, *dist[12:14]))
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
-        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
+    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all numbers but the guess's."""
         tilt = self.formula(m, dist)[_TILT] or tuple(np.eye(3).ravel())
         untilt = np.linalg.inv(np.array(tilt, dtype=np.float64).reshape(3, 3))
-        fold2 = fold_radius_squared(dist)
+        return (*dist[:DISTORTION], *tilt, *untilt.ravel().tolist(), fold_radius_squared(dist))
+
+    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
+        forward = self.forward_numbers(m, dist)
         # The tilt, and what is not radial, reach a little farther.
-        flat_reach = 1.03 * reach * (1.0 + 2.0 * float(np.abs(untilt[2, :2]).sum()) * reach)
+        lean = float(np.abs(forward[_UNTILT][6:8]).sum())
         start = inverse_guess(
             lambda r: np.asarray(r * self._radial(m, dist, r * r)),
-            float(np.sqrt(fold2)),
-            flat_reach,
+            float(np.sqrt(forward[_FOLD])),
+            1.03 * reach * (1.0 + 2.0 * lean * reach),
         )
-        return (*dist[:DISTORTION], *tilt, *untilt.ravel().tolist(), fold2, *start)
+        return (*forward, *start)
 
     def image(
         self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number

@@ -58,10 +58,15 @@ class PrescribedLens:
             *self.prescription.towards_scene(stop - 1),
         )
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
-        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
+    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all numbers, with zeros where the guess's are."""
         numbers = list(self.formula(m, dist))
         numbers[_FOLD] = self._field_end(tuple(numbers))
+        return tuple(numbers)
+
+    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
+        numbers = list(self.forward_numbers(m, dist))
         numbers[_GUESS] = inverse_guess(
             lambda t: np.asarray(self._image_radius(NUMPY, tuple(numbers), t)), numbers[_FOLD], reach
         )

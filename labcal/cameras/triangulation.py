@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pixels, PointCovariances, Points
-from labcal.cameras.camera import Camera, Imaged
+from labcal.cameras.camera import Camera
+from labcal.cameras.derivatives import Imaged, imaged
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.rays import closest_points
 
@@ -22,6 +23,17 @@ class Imager(Protocol):
 
     def imaged(self, p: Points) -> Imaged:
         """Return where world points, mm, are imaged, and how that changes."""
+
+
+@dataclass(frozen=True)
+class KnownCamera:
+    """A camera as it is; an `Imager`."""
+
+    camera: Camera
+
+    def imaged(self, p: Points) -> Imaged:
+        """Return where world points, mm, are imaged, and how that changes."""
+        return imaged(self.camera, p)
 
 
 @dataclass(frozen=True)
@@ -57,7 +69,7 @@ def triangulate(
     Gauss-Newton on the reprojection error from the point nearest to all rays; with normal pixel noise this is
     the maximum-likelihood point, and the inverse normal matrix its covariance.
     """
-    return refined(cameras, nearest_points(cameras, q), q, covariance)
+    return refined([KnownCamera(camera) for camera in cameras], nearest_points(cameras, q), q, covariance)
 
 
 def nearest_points(cameras: Sequence[Camera], q: Float64[np.ndarray, "n cameras 2"]) -> Points:
@@ -128,7 +140,8 @@ def triangulation_limit(
         Covariances of the pixel positions, px squared.
     """
     q = np.stack([camera.project(p).q for camera in cameras], axis=1)
-    normal, _ = _normal_equations(cameras, p, q, np.linalg.inv(covariance))
+    known = [KnownCamera(camera) for camera in cameras]
+    normal, _ = _normal_equations(known, p, q, np.linalg.inv(covariance))
     bound: np.ndarray = np.linalg.inv(normal)
     return bound
 

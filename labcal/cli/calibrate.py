@@ -11,10 +11,13 @@ from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.cameras.record import CameraRecord
+    from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.freed_dots import FreedDots
     from labcal.solve.handheld import HandheldSettings
 
 DEFAULT_LENS = "brown5"
+AUTO = "auto"
+"""In the place of a lens model: the one that explains views best that it was not fitted to."""
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -28,7 +31,9 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
     parser.add_argument(
-        "--lens", metavar="MODEL", help=f"lens model (default {DEFAULT_LENS}, or that of --start)"
+        "--lens",
+        metavar="MODEL",
+        help=f"lens model (default {DEFAULT_LENS}, or that of --start), or {AUTO}: chosen by views held out",
     )
     add_output(parser, "rig.json", "cameras to write")
     parser.add_argument(
@@ -52,8 +57,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.calibrate_result import calibrate_result, calibrate_table
     from labcal.cli.inputs import choose_target, read_or_detect
     from labcal.errors import InputError
-    from labcal.optim.solution import StopReason
     from labcal.run.outputs import refuse_existing, refuse_homeless
+    from labcal.solve.lens_choice import choose_lens
     from labcal.workflow import calibrate, epipolar_rms
 
     outputs = [arguments.output]
@@ -67,26 +72,43 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_existing(path, force=arguments.force)
         refuse_homeless(path)
     settings = _settings(arguments)
-    lens = arguments.lens or _lens_of(settings)
+    lens, choice = arguments.lens or _lens_of(settings), None
     target = choose_target(arguments.target, [arguments.source])
     detections = read_or_detect(arguments.source, target, arguments.workers, session)
+    if lens == AUTO:
+        with session.progress() as progress:
+            choice = choose_lens(detections, target, settings.bias_rounds, progress)
+        lens = choice.lens
     found = calibrate(detections, target, lens, settings)
     write_rig(arguments.output, found.rig, force=arguments.force)
     if found.freed is not None:
         _write_dots(arguments, found.freed)
+    _warn(found, lens, target.name, session)
+    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
+    session.emit(result, calibrate_table(result))
+    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
+
+
+def _warn(found: "HandheldCalibration", lens: str, target: str, session: Session) -> None:
+    """Say what is not as it should be."""
+    from labcal.optim.solution import StopReason
+
     for reason in found.skipped:
         session.warn(f"left out {reason}")
     for name, camera in found.rig.cameras.items():
         if not _middle_inside(camera):
             session.warn(
                 f"the principal point of {name} lies outside its picture: the views do not determine it, or "
-                f"the dots are not those of '{target.name}'"
+                f"the dots are not those of '{target}'"
+            )
+        left_open = ", ".join(found.fits[name].undetermined)
+        if left_open:
+            session.warn(
+                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
+                f"where dots were, but not these numbers, or let --lens {AUTO} choose"
             )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         session.warn(f"the adjustment has not come to its end: {found.reason.value}")
-    result = calibrate_result(found, epipolar_rms(found.rig, detections, target))
-    session.emit(result, calibrate_table(result))
-    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
 
 
 def _settings(arguments: Namespace) -> "HandheldSettings":
@@ -96,7 +118,9 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
     from labcal.solve.adjustment.state import Lenses
     from labcal.solve.handheld import HandheldSettings, require_handheld_lens
 
-    if arguments.lens is not None:
+    if arguments.lens == AUTO and arguments.start is not None:
+        raise InputError(f"--lens {AUTO} tries lens models from the beginning. Leave --start out.")
+    if arguments.lens not in (None, AUTO):
         require_handheld_lens(arguments.lens)
     if arguments.fix_intrinsics and arguments.start is None:
         raise InputError("--fix-intrinsics keeps the lenses of a rig. Name it: --start rig.json.")

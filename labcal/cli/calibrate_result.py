@@ -4,10 +4,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from labcal.evaluate.print_shape import PrintShape
     from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.freed_dots import FreedDots
+    from labcal.solve.lens_choice import LensChoice
+    from labcal.solve.outlying_dots import OutlyingDots
+
+MOST_OUTLIERS = 200
+"""Outliers that the document lists, the worst ones."""
+_SHOWN_OUTLIERS = 10
+"""Those that people are shown."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,20 @@ class CameraResult:
     sigma: SigmaResult
     scatter_px: float
     """Of this camera alone: what dots scatter along each axis beyond their covariances."""
+    undetermined: list[str]
+    """Lens coefficients that the views leave open."""
+
+
+@dataclass(frozen=True)
+class OutlierResult:
+    """A dot that did not enter, since it is farther off than noise explains."""
+
+    view: str
+    camera: str
+    col: int
+    row: int
+    off_px: list[float]
+    """Measured minus predicted."""
 
 
 @dataclass(frozen=True)
@@ -58,21 +81,31 @@ class CalibrateResult:
     rms_px: float
     epipolar_rms_px: float
     skipped: list[str]
+    outlier_count: int
+    outliers: list[OutlierResult]
+    """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
     centre_bias_px: "CentreBias"
     stop_reason: str
     free_dots: FreeDotsResult | None
+    lens_choice: "LensChoice | None"
+    """Of ``--lens auto``."""
 
 
-def calibrate_result(found: "HandheldCalibration", epipolar_rms_px: float) -> CalibrateResult:
+def calibrate_result(
+    found: "HandheldCalibration", epipolar_rms_px: float, choice: "LensChoice | None"
+) -> CalibrateResult:
     """Return the JSON document."""
     return CalibrateResult(
         cameras={name: _camera(found, name) for name in found.rig.cameras},
         rms_px=found.rms_px,
         epipolar_rms_px=epipolar_rms_px,
         skipped=list(found.skipped),
+        outlier_count=len(found.outliers),
+        outliers=_outliers(found.outliers),
         centre_bias_px=found.bias,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
+        lens_choice=choice,
     )
 
 
@@ -94,7 +127,14 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
             translation_mm=fit.sigma.translation_mm.tolist(),
         ),
         scatter_px=fit.scatter_px,
+        undetermined=list(fit.undetermined),
     )  # fmt: skip
+
+
+def _outliers(outliers: "OutlyingDots") -> list[OutlierResult]:
+    columns = (outliers.view, outliers.camera, outliers.index, outliers.off_px)
+    lines = zip(*(column[:MOST_OUTLIERS].tolist() for column in columns), strict=True)
+    return [OutlierResult(view, camera, col, row, off) for view, camera, (col, row), off in lines]
 
 
 def _free_dots(freed: "FreedDots", found: "HandheldCalibration") -> FreeDotsResult:
@@ -111,6 +151,7 @@ def calibrate_table(result: CalibrateResult) -> object:
     from rich.table import Table
     from rich.text import Text
 
+    from labcal.cli.lens_table import lens_table
     from labcal.report.print_words import print_words
 
     caption = f"rig: RMS {result.rms_px:.4f} px"
@@ -128,10 +169,28 @@ def calibrate_table(result: CalibrateResult) -> object:
         focal = f"{fx:.2f} ± {sigma.fx:.2f}, {fy:.2f} ± {sigma.fy:.2f}"
         middle = f"{cx:.2f} ± {sigma.cx:.2f}, {cy:.2f} ± {sigma.cy:.2f}"
         table.add_row(name, rms, focal, middle, lens, str(camera.views), str(camera.dots))
-    if result.free_dots is None:
-        return table
-    words = print_words(result.free_dots.shape)
-    if result.free_dots.agreement is not None:
-        x, y = result.free_dots.agreement
-        words += f"\nwhat two cameras find alone correlates: {x:.2f} along x, {y:.2f} along y"
-    return Group(table, Text(words))
+    parts: list[Table | Text] = [table]
+    if result.lens_choice is not None:
+        parts.append(lens_table(result.lens_choice))
+    if result.outliers:
+        parts.append(_outlier_table(result))
+    if result.free_dots is not None:
+        words = print_words(result.free_dots.shape)
+        if result.free_dots.agreement is not None:
+            x, y = result.free_dots.agreement
+            words += f"\nwhat two cameras find alone correlates: {x:.2f} along x, {y:.2f} along y"
+        parts.append(Text(words))
+    return Group(*parts)
+
+
+def _outlier_table(result: CalibrateResult) -> "Table":
+    """Return the worst outliers for people."""
+    from rich.table import Table
+
+    table = Table("view", "camera", "col, row", "off by [px]", title=f"outliers: {result.outlier_count}")
+    for outlier in result.outliers[:_SHOWN_OUTLIERS]:
+        x, y = outlier.off_px
+        table.add_row(outlier.view, outlier.camera, f"{outlier.col}, {outlier.row}", f"{x:.2f}, {y:.2f}")
+    if result.outlier_count > _SHOWN_OUTLIERS:
+        table.caption = f"the worst {_SHOWN_OUTLIERS}; --json lists up to {MOST_OUTLIERS}"
+    return table

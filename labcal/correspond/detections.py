@@ -1,7 +1,8 @@
 """``detections.csv``: the dots of many pictures in one table."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -50,18 +51,34 @@ class Detections:
         """The dots that are measurements of the declared grid."""
         return np.asarray(self.flag == DotFlag.OK.value)
 
-    @property
+    @cached_property
     def cameras(self) -> tuple[str, ...]:
         """Names of the cameras, in order of appearance."""
         return tuple(dict.fromkeys(self.camera.tolist()))
 
-    @property
+    @cached_property
     def views(self) -> tuple[str, ...]:
         """Names of the views, in order of appearance."""
         return tuple(dict.fromkeys(self.view.tolist()))
 
-    def where(self, mask: Bool[np.ndarray, " n"]) -> "Detections":
-        """Return the lines where the mask holds."""
+    @cached_property
+    def view_number(self) -> Int64[np.ndarray, " n"]:
+        """Of each line, the place of its view among :attr:`views`."""
+        return _numbers(self.view, self.views)
+
+    @cached_property
+    def camera_number(self) -> Int64[np.ndarray, " n"]:
+        """Of each line, the place of its camera among :attr:`cameras`."""
+        return _numbers(self.camera, self.cameras)
+
+    def by_view(self) -> list["Detections"]:
+        """Return the lines of every view, in the order of :attr:`views`."""
+        order = np.argsort(self.view_number, kind="stable")
+        edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))
+        return [self.where(lines) for lines in np.split(order, edges)]
+
+    def where(self, mask: Bool[np.ndarray, " n"] | Int64[np.ndarray, " m"]) -> "Detections":
+        """Return the lines where the mask holds, or those of some numbers."""
         return Detections(
             self.view[mask], self.camera[mask], self.image[mask], self.size[mask], self.index[mask],
             self.has_id[mask], self.position[mask], self.covariance[mask], self.flag[mask],
@@ -85,6 +102,12 @@ class Detections:
         return (int(sizes[0, 0]), int(sizes[0, 1]))
 
 
+def _numbers(names: np.ndarray, order: tuple[str, ...]) -> Int64[np.ndarray, " n"]:
+    """Return the place of each name in an order."""
+    place = {name: number for number, name in enumerate(order)}
+    return np.array([place[name] for name in names.tolist()], dtype=np.int64)
+
+
 def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detections:
     """Return one table of what was found in each picture."""
     pairs = list(zip(sources, pictures, strict=True))
@@ -102,6 +125,12 @@ def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detect
         covariance=np.concatenate([dots.covariance for _, dots in pairs]),
         flag=np.array(flags, dtype=np.str_),
     )
+
+
+def joined(tables: Sequence[Detections]) -> Detections:
+    """Return one table with the lines of several."""
+    columns = (column.name for column in fields(Detections))
+    return Detections(*(np.concatenate([getattr(table, name) for table in tables]) for name in columns))
 
 
 def detections_csv(table: Detections) -> str:

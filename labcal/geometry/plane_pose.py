@@ -8,6 +8,8 @@ from labcal.errors import InputError
 from labcal.geometry.poses import pose
 
 _FEWEST = 4
+_OPEN = 1e-14
+"""Share of the largest eigenvalue below which the second smallest one is rounding: points on a line."""
 
 
 def plane_pose(directions: Float64[np.ndarray, "n 3"], plane_mm: Float64[np.ndarray, "n 2"]) -> Pose:
@@ -41,15 +43,17 @@ def plane_pose(directions: Float64[np.ndarray, "n 3"], plane_mm: Float64[np.ndar
     middle = plane_mm.mean(axis=0)
     scale = np.sqrt(((plane_mm - middle) ** 2).sum(axis=1).mean()) or 1.0
     on_plane = np.column_stack([(plane_mm - middle) / scale, np.ones(len(plane_mm))])
-    x, y, z = directions.T
-    o = np.zeros_like(x)
-    cross = np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(-1, 3, 3)
-    equations = (cross[:, :, :, None] * on_plane[:, None, None, :]).reshape(-1, 9)
-    _, singular, rows = np.linalg.svd(np.linalg.qr(equations, mode="r"))
-    if singular[-2] <= 1e-9 * singular[0]:
+    # The normal matrix of all cross products: with a unit vector v, [v]x' [v]x is 1 - v v'.
+    along = (directions[:, :, None] * on_plane[:, None, :]).reshape(-1, 9)
+    normal = -along.T @ along
+    for axis in range(3):
+        block = slice(3 * axis, 3 * axis + 3)
+        normal[block, block] += on_plane.T @ on_plane
+    square, axes = np.linalg.eigh(normal)
+    if square[1] <= _OPEN * square[-1]:
         raise InputError("The pose of a plane needs points that do not all lie on one line.")
-    H = rows[-1].reshape(3, 3)
-    H = H * np.sign(np.einsum("ni,ij,nj->", directions, H, on_plane))
+    H = axes[:, 0].reshape(3, 3)
+    H = H * np.sign((directions * (on_plane @ H.T)).sum())
     size = 0.5 * (np.linalg.norm(H[:, 0]) + np.linalg.norm(H[:, 1]))
     first, second, third = (H / size).T
     U, _, Vt = np.linalg.svd(np.column_stack([first, second, np.cross(first, second)]))

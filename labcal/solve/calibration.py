@@ -7,11 +7,13 @@ from jaxtyping import Float64
 
 from labcal.cameras.optics import INTRINSICS
 from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
 from labcal.optim.solution import StopReason
 from labcal.solve.adjustment.rounds import Adjusted
 from labcal.solve.adjustment.state import POSE
 from labcal.solve.centre_bias import CentreBias
 from labcal.solve.freed_dots import FreedDots
+from labcal.solve.outlying_dots import OutlyingDots
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class CameraFit:
     """How well one camera explains its dots."""
 
     rms_px: float
-    """Calibrated alone; OpenCV's: root mean square of the 2-D distance."""
+    """Calibrated alone; OpenCV's: root mean square of the 2-D distance, without outliers."""
     rms_in_rig_px: float
     """The same in the rig."""
     views: tuple[str, ...]
@@ -52,6 +54,8 @@ class CameraFit:
     """Calibrated alone: what dots scatter, along each axis, beyond their covariances."""
     freed: FreedDots | None
     """The dots as this camera alone finds them."""
+    undetermined: tuple[str, ...]
+    """Names of lens coefficients that its views leave open."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,9 @@ class HandheldCalibration:
     rms_px: float
     """Over all cameras, in the rig."""
     skipped: tuple[str, ...]
-    """What did not enter, each with its reason, for people."""
+    """Pictures that did not enter, each with its reason, for people."""
+    outliers: OutlyingDots
+    """Dots that did not."""
     views: tuple[str, ...]
     T_world_target: Float64[np.ndarray, "views 4 4"]
     """Of every view, mm."""
@@ -72,3 +78,10 @@ class HandheldCalibration:
     freed: FreedDots | None
     """The dots as all cameras together find them."""
     reason: StopReason
+
+    def entering(self, detections: Detections) -> Detections:
+        """Return the detections of the pictures and dots that entered."""
+        seen = {(view, name) for name, fit in self.fits.items() for view in fit.views}
+        pictures = zip(detections.view.tolist(), detections.camera.tolist(), strict=True)
+        entered = np.array([picture in seen for picture in pictures], dtype=bool)
+        return self.outliers.left_out(detections.where(entered))

@@ -11,7 +11,6 @@ import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.matching import require_on_target
 from labcal.errors import InputError
 from labcal.solve.adjustment.free_dots import adjust_dots
 from labcal.solve.adjustment.observations import Observations, observations_of
@@ -28,11 +27,13 @@ from labcal.solve.lens_start import (
     start_from_camera,
     start_from_pictures,
 )
+from labcal.solve.lens_support import undetermined
+from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.rig_start import LoneCamera, rig_start
+from labcal.solve.usable_dots import in_full_pictures, usable_dots
+from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
 from labcal.targets.catalogue import AnyTarget
 
-MIN_DOTS = 8
-"""Dots that a view needs to enter: a homography takes four, and a lens wants more than it leaves over."""
 MIN_VIEWS = 3
 """Views that a camera needs: two fix four intrinsics of a plane target, the third checks them."""
 
@@ -69,6 +70,8 @@ class _Alone:
     name: str
     dots: Detections
     result: _Result
+    lone: LoneCamera
+    """What the rig's adjustment takes from it."""
 
 
 @one_blas_thread()
@@ -92,45 +95,58 @@ def calibrate_handheld(
     UnknownNameError
         There is no such lens model here.
     InputError
-        A dot is not on the target, a camera has too few views or shares none with the first camera, the dots
-        determine no camera, or the rig to start from does not fit.
+        A dot is not on the target, has no position or is listed twice, a camera has too few views or shares
+        none with the rest of the rig, the dots determine no camera, or the rig to start from does not fit.
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
-    usable = detections.where(detections.ok)
-    if len(usable) == 0:
-        raise InputError("There are no dots with ids to calibrate with. See the flags in the detections.")
-    require_on_target(usable, target)
-    entering, skipped = _entering(usable)
-    found, lone = [], []
-    for name in usable.cameras:
-        dots = entering.where(entering.camera == name)
-        start = _lens_start(dots, name, target, lens, settings)
-        state = RigState((start.camera,), start.T_cam_target, target.points())
-        alone = _adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
-        views = np.array([entering.views.index(view) for view in dots.views], dtype=np.int64)
-        end = alone.adjusted.state
-        found.append(_Alone(name, dots, alone))
-        lone.append(LoneCamera(name, end.cameras[0], views, end.T_world_target))
-    if len(lone) == 1:
-        return _assemble(found, found[0].result, entering.views, skipped)
-    observations = observations_of(entering, target, usable.cameras, entering.views)
-    whole = _adjusted(rig_start(lone, target.points()), observations, target, settings)
-    return _assemble(found, whole, entering.views, skipped)
+    usable = usable_dots(detections, target)
+    cameras = usable.cameras
+    entering, skipped = in_full_pictures(usable)
+    found = [_alone(name, entering, target, lens, settings) for name in cameras]
+    while odd := _odd_pictures(found, target):
+        entering, reasons = _without(odd, entering)
+        skipped += reasons
+        found = [_alone(name, entering, target, lens, settings) for name in cameras]
+    if len(found) == 1:
+        return _assemble(found, found[0].result, target, entering.views, skipped)
+    observations = observations_of(entering, target, cameras, entering.views)
+    start = rig_start([alone.lone for alone in found], target.points())
+    whole = _adjusted(start, observations, target, settings)
+    return _assemble(found, whole, target, entering.views, skipped)
 
 
-def _entering(usable: Detections) -> tuple[Detections, tuple[str, ...]]:
-    """Return the dots of pictures with enough of them; and what does not enter, for people."""
-    skipped = []
-    enters = np.ones(len(usable), dtype=bool)
-    for name in usable.cameras:
-        for view in usable.views:
-            rows = (usable.camera == name) & (usable.view == view)
-            if 0 < rows.sum() < MIN_DOTS:
-                few = f"only {rows.sum()} dots, at least {MIN_DOTS} are needed"
-                skipped.append(f"view '{view}' of camera '{name}': {few}")
-                enters &= ~rows
-    return usable.where(enters), tuple(skipped)
+def _alone(
+    name: str, entering: Detections, target: AnyTarget, lens: str, settings: HandheldSettings
+) -> "_Alone":
+    """Calibrate one camera from all its views."""
+    dots = entering.where(entering.camera == name)
+    start = _lens_start(dots, name, target, lens, settings)
+    state = RigState((start.camera,), start.T_cam_target, target.points())
+    result = _adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
+    number = {view: place for place, view in enumerate(entering.views)}
+    views = np.array([number[view] for view in dots.views], dtype=np.int64)
+    end = result.adjusted.state
+    return _Alone(name, dots, result, LoneCamera(name, end.cameras[0], views, end.T_world_target))
+
+
+def _odd_pictures(found: list[_Alone], target: AnyTarget) -> list[OddPicture]:
+    """Return the pictures that cannot be what they are said to be."""
+    lone = [alone.lone for alone in found]
+    odd = [picture for camera in lone for picture in seen_from_behind(camera)]
+    if odd or len(lone) == 1:
+        return odd
+    return contradictions(lone, target.points())
+
+
+def _without(odd: list[OddPicture], entering: Detections) -> tuple[Detections, tuple[str, ...]]:
+    """Return what enters without odd pictures; and what does not, for people."""
+    enters, reasons = np.full(len(entering), fill_value=True), []
+    for picture in odd:
+        view = entering.views[picture.view]
+        enters &= ~((entering.view == view) & (entering.camera == picture.camera))
+        reasons.append(f"view '{view}' of camera '{picture.camera}': {picture.reason}")
+    return entering.where(enters), tuple(reasons)
 
 
 def _lens_start(
@@ -142,7 +158,7 @@ def _lens_start(
         raise InputError(
             f"Camera '{name}' has {len(dots.views)} usable views, but needs {needed} at different tilts."
         )
-    pictures = [dots.where(dots.view == view) for view in dots.views]
+    pictures = dots.by_view()
     size = dots.picture_size(name)
     if settings.start is None:
         if settings.lenses is Lenses.FIXED:
@@ -173,7 +189,7 @@ def _adjusted(
 
 
 def _assemble(
-    found: list[_Alone], whole: _Result, views: tuple[str, ...], skipped: tuple[str, ...]
+    found: list[_Alone], whole: _Result, target: AnyTarget, views: tuple[str, ...], skipped: tuple[str, ...]
 ) -> HandheldCalibration:
     """Return the rig and its figures."""
     adjusted = whole.adjusted
@@ -185,17 +201,20 @@ def _assemble(
             rms_px=float(result.adjusted.rms_px(result.observations)[0]),
             rms_in_rig_px=float(in_rig[number]),
             views=alone.dots.views,
-            dots=len(result.observations),
+            dots=int((~result.adjusted.outlier).sum()),
             sigma=CameraSigma.of(adjusted, number),
             scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
+            undetermined=undetermined(result.adjusted, result.observations),
         )
-    cameras = zip((alone.name for alone in found), adjusted.state.cameras, strict=True)
+    names = tuple(alone.name for alone in found)
+    cameras = zip(names, adjusted.state.cameras, strict=True)
     return HandheldCalibration(
         rig=Rig.of(dict(cameras)),
         fits=fits,
-        rms_px=float(np.sqrt((adjusted.residual**2).sum(axis=1).mean())),
+        rms_px=float(np.sqrt((adjusted.residual[~adjusted.outlier] ** 2).sum(axis=1).mean())),
         skipped=skipped,
+        outliers=OutlyingDots.of(adjusted, whole.observations, target, (names, views)),
         views=views,
         T_world_target=adjusted.state.T_world_target,
         bias=CentreBias.of(adjusted.shift),

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pose
+from labcal.arrays import Mask, Points, Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
 from labcal.correspond.detections import Detections
@@ -86,8 +86,7 @@ def start_from_camera(pictures: list[Detections], target: Target, known: Camera)
         The dots of a view are no picture of the target through this camera.
     """
     camera = replace(known, T_cam_world=np.eye(4))
-    poses = np.stack([_pose(camera, dots, target) for dots in pictures])
-    return LensStart(camera, poses)
+    return LensStart(camera, _poses(camera, pictures, target))
 
 
 def camera_as_lens(known: Camera, lens: str, name: str) -> Camera:
@@ -176,25 +175,31 @@ def _equidistant(size: tuple[int, int], half_field: float) -> Camera:
 
 def _miss(camera: Camera, pictures: list[Detections], target: Target) -> float:
     """Return the RMS reprojection error over pictures in px, relative to their size there; NaN for none."""
+    try:
+        poses = _poses(camera, pictures, target)
+    except InputError:
+        return float("nan")
     squares = []
-    for dots in pictures:
-        try:
-            T = _pose(camera, dots, target)
-        except InputError:
-            return float("nan")
+    for T, dots in zip(poses, pictures, strict=True):
         p = transform(T, target.points(dots.index))
         squares.append(((camera.project(p).q - dots.position) ** 2).sum(axis=1))
     return float(np.sqrt(np.concatenate(squares).mean()))
 
 
-def _pose(camera: Camera, dots: Detections, target: Target) -> Pose:
-    """Return the pose of the target from the rays of its dots."""
-    rays = camera.rays(dots.position)
+def _poses(camera: Camera, pictures: list[Detections], target: Target) -> Float64[np.ndarray, "views 4 4"]:
+    """Return the poses of the target from the rays of its dots, which are traced all at once."""
+    rays = camera.rays(np.concatenate([dots.position for dots in pictures]))
+    ends = np.cumsum([len(dots) for dots in pictures])[:-1]
+    split = zip(pictures, np.split(rays.direction, ends), np.split(rays.ok, ends), strict=True)
+    return np.stack([_pose(dots, directions, ok, target) for dots, directions, ok in split])
+
+
+def _pose(dots: Detections, directions: Points, ok: Mask, target: Target) -> Pose:
     view, name = dots.view[0], dots.camera[0]
-    if not rays.ok.any():
+    if not ok.any():
         raise InputError(f"Camera '{name}' sees view '{view}' beyond its lens's field.")
     try:
-        return plane_pose(rays.direction[rays.ok], target.points(dots.index)[rays.ok, :2])
+        return plane_pose(directions[ok], target.points(dots.index)[ok, :2])
     except InputError as error:
         raise InputError(
             f"The dots of camera '{name}' determine no camera: view '{view}' shows too little of the target "

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from labcal.cameras.dot_image import dot_images
-from labcal.correspond.detections import detections_csv
+from labcal.correspond.detections import detections_csv, read_detections
 from labcal.experiments.bench_detect.bias import bench_camera, bench_target, hand_poses, seen
 from labcal.rng import generator
 from labcal.targets.places import read_places
@@ -71,6 +72,24 @@ def test_a_rig_is_started_from_and_kept(labcal: Run, folder: Path, tmp_path: Pat
     told = labcal(*words(folder, "--start", first, "--fix-intrinsics", "-o", third))
     assert told.document["cameras"]["only"]["K"] == written["K"]
     assert told.document["cameras"]["only"]["sigma"]["fx"] == 0.0
+
+
+def test_outliers_are_named(labcal: Run, folder: Path, tmp_path: Path) -> None:
+    dots = read_detections(folder / "dots.csv")
+    position = dots.position.copy()
+    moved = np.flatnonzero(dots.ok)[[5, 300]]
+    position[moved] += [[20.0, -8.0], [0.0, 6.0]]
+    (tmp_path / "dots.csv").write_text(detections_csv(replace(dots, position=position)))
+    told = labcal(
+        "calibrate", tmp_path / "dots.csv", "--target", folder / "target.yaml", "--lens", "brown-k1k2",
+        "-o", tmp_path / "rig.json",
+    )  # fmt: skip
+    assert told.status == 0
+    assert told.document["outlier_count"] == 2
+    for outlier, line, off in zip(told.document["outliers"], moved, ([20.0, -8.0], [0.0, 6.0]), strict=True):
+        assert (outlier["view"], outlier["camera"]) == (dots.view[line], "only")
+        assert [outlier["col"], outlier["row"]] == dots.index[line].tolist()
+        np.testing.assert_allclose(outlier["off_px"], off, atol=0.2)
 
 
 def test_wrong_use_is_told_before_anything_is_done(labcal: Run, folder: Path, tmp_path: Path) -> None:

@@ -4,12 +4,16 @@ from pathlib import Path
 
 from labcal.experiments.bench_groups import Groups, measured_groups
 from labcal.experiments.bench_settings import BenchSettings
+from labcal.experiments.bench_solve.adjustment import adjustment_findings
 from labcal.experiments.bench_solve.limits import limit_findings
+from labcal.experiments.bench_solve.real import real_findings
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
 
 GROUPS: Groups = {
     "limits": limit_findings,
+    "adjustment": adjustment_findings,
+    "real": real_findings,
 }
 
 

@@ -1,15 +1,15 @@
 """J'J and J'r of a bundle adjustment, in the blocks that its structure has."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.cameras.derivatives import point_derivatives, projection_derivatives
 from labcal.optim.robust import Loss
-from labcal.solve.adjustment.observations import Observations
-from labcal.solve.adjustment.state import POSE, Layout, Lenses
+from labcal.solve.adjustment.dot_sums import DotSums
+from labcal.solve.adjustment.observations import Observations, Run
+from labcal.solve.adjustment.rows import linearised_rows
+from labcal.solve.adjustment.state import POSE, Layout
 
 
 @dataclass(frozen=True)
@@ -30,43 +30,7 @@ class Blocks:
     gradient: Slopes
 
 
-@dataclass(frozen=True)
-class Rows:
-    """Whitened derivatives and residuals of one camera's observations."""
-
-    camera: Float64[np.ndarray, "n 2 own"]
-    view: Float64[np.ndarray, "n 2 6"]
-    dot: Float64[np.ndarray, "n 2 3"]
-    residual: Float64[np.ndarray, "n 2"]
-
-
-def _slopes(layout: Layout, observations: Observations, rows: Sequence[Rows]) -> Slopes:
-    """Return J'r."""
-    state = layout.state
-    shared = np.zeros(layout.count)
-    view = np.zeros((len(state.T_world_target), POSE))
-    of_dots = np.zeros((len(state.dots), 3))
-    for number, own in enumerate(rows):
-        residual = own.residual
-        at = observations.of_camera(number)
-        columns = slice(layout.lens[number].start, layout.pose[number].stop)
-        shared[columns] = np.tensordot(own.camera, residual, axes=([0, 1], [0, 1]))
-        along = np.einsum("nki,nk->ni", own.view, residual)
-        view += _summed(along, observations.view[at], len(view))
-        if layout.freedom.dots.shape[1]:
-            of_dot = np.einsum("nki,nk->ni", own.dot, residual)
-            of_dots += _summed(of_dot, observations.dot[at], len(of_dots))
-    shared[layout.dots] = layout.freedom.dots.T @ of_dots.ravel()
-    return Slopes(shared, view)
-
-
-def _summed(values: Float64[np.ndarray, "n width"], group: np.ndarray, groups: int) -> np.ndarray:
-    """Return the sums of rows by group."""
-    columns = [np.bincount(group, weights=column, minlength=groups) for column in values.T]
-    return np.stack(columns, axis=-1)
-
-
-def assemble(layout: Layout, observations: Observations, rows: Sequence[Rows]) -> Blocks:
+def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
     """Return the normal equations of all observations, linearised at a state.
 
     Parameters
@@ -74,98 +38,82 @@ def assemble(layout: Layout, observations: Observations, rows: Sequence[Rows]) -
     layout : Layout
         The state, and what is free.
     observations : Observations
-    rows : sequence of Rows
-        By camera, of :func:`linearised_rows`.
-    """
-    state = layout.state
-    views, dots = len(state.T_world_target), len(state.dots)
-    free = layout.freedom.dots.shape[1]
-    shared = np.zeros((layout.count, layout.count))
-    cross, view = np.zeros((views, layout.count, POSE)), np.zeros((views, POSE, POSE))
-    of_dots = _DotSums(dots, views, layout.count) if free else None
-    for picture in observations.pictures:
-        number, v = picture.camera, picture.view
-        start = observations.of_camera(number).start
-        at = slice(picture.rows.start - start, picture.rows.stop - start)
-        own = slice(layout.lens[number].start, layout.pose[number].stop)
-        width = own.stop - own.start
-        A = np.concatenate([rows[number].camera[at], rows[number].view[at]], axis=2)
-        flat = A.reshape(-1, A.shape[2])
-        square = flat.T @ flat
-        shared[own, own] += square[:width, :width]
-        cross[v, own] = square[:width, width:]
-        view[v] += square[width:, width:]
-        if of_dots is not None:
-            of_dots.add(rows[number].dot[at], A, own, v, observations.dot[picture.rows])
-    if of_dots is not None:
-        basis, at = layout.freedom.dots, layout.dots
-        shared[at, at] = basis.T @ (of_dots.square @ basis.reshape(dots, 3, free)).reshape(-1, free)
-        along = basis.T @ of_dots.shared.reshape(3 * dots, -1)
-        shared[at] += along
-        shared[:, at] += along.T
-        by_view = of_dots.view.transpose(1, 2, 0, 3).reshape(3 * dots, views * POSE)
-        cross[:, at] = (basis.T @ by_view).reshape(free, views, POSE).transpose(1, 0, 2)
-    view[view[:, -1, -1] == 0.0] = np.eye(POSE)  # a view without observations stays where it is
-    return Blocks(shared, cross, view, _slopes(layout, observations, rows))
-
-
-class _DotSums:
-    """Sums over observations for every dot by itself, before its freedom is applied."""
-
-    def __init__(self, dots: int, views: int, shared: int) -> None:
-        self.square = np.zeros((dots, 3, 3))
-        self.shared = np.zeros((dots, 3, shared))
-        self.view = np.zeros((views, dots, 3, POSE))
-
-    def add(self, D: np.ndarray, A: np.ndarray, own: slice, view: int, seen: np.ndarray) -> None:
-        """Add one picture: derivatives by dots, by camera and view together, and which dots."""
-        turned = D.transpose(0, 2, 1)
-        self.square[seen] += turned @ D
-        product = turned @ A
-        self.shared[seen, :, own] += product[:, :, :-POSE]
-        self.view[view, seen] += product[:, :, -POSE:]
-
-
-def linearised_rows(layout: Layout, observations: Observations, number: int, loss: Loss) -> Rows:
-    """Return the derivatives of one camera's residuals by all that it depends on.
-
-    Parameters
-    ----------
-    layout : Layout
-    observations : Observations
-    number : int
-        The camera.
     loss : Loss
-        Residuals are weighted by its slope (Triggs et al. 2000, "Bundle adjustment", section 4.3, without
-        the term of second order).
-
-    Notes
-    -----
-    With a pixel's derivative j by a point x of a frame, turning the frame's contents by w moves the point by
-    ``w x x``, and the pixel by ``j (w x x) = w (x x j)``.
     """
-    state = layout.state
-    camera = state.cameras[number]
-    at = observations.of_camera(number)
-    T_world_target = state.T_world_target[observations.view[at]]
-    R_cam_world, t = camera.T_cam_world[:3, :3], camera.T_cam_world[:3, 3]
-    arm = np.einsum("nij,nj->ni", T_world_target[:, :3, :3], state.dots[observations.dot[at]])
-    turned = (arm + T_world_target[:, :3, 3]) @ R_cam_world.T
-    free = layout.freedom.lenses is Lenses.FREE
-    found = (projection_derivatives if free else point_derivatives)(camera, turned + t)
-    residual = np.einsum("nij,nj->ni", observations.whitener[at], found.q - observations.q[at])
-    weight = np.sqrt(loss.weight((residual**2).sum(axis=1)))
-    whitener = observations.whitener[at] * weight[:, None, None]
-    by_point = whitener @ found.by_point
-    by_world = by_point @ R_cam_world
-    parts = []
-    if free:
-        parts.append(whitener @ found.by_camera)
-    if number:
-        parts += [np.cross(turned[:, None, :], by_point), by_point]
-    return Rows(
-        camera=np.concatenate(parts, axis=2) if parts else np.zeros((len(residual), 2, 0)),
-        view=np.concatenate([np.cross(arm[:, None, :], by_world), by_world], axis=2),
-        dot=by_world @ T_world_target[:, :3, :3],
-        residual=residual * weight[:, None],
+    views, free = len(layout.state.T_world_target), layout.freedom.dots.shape[1]
+    blocks = Blocks(
+        np.zeros((layout.count, layout.count)),
+        np.zeros((views, layout.count, POSE)),
+        np.zeros((views, POSE, POSE)),
+        Slopes(np.zeros(layout.count), np.zeros((views, POSE))),
     )
+    of_dots = DotSums(len(layout.state.dots), views, layout.count) if free else None
+    for number in range(len(layout.state.cameras)):
+        pictures = [picture for picture in observations.pictures if picture.camera == number]
+        seen = np.array([picture.view for picture in pictures], dtype=np.int64)
+        moves = _moves(layout, number, layout.state.T_world_target[seen])
+        squares = np.empty((len(seen), moves.shape[1], moves.shape[1]))
+        done = 0
+        for run in (run for run in observations.runs if run.camera == number):
+            rows = linearised_rows(layout, observations, run, loss)
+            here = slice(done, done + len(run.pictures))
+            squares[here] = _squares(rows, run)
+            if of_dots is not None:
+                for (picture, at), move in zip(run.within(), moves[here], strict=True):
+                    of_dots.add(layout, picture, rows[:, :, at], move, observations.dot[picture.rows])
+            done = here.stop
+        _add(blocks, layout.own(number), seen, moves.transpose(0, 2, 1) @ (squares @ moves))
+    if of_dots is not None:
+        of_dots.enter(layout, blocks.shared, blocks.cross, blocks.gradient.shared)
+    blocks.view[blocks.view[:, -1, -1] == 0.0] = np.eye(POSE)  # a view without observations stays where it is
+    return blocks
+
+
+def _squares(rows: Float64[np.ndarray, "width 2 n"], run: Run) -> Float64[np.ndarray, "pictures width width"]:
+    """Return the products of the rows of each picture of a run."""
+    width = len(rows)
+    if (run.counts == run.counts[0]).all():  # then in half the time
+        of_picture = rows.reshape(width, 2, len(run.pictures), -1).transpose(2, 1, 0, 3)
+        return np.asarray((of_picture @ of_picture.transpose(0, 1, 3, 2)).sum(axis=1))
+    squares = np.empty((len(run.pictures), width, width))
+    for square, (_, at) in zip(squares, run.within(), strict=True):
+        of_u, of_v = rows[:, 0, at], rows[:, 1, at]
+        square[...] = of_u @ of_u.T + of_v @ of_v.T
+    return squares
+
+
+def _moves(
+    layout: Layout, number: int, T_world_target: Float64[np.ndarray, "pictures 4 4"]
+) -> Float64[np.ndarray, "pictures width parameters"]:
+    """Return how parameters move what a camera's rows are derivatives by, in each of its pictures.
+
+    Parameters are the lens, the camera's pose (but for the first), the view's pose; the residual stays last.
+    """
+    T_cam_world = layout.state.cameras[number].T_cam_world
+    R_cam_world = T_cam_world[:3, :3]
+    lens, pose = (at.stop - at.start for at in (layout.lens[number], layout.pose[number]))
+    moves = np.zeros((len(T_world_target), lens + POSE + 1, lens + pose + POSE + 1))
+    moves[:, :lens, :lens] = np.eye(lens)
+    turn, shift = slice(lens, lens + 3), slice(lens + 3, lens + POSE)
+    if pose:
+        # The camera's world turns about the camera, which is this far from the target's origin.
+        x, y, z = R_cam_world @ T_world_target[:, :3, 3].T
+        o = np.zeros_like(x)
+        moves[:, turn, turn] = moves[:, shift, shift] = np.eye(3)
+        moves[:, shift, turn] = np.array([[o, z, -y], [-z, o, x], [y, -x, o]]).transpose(2, 0, 1)
+    moves[:, turn, lens + pose : lens + pose + 3] = R_cam_world
+    moves[:, shift, lens + pose + 3 : lens + pose + POSE] = R_cam_world
+    moves[:, -1, -1] = 1.0
+    return moves
+
+
+def _add(blocks: Blocks, own: slice, seen: np.ndarray, squares: Float64[np.ndarray, "n m m"]) -> None:
+    """Add the normal equations of one camera's pictures, of the views `seen`."""
+    width = own.stop - own.start
+    pose = slice(width, width + POSE)
+    summed = squares.sum(axis=0)
+    blocks.shared[own, own] += summed[:width, :width]
+    blocks.gradient.shared[own] += summed[:width, -1]
+    blocks.cross[seen, own] += squares[:, :width, pose]
+    blocks.view[seen] += squares[:, pose, pose]
+    blocks.gradient.view[seen] += squares[:, pose, -1]

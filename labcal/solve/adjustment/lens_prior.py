@@ -31,12 +31,14 @@ class LensPrior:
         """Return the prior of the lenses of a state, for the dots that they image."""
         if lenses is Lenses.FIXED:
             return cls()
-        weights = []
-        for number, camera in enumerate(state.cameras):
-            found = projection_derivatives(camera, state.in_camera(observations, number))
-            effect = np.abs(found.by_camera[:, :, INTRINSICS:]).max(axis=(0, 1), initial=0.0)
-            weights.append((effect / (_SHARE * camera.size[0])) ** 2)
-        return cls(tuple(weights))
+        effect = [np.zeros(camera.model.coefficients) for camera in state.cameras]
+        for run in observations.runs:
+            _, p = state.seen_by(observations, run)
+            by_camera = projection_derivatives(state.cameras[run.camera], p.T).by_camera
+            here = np.abs(by_camera[:, :, INTRINSICS:]).max(axis=(0, 1))
+            effect[run.camera] = np.maximum(effect[run.camera], here)
+        pairs = zip(effect, state.cameras, strict=True)
+        return cls(tuple((largest / (_SHARE * camera.size[0])) ** 2 for largest, camera in pairs))
 
     def cost(self, state: RigState) -> float:
         """Return what the coefficients of a state cost."""

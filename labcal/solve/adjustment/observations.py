@@ -1,5 +1,6 @@
 """What a bundle adjustment explains: dots measured in pictures, as arrays of numbers."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -7,8 +8,10 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from labcal.cameras.derivatives import RUN
 from labcal.correspond.detections import Detections
 from labcal.geometry.covariances import positive_definite
+from labcal.solve.adjustment.whitening import Whitener
 from labcal.targets.target import Target
 
 UNKNOWN_PX = 1e-3
@@ -22,6 +25,39 @@ class Picture:
     camera: int
     view: int
     rows: slice
+
+
+@dataclass(frozen=True)
+class Run:
+    """Pictures of one camera that are treated at once."""
+
+    pictures: tuple[Picture, ...]
+
+    @property
+    def camera(self) -> int:
+        """Whose pictures they are."""
+        return self.pictures[0].camera
+
+    @property
+    def rows(self) -> slice:
+        """The observations of all of them."""
+        return slice(self.pictures[0].rows.start, self.pictures[-1].rows.stop)
+
+    @cached_property
+    def views(self) -> Int64[np.ndarray, " pictures"]:
+        """Of its pictures."""
+        return np.array([picture.view for picture in self.pictures], dtype=np.int64)
+
+    @cached_property
+    def counts(self) -> Int64[np.ndarray, " pictures"]:
+        """How many rows its pictures have."""
+        return np.array([p.rows.stop - p.rows.start for p in self.pictures], dtype=np.int64)
+
+    def within(self) -> Iterator[tuple[Picture, slice]]:
+        """Return every picture and its rows, counted from the first of the run."""
+        first = self.rows.start
+        for picture in self.pictures:
+            yield picture, slice(picture.rows.start - first, picture.rows.stop - first)
 
 
 @dataclass(frozen=True)
@@ -41,10 +77,9 @@ class Observations:
         return len(self.camera)
 
     @cached_property
-    def whitener(self) -> Float64[np.ndarray, "n 2 2"]:
-        """The matrix that turns a residual in px into one of unit covariance."""
-        whitener: np.ndarray = np.linalg.inv(np.linalg.cholesky(self.covariance))
-        return whitener
+    def whitener(self) -> Whitener:
+        """What turns residuals in px into standard deviations."""
+        return Whitener.of(self.covariance)
 
     @cached_property
     def pictures(self) -> tuple[Picture, ...]:
@@ -55,6 +90,18 @@ class Observations:
             Picture(int(self.camera[first]), int(self.view[first]), slice(first, end))
             for first, end in pairwise(edges)
         )
+
+    @cached_property
+    def runs(self) -> tuple[Run, ...]:
+        """All pictures, in runs of up to some :data:`RUN` rows."""
+        runs: list[list[Picture]] = []
+        for picture in self.pictures:
+            fits = runs and runs[-1][0].camera == picture.camera
+            if fits and picture.rows.stop - runs[-1][0].rows.start <= RUN:
+                runs[-1].append(picture)
+            else:
+                runs.append([picture])
+        return tuple(Run(tuple(pictures)) for pictures in runs)
 
     def of_camera(self, camera: int) -> slice:
         """Return the rows of a camera."""

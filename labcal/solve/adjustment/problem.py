@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES, Loss
-from labcal.solve.adjustment.blocks import Blocks, Rows, assemble, linearised_rows
+from labcal.solve.adjustment.blocks import Blocks, Slopes, assemble
 from labcal.solve.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.schur import Reduced
@@ -17,7 +17,9 @@ from labcal.solve.adjustment.state import Freedom, Layout, Lenses, RigState
 _UNDAMPED = 1e-13
 """Damping, in units of each parameter's own curvature, that only keeps rounding from a negative pivot."""
 _POSE_STEPS = 2
-"""Gauss-Newton steps of all poses after every step of everything."""
+"""Most Gauss-Newton steps of all poses after every step of everything."""
+_SETTLED = 0.01
+"""Share of the gain of a step of everything below which another step of the poses is not worth its time."""
 
 
 @dataclass(frozen=True)
@@ -35,21 +37,15 @@ class AdjustmentProblem:
     def cost(self, parameters: RigState) -> float:
         """Return the cost; infinite where a measured dot could not be imaged at all."""
         with np.errstate(invalid="ignore", over="ignore"):
-            residual = parameters.residuals(self.observations)
-            white = np.einsum("nij,nj->ni", self.observations.whitener, residual)
-            cost = float(self.loss.cost((white**2).sum(axis=1)).sum()) + self.prior.cost(parameters)
+            white = self.observations.whitener.applied(parameters.residuals(self.observations).T)
+            cost = float(self.loss.cost((white**2).sum(axis=0)).sum()) + self.prior.cost(parameters)
         return cost if np.isfinite(cost) else float("inf")
 
     def linearize(self, parameters: RigState) -> "ViewsEliminated":
         """Return the normal equations at a state."""
         layout = Layout(parameters, self.freedom)
-        blocks = assemble(layout, self.observations, self.rows(layout))
+        blocks = assemble(layout, self.observations, self.loss)
         return ViewsEliminated(self, layout, self.prior.added(blocks, layout))
-
-    def rows(self, layout: Layout) -> tuple[Rows, ...]:
-        """Return derivatives and residuals by camera."""
-        cameras = range(len(layout.state.cameras))
-        return tuple(linearised_rows(layout, self.observations, number, self.loss) for number in cameras)
 
 
 @dataclass(frozen=True)
@@ -81,7 +77,7 @@ class ViewsEliminated:
         step = None if self.reduced is None else self.reduced.solve(gradient, _UNDAMPED)
         if step is None:
             return float("inf")
-        return float(np.sqrt(max(0.0, gradient.shared @ step.shared + (gradient.view * step.view).sum())))
+        return float(np.sqrt(max(0.0, _gain(gradient, step))))
 
     def stepped(self, mu: float) -> RigState | None:
         """Return the state after a damped step, or None where it leads to no possible camera."""
@@ -92,7 +88,7 @@ class ViewsEliminated:
             state = self.layout.stepped(-step.shared, -step.view)
         except InputError:
             return None
-        return self._settled(state)
+        return self._settled(state, _gain(self.blocks.gradient, step))
 
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
         """Return the covariance of all shared parameters; NaN for those that the observations leave open."""
@@ -106,15 +102,25 @@ class ViewsEliminated:
             return np.full_like(self.blocks.shared, np.inf)
         return self.reduced.shared_spread()
 
-    def _settled(self, state: RigState) -> RigState | None:
-        """Return the state with all poses refined, of views and of cameras; lenses and dots are kept."""
+    def _settled(self, state: RigState, gain: float) -> RigState | None:
+        """Return the state with all poses refined, of views and of cameras; lenses and dots are kept.
+
+        `gain` is what the step of everything was to take off the cost.
+        """
         still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])
         for _ in range(_POSE_STEPS):
             layout = Layout(state, still)
-            blocks = assemble(layout, self.problem.observations, self.problem.rows(layout))
+            blocks = assemble(layout, self.problem.observations, self.problem.loss)
             reduced = Reduced.of(blocks)
             step = None if reduced is None else reduced.solve(blocks.gradient, _UNDAMPED)
             if step is None or not np.isfinite(step.view).all():
                 return None
             state = layout.stepped(-step.shared, -step.view)
+            if _gain(blocks.gradient, step) < _SETTLED * gain:
+                break
         return state
+
+
+def _gain(gradient: Slopes, step: Slopes) -> float:
+    """Return what a step of the linearised equations takes off the cost."""
+    return float(gradient.shared @ step.shared + (gradient.view * step.view).sum())

@@ -1,24 +1,31 @@
 """Bundle adjustment in rounds: adjust, predict the centre bias and the scatter, adjust again."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
+from labcal.optim.robust import SQUARES, Huber, Loss
 from labcal.optim.solution import Stopping, StopReason
 from labcal.solve.adjustment.lens_prior import LensPrior
 from labcal.solve.adjustment.observations import Observations
+from labcal.solve.adjustment.outliers import outliers
 from labcal.solve.adjustment.problem import AdjustmentProblem
-from labcal.solve.adjustment.scatter import extra_variance
+from labcal.solve.adjustment.scatter import Scatter
 from labcal.solve.adjustment.state import POSE, Freedom, Layout, RigState
 from labcal.solve.centre_bias import Discs, centre_shift
 
-_STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
+STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 """Within a thousandth of a standard deviation of the minimum."""
-_DAMPING = Damping(ceiling=1e6)
+_MORE_ROUNDS = 6
+"""Most rounds more until the same dots are outliers twice."""
+_FEWEST_FREE = 0.1
+"""Share of the residuals' components that unknowns leave at least."""
+DAMPING = Damping(start=1e-6, ceiling=1e6)
+"""Starts are good: OpenCV calibrates to the minimum of nearly the same cost."""
 
 
 @dataclass(frozen=True)
@@ -34,15 +41,17 @@ class Adjusted:
     """Predicted minus measured, px."""
     shift: Float64[np.ndarray, "n 2"]
     """Centroid minus centre that was taken off the measured positions, px."""
+    outlier: Bool[np.ndarray, " n"]
+    """What did not enter, since its residual is beyond what noise explains."""
     scatter_px: float
     """What dots scatter (per axis) beyond their covariances."""
     reason: StopReason
 
     def rms_px(self, observations: Observations) -> Float64[np.ndarray, " cameras"]:
-        """Return OpenCV's figure by camera: the root mean square of the 2-D distance."""
-        square = (self.residual**2).sum(axis=1)
+        """Return OpenCV's figure by camera, without outliers: the root mean square of the 2-D distance."""
+        square = np.where(self.outlier, np.nan, (self.residual**2).sum(axis=1))
         cameras = range(len(self.state.cameras))
-        return np.array([np.sqrt(square[observations.of_camera(c)].mean()) for c in cameras])
+        return np.array([np.sqrt(np.nanmean(square[observations.of_camera(c)])) for c in cameras])
 
 
 def adjust_in_rounds(
@@ -52,7 +61,7 @@ def adjust_in_rounds(
     radii: Float64[np.ndarray, " dots"],
     bias_rounds: int,
 ) -> Adjusted:
-    """Adjust, and repeat with what the adjustment tells of bias and scatter.
+    """Adjust, and repeat with what the adjustment tells of bias, scatter and outliers.
 
     Parameters
     ----------
@@ -76,28 +85,75 @@ def adjust_in_rounds(
             "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
             "is the one in the pictures, choose a lens model that suits the lens, or give a rig with --start."
         )
-    state, measured = start, observations
-    shift = np.zeros_like(observations.q)
-    extra = _extra(state, measured, freedom)
     prior = LensPrior.of(start, observations, freedom.lenses)
-    for number in range(max(bias_rounds, 1) + 1):
+    now = _Standing.of(start, observations, np.zeros_like(observations.q), freedom)
+    # The start may be drawn towards outliers: at first they are only held back.
+    loss: Loss = Huber() if now.aside.any() else SQUARES
+    entering = np.full(len(observations), fill_value=True)
+    for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
         if 0 < number <= bias_rounds:
-            shift = predicted_shift(state, observations, radii)
-            measured = observations.moved(-shift)
-        problem = AdjustmentProblem(measured.scattered(extra), freedom, prior=prior)
-        solution = minimize(problem, state, _STOPPING, _DAMPING)
-        state = solution.parameters
-        extra = _extra(state, measured, freedom)
-    end = AdjustmentProblem(measured.scattered(extra), freedom, prior=prior).linearize(state)
+            now = now.shifted(predicted_shift(now.state, observations, radii))
+        dots = now.measured.where(entering).scattered(now.extra)
+        problem = AdjustmentProblem(dots, freedom, loss, prior)
+        solution = minimize(problem, now.state, STOPPING, DAMPING)
+        now = _Standing.of(solution.parameters, observations, now.shift, freedom)
+        settled = bool((entering == ~now.aside).all())
+        entering, loss = ~now.aside, SQUARES
+        if settled and number >= max(bias_rounds, 1):
+            break
+    dots = now.measured.where(entering).scattered(now.extra)
+    end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)
     return Adjusted(
-        state=state,
+        state=now.state,
         layout=end.layout,
         covariance=end.shared_covariance(),
-        residual=state.residuals(measured),
-        shift=shift,
-        scatter_px=float(np.sqrt(extra)),
+        residual=now.state.residuals(now.measured),
+        shift=now.shift,
+        outlier=now.aside,
+        scatter_px=float(np.sqrt(now.extra)),
         reason=solution.reason,
     )
+
+
+@dataclass(frozen=True)
+class _Standing:
+    """Where the rounds stand."""
+
+    state: RigState
+    measured: Observations
+    """Images of centres, as far as their bias is known."""
+    shift: Float64[np.ndarray, "n 2"]
+    """Centroid minus centre that was taken off, px."""
+    aside: Bool[np.ndarray, " n"]
+    """Outliers."""
+    extra: float
+    """Variance of all others beyond the stated one, px squared; one for all cameras.
+
+    With one for each, a rig can come to trust one camera ever more and the other ever less.
+    """
+
+    @classmethod
+    def of(
+        cls, state: RigState, centroids: Observations, shift: Float64[np.ndarray, "n 2"], freedom: Freedom
+    ) -> "_Standing":
+        """Judge the residuals of a state."""
+        measured = centroids.moved(-shift)
+        residual = state.residuals(measured)
+        unknowns = Layout(state, freedom).count + POSE * len(state.T_world_target)
+        aside = outliers(measured, residual, state.dots, _share(unknowns, len(residual)))
+        kept = Scatter.of(
+            residual[~aside], measured.covariance[~aside], _share(unknowns, int((~aside).sum()))
+        )
+        return cls(state, measured, shift, aside, kept.extra_variance())
+
+    def shifted(self, shift: Float64[np.ndarray, "n 2"]) -> "_Standing":
+        """Return it with another centre bias taken off, and judged as before."""
+        return replace(self, measured=self.measured.moved(self.shift - shift), shift=shift)
+
+
+def _share(unknowns: int, dots: int) -> float:
+    """Return the degrees of freedom over the number of residuals' components."""
+    return max(_FEWEST_FREE, 1.0 - unknowns / max(2 * dots, 1))
 
 
 def predicted_shift(
@@ -110,13 +166,3 @@ def predicted_shift(
         camera, T = state.cameras[picture.camera], state.T_world_target[picture.view]
         shift[picture.rows] = centre_shift(camera, T, discs, observations.dot[picture.rows])
     return shift
-
-
-def _extra(state: RigState, observations: Observations, freedom: Freedom) -> float:
-    """Return the variance beyond the stated one, px squared; one for all cameras.
-
-    With one for each, a rig can come to trust one camera ever more and the other ever less.
-    """
-    residual = state.residuals(observations)
-    unknowns = Layout(state, freedom).count + POSE * len(state.T_world_target)
-    return extra_variance(residual, observations.covariance, max(0.1, 1.0 - unknowns / residual.size))

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.optics import INTRINSICS
-from labcal.solve.adjustment.observations import Observations
+from labcal.solve.adjustment.observations import Observations, Run
 
 POSE = 6
 """A rotation vector (rad), applied after the present rotation, and a shift (mm)."""
@@ -42,21 +42,25 @@ class RigState:
     dots: Float64[np.ndarray, "dots 3"]
     """Centres in the target's frame, mm."""
 
-    def in_camera(self, observations: Observations, camera: int) -> Float64[np.ndarray, "n 3"]:
-        """Return where the dots that a camera measured are in its frame, mm."""
-        rows = observations.of_camera(camera)
-        T_cam_target = self.cameras[camera].T_cam_world @ self.T_world_target[observations.view[rows]]
-        p = self.dots[observations.dot[rows]]
-        turned = np.einsum("nij,nj->ni", T_cam_target[:, :3, :3], p)
-        return np.asarray(turned + T_cam_target[:, :3, 3])
+    def seen_by(
+        self, observations: Observations, run: Run
+    ) -> tuple[Float64[np.ndarray, "3 n"], Float64[np.ndarray, "3 n"]]:
+        """Return where the dots of a run's pictures are from the target's origin, and from the camera.
+
+        Both in mm along the camera's axes.
+        """
+        T_cam_target = self.cameras[run.camera].T_cam_world @ self.T_world_target[run.views]
+        by_row = np.repeat(T_cam_target[:, :3].reshape(-1, 12).T, run.counts, axis=1).reshape(3, 4, -1)
+        x, y, z = self.dots.T[:, observations.dot[run.rows]]
+        arm = by_row[:, 0] * x + by_row[:, 1] * y + by_row[:, 2] * z
+        return arm, arm + by_row[:, 3]
 
     def residuals(self, observations: Observations) -> Float64[np.ndarray, "n 2"]:
         """Return predicted minus measured pixels; NaN where a dot cannot be imaged."""
         found = np.empty((len(observations), 2))
-        for number, camera in enumerate(self.cameras):
-            rows = observations.of_camera(number)
-            there = replace(camera, T_cam_world=np.eye(4))
-            found[rows] = there.project(self.in_camera(observations, number)).q - observations.q[rows]
+        for run in observations.runs:
+            _, p = self.seen_by(observations, run)
+            found[run.rows] = self.cameras[run.camera].image(p.T).q - observations.q[run.rows]
         return found
 
 
@@ -81,6 +85,10 @@ class Layout:
         return tuple(
             slice(lens.stop, lens.stop + (POSE if number else 0)) for number, lens in enumerate(self.lens)
         )
+
+    def own(self, camera: int) -> slice:
+        """Return where all that belongs to one camera stands."""
+        return slice(self.lens[camera].start, self.pose[camera].stop)
 
     @property
     def dots(self) -> slice:
@@ -130,8 +138,8 @@ def moved_poses(
     """Return poses after turning their axes by a rotation vector and shifting their origin."""
     moved = T.copy()
     R = Rotation.from_rotvec(step[:, :3]).as_matrix() @ T[:, :3, :3]
-    U, _, Vt = np.linalg.svd(R)  # so that rounding does not add up over many steps
-    moved[:, :3, :3] = U @ Vt
+    # One step of Newton and Schulz, so that rounding does not add up over many steps.
+    moved[:, :3, :3] = 1.5 * R - 0.5 * R @ (R.transpose(0, 2, 1) @ R)
     moved[:, :3, 3] += step[:, 3:]
     return moved
 

@@ -10,7 +10,8 @@ import scipy.linalg
 from jaxtyping import Float64
 
 from labcal.arrays import PixelCovariances, Pixels, Points
-from labcal.cameras.camera import Camera, Imaged
+from labcal.cameras.camera import Camera
+from labcal.cameras.derivatives import Imaged, imaged
 from labcal.cameras.triangulation import Imager, TriangulatedPoints, nearest_points, refined
 from labcal.solve.field.pixel_field import PixelField
 from labcal.solve.field.places import Places
@@ -73,7 +74,7 @@ class LearnedCamera:
 
     def inputs(self, learned: LearnedField, q: Pixels, p: Points) -> Float64[np.ndarray, "n 3"]:
         """Return where the field is asked for points (mm) that were measured at pixels."""
-        at = q if learned.asked is Asked.ARRIVED else self.camera.imaged(p).q
+        at = q if learned.asked is Asked.ARRIVED else self.camera.project(p).q
         return learned.places.inputs(self.camera, at, p)
 
     def project(self, p: Points) -> Pixels:
@@ -82,7 +83,7 @@ class LearnedCamera:
         Where the field is asked where light arrives, that place is found by substitution: a field that bends
         the picture by less than its own slope converges.
         """
-        q = ideal = self.camera.imaged(p).q
+        q = ideal = self.camera.project(p).q
         if self.learned is None:
             return q
         known = np.isfinite(ideal).all(axis=1)
@@ -147,7 +148,7 @@ class _Measured:
     def imaged(self, p: Points) -> Imaged:
         """Return where the points of the pixels are imaged, and how that changes."""
         lens, learned = self.camera.camera, self.camera.learned
-        found = lens.imaged(p)
+        found = imaged(lens, p)
         if learned is None:
             return found
         places = learned.places

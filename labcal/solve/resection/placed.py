@@ -56,7 +56,7 @@ class PlacedCamera:
         found = self.numbers.imaged(p_cam)
         arm = (p - self.middle) @ R.T
         by_turn = np.cross(arm[:, None, :], found.by_point)
-        by_camera = np.concatenate([by_turn, found.by_point, found.by_number], axis=2)
+        by_camera = np.concatenate([by_turn, found.by_point, found.by_camera], axis=2)
         return SeenPoints(found.q, found.ok, found.by_point @ R, by_camera)
 
     def moved(self, step: Float64[np.ndarray, " free"]) -> "PlacedCamera":

@@ -39,7 +39,7 @@ def test_derivatives_are_those_of_the_projection(name: str) -> None:
         step[number] = 1e-6 * max(1.0, abs(value))
         slope = numbers.moved(step).project(POINTS).q - numbers.moved(-step).project(POINTS).q
         slope /= 2.0 * step[number]
-        assert np.abs(found.by_number[:, :, number] - slope).max() <= 1e-5 * max(1.0, np.abs(slope).max())
+        assert np.abs(found.by_camera[:, :, number] - slope).max() <= 1e-5 * max(1.0, np.abs(slope).max())
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,6 @@ def test_what_determines_no_pose_is_refused() -> None:
     with pytest.raises(InputError, match="at least 6"):
         pose_from_rays(p[:5], p[:5])
     p[:, 2] = 0.0
-    seen = p + [0.0, 0.0, 500.0]
+    seen = p + np.array([0.0, 0.0, 500.0])
     with pytest.raises(InputError, match="one plane"):
         pose_from_rays(seen / np.linalg.norm(seen, axis=1, keepdims=True), p)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labcal.solve.adjustment.scatter import extra_variance
+from labcal.solve.adjustment.scatter import Scatter
 
 
 def residuals(extra: float, n: int = 20_000) -> tuple[np.ndarray, np.ndarray]:
@@ -18,15 +18,18 @@ def residuals(extra: float, n: int = 20_000) -> tuple[np.ndarray, np.ndarray]:
 def test_it_is_found(extra: float) -> None:
     residual, covariance = residuals(extra)
     # The relative deviation of a variance from 40,000 components is sqrt(2 / 40000) where the extra rules.
-    assert np.sqrt(extra_variance(residual, covariance, 1.0)) == pytest.approx(extra, rel=0.04)
+    assert np.sqrt(Scatter.of(residual, covariance, 1.0).extra_variance()) == pytest.approx(extra, rel=0.04)
 
 
 def test_none_is_invented() -> None:
     residual, covariance = residuals(0.0)
-    assert extra_variance(residual, 1.1 * covariance, 1.0) == 0.0
-    assert extra_variance(residual, 0.5 * covariance, 1.0) > 0.0
+    assert Scatter.of(residual, 1.1 * covariance, 1.0).extra_variance() == 0.0
+    assert Scatter.of(residual, 0.5 * covariance, 1.0).extra_variance() > 0.0
 
 
 def test_unknowns_take_up_some() -> None:
     residual, covariance = residuals(0.1)
-    assert extra_variance(residual, covariance, 0.5) > 1.5 * extra_variance(residual, covariance, 1.0)
+    assert (
+        Scatter.of(residual, covariance, 0.5).extra_variance()
+        > 1.5 * Scatter.of(residual, covariance, 1.0).extra_variance()
+    )

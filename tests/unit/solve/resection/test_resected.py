@@ -50,7 +50,7 @@ def test_opencv_finds_no_less_cost() -> None:
 def test_a_prescription_and_a_window_under_water_are_found() -> None:
     glass = camera_of_lens("webcam-doublet", SIZE, None)
     true = replace(
-        glass, K=np.diag([650.0, 650.0, 1.0]) + [[0, 0, 318.0], [0, 0, 242.0], [0, 0, 0]], T_cam_world=T
+        glass, K=np.array([[650.0, 0.0, 318.0], [0.0, 650.0, 242.0], [0.0, 0.0, 1.0]]), T_cam_world=T
     )
     found = resect("test", true.project(POINTS).q, POINTS, glass).camera
     np.testing.assert_allclose(found.K, true.K, atol=1e-4)
@@ -65,7 +65,7 @@ def test_stated_covariances_are_those_of_repeated_resections() -> None:
     true, random = TRUE["brown5"], np.random.default_rng(7)
     q, sigma = true.project(POINTS).q, 0.2
     asked = np.array([[20.0, -30.0, 330.0], [-110.0, 80.0, 400.0]])
-    truth, statistic, runs = true.project(asked).q, 0.0, 40
+    truth, statistic, runs = true.project(asked).q, 0.0, 12
     for _ in range(runs):
         found = resect(
             "test", q + sigma * random.standard_normal(q.shape), POINTS, camera_of_lens("brown5", SIZE, None)
@@ -87,10 +87,10 @@ def test_what_determines_no_camera_is_refused() -> None:
     q = TRUE["pinhole"].project(POINTS).q
     with pytest.raises(InputError, match="at least 6"):
         resect("test", q[:5], POINTS[:5], kind)
-    flat = POINTS * [1.0, 1.0, 0.0] + [0.0, 0.0, 300.0]
+    flat = POINTS * [1.0, 1.0, 0.0] + np.array([0.0, 0.0, 300.0])
     with pytest.raises(InputError, match="one plane"):
         resect("test", TRUE["pinhole"].project(flat).q, flat, kind)
-    line = np.outer(np.arange(50.0), [1.0, 2.0, 0.5]) + [0.0, 0.0, 300.0]
+    line = np.outer(np.arange(50.0), [1.0, 2.0, 0.5]) + np.array([0.0, 0.0, 300.0])
     with pytest.raises(InputError, match="one line"):
         resect("test", TRUE["pinhole"].project(line).q, line, kind)
     with pytest.raises(InputError, match="belong together"):

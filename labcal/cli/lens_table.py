@@ -1,0 +1,23 @@
+"""How lens models compare, for people."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from labcal.solve.lens_choice import LensChoice
+
+
+def lens_table(choice: "LensChoice") -> "Table":
+    """Return the table of the models that were tried, the chosen one marked."""
+    from rich.table import Table
+
+    table = Table("lens", "RMS held out [px]", "worse than the best by [px\u00b2]", "", title="lens models")
+    for trial in choice.trials:
+        if trial.refused is not None:
+            table.add_row(trial.lens, "", "", trial.refused, style="dim")
+            continue
+        worse = f"{trial.worse_px2:.2g} \u00b1 {trial.chance_px2:.1g}"
+        verdict = "chosen" if trial.lens == choice.lens else "as good" if trial.as_good else ""
+        table.add_row(trial.lens, f"{trial.held_out_px:.4f}", worse, verdict)
+    return table

@@ -1,0 +1,74 @@
+"""One half of the views against the other: a check of a calibration that needs no truth."""
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.spatial.transform import Rotation
+
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
+from labcal.solve.calibration import HandheldCalibration
+from labcal.solve.handheld import HandheldSettings, calibrate_handheld
+from labcal.solve.reconstruction import reconstruct_points
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
+
+
+def halves(detections: Detections) -> tuple[Detections, Detections]:
+    """Return the views with even and with odd numbers."""
+    odd = detections.view_number % 2 == 1
+    return detections.where(~odd), detections.where(odd)
+
+
+def disagreement(one: HandheldCalibration, other: HandheldCalibration) -> Float64[np.ndarray, " n"]:
+    """Return differences of two calibrations of one rig over the standard deviations that both state.
+
+    By camera the intrinsics, the lens's coefficients and, but for the first camera, which is the world, its
+    rotation about its axes and its shift.
+    """
+    ratios = []
+    for number, name in enumerate(one.rig.cameras):
+        first, second = one.rig.camera(name), other.rig.camera(name)
+        sigma, more = one.fits[name].sigma, other.fits[name].sigma
+        free = len(sigma.dist)
+        turn = Rotation.from_matrix(first.T_cam_world[:3, :3] @ second.T_cam_world[:3, :3].T).as_rotvec()
+        shift = first.T_cam_world[:3, 3] - second.T_cam_world[:3, 3]
+        intrinsics = np.subtract(first.intrinsics, second.intrinsics)
+        ratios += [
+            intrinsics / np.hypot(sigma.intrinsics, more.intrinsics),
+            (first.dist[:free] - second.dist[:free]) / np.hypot(sigma.dist, more.dist),
+        ]
+        if number:
+            ratios += [
+                turn / np.hypot(sigma.rotation_rad, more.rotation_rad),
+                shift / np.hypot(sigma.translation_mm, more.translation_mm),
+            ]
+    return np.concatenate(ratios)
+
+
+def lengths_elsewhere(learned: Detections, others: Detections, target: AnyTarget, lens: str) -> LengthErrors:
+    """Return the errors of distances on a print that was measured, rig and dots alike, in other views.
+
+    Parameters
+    ----------
+    learned : Detections
+        Of the views from which the rig and the places of the dots come.
+    others : Detections
+        Of the views in which distances are measured: those of all pairs of dots, near and far.
+    target : AnyTarget
+    lens : str
+        Lens model.
+
+    Raises
+    ------
+    InputError
+        The views determine no rig, or no dot of theirs is in the others.
+    """
+    found = calibrate_handheld(learned, target, lens, HandheldSettings(free_dots=True))
+    freed = found.freed
+    if freed is None:
+        raise InputError("A calibration with free dots returned none.")
+    points = reconstruct_points(found.rig, others, target)
+    points = points.where(freed.freed[points.index[:, 1] * target.cols + points.index[:, 0]])
+    places = DotPlaces.of(target, freed.place, freed.own_covariance, freed.pictures, freed.freed)
+    return errors_of_lengths(points, places)

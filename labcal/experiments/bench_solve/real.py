@@ -1,0 +1,67 @@
+"""Rigs calibrated from pictures that this project did not make, where these are at hand."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from labcal.correspond.detections import Detections
+from labcal.correspond.measure import detections_of, measure_picture
+from labcal.correspond.sources import find_sources
+from labcal.experiments.bench_detect.real import PAIR, VARIABLE
+from labcal.experiments.bench_groups import Bench, Findings
+from labcal.experiments.bench_solve.halves import disagreement, halves, lengths_elsewhere
+from labcal.report.bench import Figure, at_most
+from labcal.run.progress import Progress
+from labcal.solve.handheld import calibrate_handheld
+from labcal.targets.catalogue import AnyTarget, load_target
+
+LENS = "brown-k1k2"
+RENDERED, RENDERED_TARGET, RENDERED_PICTURES = "rendered_black", "rings-14x10", 20
+PHOTOS, PHOTO_TARGET, PHOTO_PICTURES = "photos", "rings-10x8", 14
+AGREE_LIMIT = 3.0
+"""Standard deviations."""
+LENGTH_LIMIT_MM = 0.010
+
+
+def real_findings(bench: Bench) -> Findings:
+    """Return how well two halves of rendered views agree, and how well lengths on photographs repeat.
+
+    On the photographs the rig and the places of the dots come from one half of the views, the lengths from
+    the other half. Nothing but a note where the pictures are not at hand.
+    """
+    home = os.environ.get(VARIABLE)
+    if home is None or not Path(home).is_dir():
+        return Findings([], [], (f"real: left out, since ${VARIABLE} names no folder of pictures",))
+    bench.progress.start("real pictures", RENDERED_PICTURES + PHOTO_PICTURES)
+    target = load_target(RENDERED_TARGET)
+    dots = _measured(Path(home) / RENDERED, target, bench.progress)
+    one, other = (calibrate_handheld(half, target, LENS) for half in halves(dots))
+    apart = disagreement(one, other)
+    worst = float(np.abs(apart).max())
+    checks = [
+        at_most(f"{RENDERED}: two halves of the views, largest difference in sigma", worst, AGREE_LIMIT)
+    ]
+    beside = [
+        Figure(
+            name=f"{RENDERED}: root mean square of its {len(apart)} differences in sigma",
+            value=float(np.sqrt((apart**2).mean())),
+        )
+    ]
+    target = load_target(PHOTO_TARGET)
+    dots = _measured(Path(home) / PHOTOS, target, bench.progress)
+    for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
+        found = lengths_elsewhere(learned, others, target, LENS)
+        what = f"{PHOTOS}: lengths in other views, freed dots and rig of the {which} ones"
+        checks.append(at_most(f"{what}, RMS, mm", found.length_error_mm.rms, LENGTH_LIMIT_MM))
+        beside.append(Figure(name=f"{what}, largest, mm", value=found.length_error_mm.max))
+    return Findings(checks, beside)
+
+
+def _measured(folder: Path, target: AnyTarget, progress: Progress) -> Detections:
+    """Return the dots of all pictures of a set."""
+    measurements = []
+    for source in find_sources([str(folder)], PAIR):
+        measurements.append(measure_picture(source, target))
+        progress.advance()
+    return detections_of(measurements)

@@ -1,0 +1,57 @@
+"""Which detections enter a calibration, and what must not be among them."""
+
+import numpy as np
+
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import require_on_target
+from labcal.errors import InputError
+from labcal.targets.target import Target
+
+MIN_DOTS = 8
+"""Dots that a view needs to enter: a homography takes four, and a lens wants more than it leaves over."""
+
+
+def usable_dots(detections: Detections, target: Target) -> Detections:
+    """Return the dots that are measurements.
+
+    Raises
+    ------
+    InputError
+        There is none, one is not on the target, has no position, or is listed twice.
+    """
+    usable = detections.where(detections.ok)
+    if len(usable) == 0:
+        raise InputError("There are no dots with ids to calibrate with. See the flags in the detections.")
+    require_on_target(usable, target)
+    lost = np.flatnonzero(~np.isfinite(usable.position).all(axis=1))
+    if len(lost):
+        raise InputError(
+            f"{_words(usable, int(lost[0]))} is flagged 'ok', but has no position. Flag it otherwise."
+        )
+    picture = usable.camera_number * len(usable.views) + usable.view_number
+    dot = (picture * target.rows + usable.index[:, 1]) * target.cols + usable.index[:, 0]
+    _, first = np.unique(dot, return_index=True)
+    if len(first) < len(dot):
+        twice = np.setdiff1d(np.arange(len(dot)), first)[0]
+        raise InputError(
+            f"{_words(usable, int(twice))} is listed twice. Keep one line for each dot of a picture."
+        )
+    return usable
+
+
+def in_full_pictures(usable: Detections) -> tuple[Detections, tuple[str, ...]]:
+    """Return the dots of pictures with enough of them; and what does not enter, for people."""
+    picture = usable.camera_number * len(usable.views) + usable.view_number
+    dots = np.bincount(picture, minlength=len(usable.cameras) * len(usable.views))
+    skipped = []
+    for few in np.flatnonzero((dots > 0) & (dots < MIN_DOTS)):
+        camera, view = divmod(int(few), len(usable.views))
+        what = f"view '{usable.views[view]}' of camera '{usable.cameras[camera]}'"
+        skipped.append(f"{what}: only {dots[few]} dots, at least {MIN_DOTS} are needed")
+    return usable.where(dots[picture] >= MIN_DOTS), tuple(skipped)
+
+
+def _words(dots: Detections, line: int) -> str:
+    """Return which dot a line is, for people."""
+    col, row = dots.index[line]
+    return f"Dot ({col}, {row}) in view '{dots.view[line]}' of camera '{dots.camera[line]}'"
