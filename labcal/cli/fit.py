@@ -26,7 +26,10 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("shoot", type=Path, metavar="SHOOT")
     parser.add_argument(
-        "--method", required=True, metavar="NAME[,NAME]", help="affine, quadratic, homography, dlt, mlp"
+        "--method",
+        required=True,
+        metavar="NAME[,NAME]",
+        help="affine, quadratic, homography, dlt, mlp, mlp-bayes, ray-net",
     )
     add_output(
         parser, "MODEL", "model to write; with several methods their names are added before the ending"

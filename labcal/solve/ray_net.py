@@ -32,8 +32,8 @@ from labcal.solve.ray_problem import RayProblem
 from labcal.solve.scaling import RangeScaling
 
 CAMERAS, UNKNOWN_POINTS = 2, 6
-ROUNDS = 3
-"""Of training; before each but the first, what a miss is in pixels is taken from the networks themselves."""
+ROUGH_EPOCHS = 60
+"""Of a first training, after which the networks themselves tell what a miss is in pixels."""
 STEPS = 4
 """Gauss-Newton steps from where the rays come nearest to each other."""
 
@@ -55,7 +55,7 @@ class RayNet(PointEstimator):
     hidden : tuple of int
         Neurons of every hidden layer.
     max_epochs : int
-        Accepted steps, in each of three rounds of training, after which to stop.
+        Accepted steps after which to stop.
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -70,9 +70,9 @@ class RayNet(PointEstimator):
     input_centre_, input_half_range_ : float64 array, (inputs,)
         The scaling of the pixels.
     n_iter_ : int
-        Epochs of the last round, of the camera that took most.
+        Epochs of the camera that took most.
     stop_reason_ : str
-        Why the last round stopped; where cameras differ, all of their reasons.
+        Why training stopped; where cameras differ, all of their reasons.
     effective_parameters_ : float
         How many parameters the data determine, the mean over the cameras.
     rms_px_ : float
@@ -85,7 +85,7 @@ class RayNet(PointEstimator):
     )  # fmt: skip
 
     def __init__(
-        self, hidden: tuple[int, ...] = (12, 12), max_epochs: int = 200, random_state: int = 0
+        self, hidden: tuple[int, ...] = (12, 12), max_epochs: int = 500, random_state: int = 0
     ) -> None:
         self.hidden = hidden
         self.max_epochs = max_epochs
@@ -121,8 +121,8 @@ class RayNet(PointEstimator):
             [frame.first_scale(points, q) for frame, q in zip(frames, seen.swapaxes(0, 1), strict=True)]
         )
         with one_thread(), one_blas_thread():
-            for _ in range(ROUNDS):
-                solutions = self._trained(pixels, points, scales)
+            for epochs in (min(ROUGH_EPOCHS, self.max_epochs), self.max_epochs):
+                solutions = self._trained(pixels, points, scales, epochs)
                 self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
                 scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
@@ -138,6 +138,7 @@ class RayNet(PointEstimator):
         pixels: Float64[np.ndarray, "n inputs"],
         points: Points,
         scales: Float64[np.ndarray, "cameras n 2 2"],
+        epochs: int,
     ) -> list[BayesianSolution]:
         """Return one round of training from the present weights, with pixels per mm at every point."""
         frames = self._frames()
@@ -150,7 +151,7 @@ class RayNet(PointEstimator):
             (scales @ np.stack(places))[..., 0],
         )
         starts = list(torch.from_numpy(self.parameters_))
-        return train_by_evidence(problem, starts, self.max_epochs, Damping())
+        return train_by_evidence(problem, starts, epochs, Damping())
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         frames = self._frames()

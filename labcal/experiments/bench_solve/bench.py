@@ -4,10 +4,11 @@ from pathlib import Path
 
 from labcal.experiments.bench_groups import Groups, measured_groups
 from labcal.experiments.bench_settings import BenchSettings
+from labcal.experiments.bench_solve.training import training_findings
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
 
-GROUPS: Groups = {}
+GROUPS: Groups = {"training": training_findings}
 
 
 def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> BenchResult:
