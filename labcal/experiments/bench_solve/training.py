@@ -54,9 +54,9 @@ class _Task:
         """Return the scaled problem, and starts of which the first is the one of all comparisons."""
         data = simulate(ROW, NoiseReading.NONE, seed)
         network = Network((data.X.shape[1], *ROW.hidden, data.Y.shape[1]))
-        scaled = (torch.from_numpy(RangeScaling.of(part).scaled(part)) for part in (data.X, data.Y))
+        X, Y = (torch.from_numpy(RangeScaling.of(part).scaled(part)) for part in (data.X, data.Y))
         random = (generator(seed, "bench solve", "training", str(member)) for member in range(MEMBERS))
-        return cls(network, *scaled, [nguyen_widrow(network, own) for own in random])
+        return cls(network, X, Y, [nguyen_widrow(network, own) for own in random])
 
     def problem(self, members: int) -> NetworkProblem:
         """Return the problem for so many networks."""
