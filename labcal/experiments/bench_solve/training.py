@@ -80,9 +80,7 @@ def training_findings(bench: Bench) -> Findings:
         beside += of_batch
         bench.progress.advance()
         if find_spec(PEER) is None:
-            note = (
-                "training: torch-levenberg-marquardt is not installed; 'pip install labcal[bench]' brings it"
-            )
+            note = "training: torch-levenberg-marquardt is not installed; the extra 'bench' brings it"
             return Findings(checks, beside, (note,))
         of_peer, beside_peer = _peer_ratios(task, rounds)
     bench.progress.advance()
@@ -155,6 +153,7 @@ def _peer_times(task: _Task, damping: dict[str, float]) -> list[float]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of Lightning, which it imports
         peer: Any = import_module(PEER)
+    logging.getLogger(PEER).setLevel(logging.ERROR)  # it warns of every step that it tries in vain
     logging.getLogger(PEER).setLevel(logging.ERROR)  # it warns of every step that it tries in vain
     modules: list[torch.nn.Module] = []
     for layer in task.network.layers(task.starts[0]):
