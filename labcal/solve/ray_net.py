@@ -10,11 +10,14 @@ from scipy.linalg import solve_triangular
 from labcal.arrays import Points
 from labcal.errors import InputError
 from labcal.geometry.rays import closest_points
-from labcal.optim.bayesian_training import BayesianSolution, train_by_evidence
+from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
+from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
+from labcal.optim.solution import Stopping
 from labcal.optim.threads import one_thread
+from labcal.optim.weight_decay import Decayed
 from labcal.rng import generator
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.estimator import FittedArray, PointEstimator
@@ -33,7 +36,10 @@ from labcal.solve.scaling import RangeScaling
 
 CAMERAS, UNKNOWN_POINTS = 2, 6
 ROUGH_EPOCHS = 60
-"""Of a first training, after which the networks themselves tell what a miss is in pixels."""
+"""Of a first training without decay, after which the networks themselves tell what a miss is in pixels.
+
+Where the evidence rules from the start, it may take the waves of a pane for noise and never learn them.
+"""
 STEPS = 4
 """Gauss-Newton steps from where the rays come nearest to each other."""
 
@@ -121,10 +127,16 @@ class RayNet(PointEstimator):
             [frame.first_scale(points, q) for frame, q in zip(frames, seen.swapaxes(0, 1), strict=True)]
         )
         with one_thread(), one_blas_thread():
-            for epochs in (min(ROUGH_EPOCHS, self.max_epochs), self.max_epochs):
-                solutions = self._trained(pixels, points, scales, epochs)
-                self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
-                scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
+            without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(frames))
+            stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
+            starts = list(torch.from_numpy(self.parameters_))
+            rough = minimize_batch(without_decay, starts, stopping, Damping())
+            self.parameters_ = np.stack([solution.parameters.numpy() for solution in rough])
+            scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
+            problem = self._problem(pixels, points, scales)
+            starts = list(torch.from_numpy(self.parameters_))
+            solutions = train_by_evidence(problem, starts, self.max_epochs, Damping())
+        self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
         self.n_iter_ = max(solution.epochs for solution in solutions)
         self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])
@@ -133,25 +145,22 @@ class RayNet(PointEstimator):
         # Two residuals a point.
         self.rms_px_ = float(np.sqrt(2.0 * np.mean([solution.history[-1] for solution in solutions])))
 
-    def _trained(
+    def _problem(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         points: Points,
         scales: Float64[np.ndarray, "cameras n 2 2"],
-        epochs: int,
-    ) -> list[BayesianSolution]:
-        """Return one round of training from the present weights, with pixels per mm at every point."""
+    ) -> RayProblem:
+        """Return the problem of all cameras, with pixels per mm at every point."""
         frames = self._frames()
         slopes = [frame.miss_per_crossing(points) for frame in frames]
         places = [frame.local(points)[:, :2, None] for frame in frames]
-        problem = RayProblem(
+        return RayProblem(
             self._network(),
             torch.stack([self._scaled(k, pixels) for k in range(len(frames))]),
             scales @ np.stack(slopes),
             (scales @ np.stack(places))[..., 0],
         )
-        starts = list(torch.from_numpy(self.parameters_))
-        return train_by_evidence(problem, starts, epochs, Damping())
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         frames = self._frames()
