@@ -38,7 +38,9 @@ CAMERAS, UNKNOWN_POINTS = 2, 6
 ROUGH_EPOCHS = 60
 """Of a first training without decay, after which the networks themselves tell what a miss is in pixels.
 
-Where the evidence rules from the start, it may take the waves of a pane for noise and never learn them.
+Where the evidence rules from the start, it may take the waves of a pane for noise and never learn them;
+where it comes in after this, noise that was learned by then may stay. Both are done, and the evidence says
+which was better.
 """
 STEPS = 4
 """Gauss-Newton steps from where the rays come nearest to each other."""
@@ -127,15 +129,20 @@ class RayNet(PointEstimator):
             [frame.first_scale(points, q) for frame, q in zip(frames, seen.swapaxes(0, 1), strict=True)]
         )
         with one_thread(), one_blas_thread():
+            starts = list(torch.from_numpy(self.parameters_))
             without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(frames))
             stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
-            starts = list(torch.from_numpy(self.parameters_))
             rough = minimize_batch(without_decay, starts, stopping, Damping())
             self.parameters_ = np.stack([solution.parameters.numpy() for solution in rough])
             scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
             problem = self._problem(pixels, points, scales)
-            starts = list(torch.from_numpy(self.parameters_))
-            solutions = train_by_evidence(problem, starts, self.max_epochs, Damping())
+            both = (
+                train_by_evidence(problem, first, self.max_epochs, Damping())
+                for first in (starts, [solution.parameters for solution in rough])
+            )
+            solutions = [
+                max(pair, key=lambda one: one.evidence.log_evidence) for pair in zip(*both, strict=True)
+            ]
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
         self.n_iter_ = max(solution.epochs for solution in solutions)
