@@ -17,7 +17,7 @@ Weights = Float64[torch.Tensor, " p"]
 
 SETTLED = 0.1
 """Change of the log evidence by an epoch below which it stands still."""
-EPOCHS_AT_REST = 5
+EPOCHS_AT_REST = 10
 """Epochs in a row without a change after which it has settled."""
 
 

@@ -50,7 +50,7 @@ class Evidence:
             Numbers of residuals and of parameters.
         """
         residuals, parameters = counts
-        return cls._of(min(parameters, 0.5 * residuals), square, weights, residuals, math.nan)
+        return cls._of(min(float(parameters), 0.5 * residuals), square, weights, residuals, math.nan)
 
     def again(self, equations: NormalEquations, place: int, square: float, residuals: int) -> "Evidence":
         """Return the scales estimated anew at the present weights.

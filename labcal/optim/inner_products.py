@@ -2,7 +2,7 @@
 
 import numpy as np
 from jaxtyping import Float64
-from scipy.linalg.blas import dgemm
+from scipy.linalg.blas import dgemm, dsyrk
 
 
 def inner_products(
@@ -14,3 +14,9 @@ def inner_products(
     the time that torch's MKL takes (docs/decisions.md).
     """
     dgemm(1.0, right.T, left.T, trans_a=1, c=out.T, overwrite_c=1)
+
+
+def own_inner_products(rows: Float64[np.ndarray, "r n"], out: Float64[np.ndarray, "r r"]) -> None:
+    """Write the lower triangle of the products of all rows of a matrix with each other."""
+    # The lower triangle by rows is the upper one by columns.
+    dsyrk(1.0, rows.T, trans=1, lower=0, c=out.T, overwrite_c=1)

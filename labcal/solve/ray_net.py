@@ -10,11 +10,14 @@ from scipy.linalg import solve_triangular
 from labcal.arrays import Points
 from labcal.errors import InputError
 from labcal.geometry.rays import closest_points
-from labcal.optim.bayesian_training import BayesianSolution, train_by_evidence
+from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
+from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
+from labcal.optim.solution import Stopping
 from labcal.optim.threads import one_thread
+from labcal.optim.weight_decay import Decayed
 from labcal.rng import generator
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.estimator import FittedArray, PointEstimator
@@ -32,8 +35,13 @@ from labcal.solve.ray_problem import RayProblem
 from labcal.solve.scaling import RangeScaling
 
 CAMERAS, UNKNOWN_POINTS = 2, 6
-ROUNDS = 3
-"""Of training; before each but the first, what a miss is in pixels is taken from the networks themselves."""
+ROUGH_EPOCHS = 60
+"""Of a first training without decay, after which the networks themselves tell what a miss is in pixels.
+
+Where the evidence rules from the start, it may take the waves of a pane for noise and never learn them;
+where it comes in after this, noise that was learned by then may stay. Both are done, and the evidence says
+which was better.
+"""
 STEPS = 4
 """Gauss-Newton steps from where the rays come nearest to each other."""
 
@@ -55,7 +63,7 @@ class RayNet(PointEstimator):
     hidden : tuple of int
         Neurons of every hidden layer.
     max_epochs : int
-        Accepted steps, in each of three rounds of training, after which to stop.
+        Accepted steps after which to stop.
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -70,9 +78,9 @@ class RayNet(PointEstimator):
     input_centre_, input_half_range_ : float64 array, (inputs,)
         The scaling of the pixels.
     n_iter_ : int
-        Epochs of the last round, of the camera that took most.
+        Epochs of the camera that took most.
     stop_reason_ : str
-        Why the last round stopped; where cameras differ, all of their reasons.
+        Why training stopped; where cameras differ, all of their reasons.
     effective_parameters_ : float
         How many parameters the data determine, the mean over the cameras.
     rms_px_ : float
@@ -85,7 +93,7 @@ class RayNet(PointEstimator):
     )  # fmt: skip
 
     def __init__(
-        self, hidden: tuple[int, ...] = (12, 12), max_epochs: int = 200, random_state: int = 0
+        self, hidden: tuple[int, ...] = (12, 12), max_epochs: int = 500, random_state: int = 0
     ) -> None:
         self.hidden = hidden
         self.max_epochs = max_epochs
@@ -121,10 +129,21 @@ class RayNet(PointEstimator):
             [frame.first_scale(points, q) for frame, q in zip(frames, seen.swapaxes(0, 1), strict=True)]
         )
         with one_thread(), one_blas_thread():
-            for _ in range(ROUNDS):
-                solutions = self._trained(pixels, points, scales)
-                self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
-                scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
+            starts = list(torch.from_numpy(self.parameters_))
+            without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(frames))
+            stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
+            rough = minimize_batch(without_decay, starts, stopping, Damping())
+            self.parameters_ = np.stack([solution.parameters.numpy() for solution in rough])
+            scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
+            problem = self._problem(pixels, points, scales)
+            both = (
+                train_by_evidence(problem, first, self.max_epochs, Damping())
+                for first in (starts, [solution.parameters for solution in rough])
+            )
+            solutions = [
+                max(pair, key=lambda one: one.evidence.log_evidence) for pair in zip(*both, strict=True)
+            ]
+        self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
         self.n_iter_ = max(solution.epochs for solution in solutions)
         self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])
@@ -133,24 +152,22 @@ class RayNet(PointEstimator):
         # Two residuals a point.
         self.rms_px_ = float(np.sqrt(2.0 * np.mean([solution.history[-1] for solution in solutions])))
 
-    def _trained(
+    def _problem(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         points: Points,
         scales: Float64[np.ndarray, "cameras n 2 2"],
-    ) -> list[BayesianSolution]:
-        """Return one round of training from the present weights, with pixels per mm at every point."""
+    ) -> RayProblem:
+        """Return the problem of all cameras, with pixels per mm at every point."""
         frames = self._frames()
         slopes = [frame.miss_per_crossing(points) for frame in frames]
         places = [frame.local(points)[:, :2, None] for frame in frames]
-        problem = RayProblem(
+        return RayProblem(
             self._network(),
             torch.stack([self._scaled(k, pixels) for k in range(len(frames))]),
             scales @ np.stack(slopes),
             (scales @ np.stack(places))[..., 0],
         )
-        starts = list(torch.from_numpy(self.parameters_))
-        return train_by_evidence(problem, starts, self.max_epochs, Damping())
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         frames = self._frames()

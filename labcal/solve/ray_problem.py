@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from jaxtyping import Float64
 
-from labcal.optim.inner_products import inner_products
+from labcal.optim.inner_products import own_inner_products
 from labcal.optim.network import Network
 from labcal.optim.normal_equations import NormalEquations
 
@@ -52,7 +52,7 @@ class RayProblem:
             of_outputs = self.network.jacobian(own, self._inputs[member]).numpy()
             jacobian = np.matmul(self._slopes[member], of_outputs).reshape(self.residual_count, -1)
             rows = np.ascontiguousarray(jacobian.T)
-            inner_products(rows, rows, equations.matrices[place])
+            own_inner_products(rows, equations.matrices[place])
             equations.gradients[place] = rows @ self._residuals(member, own).ravel()
         return equations
 

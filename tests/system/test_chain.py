@@ -115,7 +115,8 @@ def test_from_a_stage_to_millimetres(labcal: Run, stage: Path, stage_dots: Path,
         } <= set(errors)  # fmt: skip
         assert (errors["n"], errors["alignment"]) == (12 * 9, "none")  # those within the trained hull
         assert len(errors["mean_signed_mm"]) == 3
-        assert errors["coverage95"] is None
+        # Taught one plane, a method may call Z exact, and has no ellipsoids.
+        assert errors["coverage95"] is None or 0.0 <= errors["coverage95"] <= 1.0
         assert 0.05 < errors["limit_mm"] < 1.0
         assert errors["mae_mm"] <= errors["rmse_mm"] <= errors["max_mm"]
         rmse[fitted["method"]] = errors["rmse_mm"]

@@ -7,11 +7,13 @@ from labcal.experiments.bench_settings import BenchSettings
 from labcal.experiments.bench_solve.adjustment import adjustment_findings
 from labcal.experiments.bench_solve.limits import limit_findings
 from labcal.experiments.bench_solve.real import real_findings
+from labcal.experiments.bench_solve.training import training_findings
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
 
 GROUPS: Groups = {
     "limits": limit_findings,
+    "training": training_findings,
     "adjustment": adjustment_findings,
     "real": real_findings,
 }

@@ -43,6 +43,14 @@ def test_jacobian_agrees_with_autograd(sizes: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("sizes", SIZES)
+def test_derivatives_by_inputs_agree_with_autograd(sizes: tuple[int, ...]) -> None:
+    network, parameters, inputs, _ = draw(sizes, 6)
+    whole = torch.autograd.functional.jacobian(lambda x: network.forward(parameters, x)[1], inputs)
+    expected = torch.stack([whole[point, :, point] for point in range(6)])
+    torch.testing.assert_close(network.input_jacobian(parameters, inputs), expected, rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("sizes", SIZES)
 def test_normal_equations_agree_with_autograd(sizes: tuple[int, ...]) -> None:
     network, parameters, inputs, targets = draw(sizes, 9)
 

@@ -84,7 +84,9 @@ def test_constant_inputs_do_no_harm(stereo: View, plane: np.ndarray) -> None:
 
 def test_clone_keeps_the_parameters() -> None:
     copy = clone(Mlp(hidden=(55,), goal=1e-5, max_epochs=7, random_state=9))
-    assert copy.get_params() == {"hidden": (55,), "goal": 1e-5, "max_epochs": 7, "random_state": 9}
+    assert copy.get_params() == {
+        "hidden": (55,), "goal": 1e-5, "max_epochs": 7, "members": 1, "random_state": 9,
+    }  # fmt: skip
 
 
 def test_bad_input_is_refused(stereo: View, plane: np.ndarray) -> None:

@@ -12,8 +12,10 @@ from safetensors.numpy import save_file
 from labcal.errors import InputError, OutputError, UnknownNameError
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.mlp import Mlp
+from labcal.solve.mlp_bayes import MlpBayes
 from labcal.solve.model_file import ModelKind, load_model, model_kind, save_model
 from labcal.solve.model_header import ModelHeader
+from labcal.solve.ray_net import RayNet
 from labcal.solve.registry import make_estimator, method_names
 
 View = Callable[[np.ndarray], np.ndarray]
@@ -21,8 +23,8 @@ View = Callable[[np.ndarray], np.ndarray]
 
 def fitted(name: str, X: np.ndarray, Y: np.ndarray) -> FittedModel:
     estimator = make_estimator(name)
-    if isinstance(estimator, Mlp):
-        estimator.set_params(hidden=(5, 6), goal=1e-6, max_epochs=4, random_state=2)
+    if isinstance(estimator, Mlp | MlpBayes | RayNet):
+        estimator.set_params(hidden=(5, 6), max_epochs=4, random_state=2)
     estimator.fit(X, Y)
     return FittedModel(estimator, ("left", "right"), ((640, 480), (800, 600)), TrainingBox.of(X, Y))
 
@@ -58,6 +60,9 @@ def test_round_trip_is_exact(
     after = load_model(tmp_path / "m")
     seen = stereo(other_volume)
     assert after.estimator.predict(seen).tobytes() == before.estimator.predict(seen).tobytes()
+    covariance = np.broadcast_to(0.01 * np.eye(2), (len(seen), 2, 2, 2))
+    stated, kept = (one.estimator.predict_with_covariance(seen, covariance)[1] for one in (before, after))
+    assert kept.tobytes() == stated.tobytes()
     assert after.estimator.get_params() == before.estimator.get_params()
     assert (after.cameras, after.image_sizes) == (before.cameras, before.image_sizes)
     assert after.box.planar is (name == "homography")
@@ -125,7 +130,15 @@ def test_an_older_version_is_refused_by_its_number(saved: Path) -> None:
     [
         ({"cameras": ["right", "left"]}, "has been changed"),
         (
-            {"parameters": {"hidden": [5, 7], "goal": 1e-6, "max_epochs": 4, "random_state": 2}},
+            {
+                "parameters": {
+                    "hidden": [5, 7],
+                    "goal": 1e-7,
+                    "max_epochs": 4,
+                    "members": 1,
+                    "random_state": 2,
+                }
+            },
             "has been changed",
         ),
         ({"surprise": 1}, "surprise: this key is not known"),
@@ -174,7 +187,18 @@ def test_even_with_a_right_digest_only_known_methods_parameters_and_shapes_are_u
     saved.write_bytes(original)
     with pytest.raises(InputError, match="lacks the array 'parameters_'"):
         load_model(
-            resigned(saved, {"parameters": {"hidden": [9], "goal": 1e-6, "max_epochs": 4, "random_state": 2}})
+            resigned(
+                saved,
+                {
+                    "parameters": {
+                        "hidden": [9],
+                        "goal": 1e-7,
+                        "max_epochs": 4,
+                        "members": 1,
+                        "random_state": 2,
+                    }
+                },
+            )
         )
     saved.write_bytes(original)
     with pytest.raises(InputError, match=r"'box\.low_mm'"):
