@@ -18,7 +18,7 @@ _RATIOS, _ACROSS, _ALONG = (1.0, 1e2, 1e4, 1e6), (0.06, 0.12, 0.25, 0.5), (0.6, 
 _WORTH = 6.0
 """Gain of the logarithm of the likelihood from which on a field is there: by chance, three numbers more gain
 this once in some hundred cases (Wilks 1938: half a chi-square)."""
-_STEPS = {"maxiter": 50}
+_STEPS = {"maxiter": 50, "ftol": 1e-6}
 _NOWHERE = np.array([-np.inf, 0.0, 0.0])
 
 
