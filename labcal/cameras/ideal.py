@@ -70,8 +70,7 @@ def rectified_pair(first: Camera, second: Camera) -> tuple[Camera, Camera]:
     ):
         raise InputError(
             "These two cameras cannot be rectified: they are at one place, or one is ahead of the other and "
-            "not "
-            "beside it. Undistort them without --rectify."
+            "not beside it. Undistort them without --rectify."
         )
     x = baseline / length
     if x @ (axes[0][0] + axes[1][0]) < 0.0:
@@ -118,8 +117,7 @@ def _placed(cameras: Sequence[Camera], R: Matrix3, focal: float, fields: Sequenc
     if width * height > _MOST_PIXELS:
         raise InputError(
             f"The ideal picture would have {width} x {height} pixels, more than any picture may have. "
-            f"Undistort "
-            "smaller pictures, or leave out --whole and --rectify."
+            "Undistort smaller pictures, or leave out --whole and --rectify."
         )
     placed = []
     for camera, field in zip(cameras, fields, strict=True):

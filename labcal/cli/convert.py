@@ -142,9 +142,9 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
     write_file(output, found.text, force=arguments.force)
     spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
     told = (
-        "For mrcal-calibrate-cameras: --corners-cache-has-weights "
-        f"--object-spacing {spacing_m!r} --object-width-n {target.cols} --object-height-n {target.rows}. "
-        "It takes the centroids of dots for images of their centres."
+        f"For mrcal-calibrate-cameras: --corners-cache-has-weights --object-spacing {spacing_m!r} "
+        f"--object-width-n {target.cols} --object-height-n {target.rows}. It takes the centroids of dots for "
+        "images of their centres."
     )
     notes = [told]
     if found.left_out:
@@ -174,8 +174,7 @@ def _size_on_disk(image: Path) -> tuple[int, int]:
     if not image.is_file():
         raise InputError(
             f"The picture {image} is not at hand, so its size is not known. Say it: --size 1280x960, or go "
-            f"to the folder "
-            "that the names start from."
+            "to the folder that the names start from."
         )
     height, width = read_picture(image).shape[:2]
     return (width, height)

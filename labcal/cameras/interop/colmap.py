@@ -72,8 +72,7 @@ def read_colmap(sources: Sequence[SourceText]) -> ReadRig:
         if len(taken) != 1:
             raise InputError(
                 f"{by_name[_IMAGES].path}: camera {words[0]:.20} took {len(taken)} images. A rig's camera "
-                f"has one place: "
-                "keep one image of each camera."
+                "has one place: keep one image of each camera."
             )
         _, name, T_cam_world = taken[0]
         names.append(Path(name).stem)

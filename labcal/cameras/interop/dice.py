@@ -9,8 +9,7 @@ own. Millimetres are written, and taken for granted.
 
 from collections.abc import Sequence
 from pathlib import Path
-from xml.etree.ElementTree import Element
-from xml.sax.saxutils import quoteattr
+from xml.etree import ElementTree as ET
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -27,6 +26,7 @@ from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 
 _HOLDER = "DICe"
+_LIST, _PARAMETER = "ParameterList", "Parameter"
 _MOST_CAMERAS = 9
 _FORMAT = ("xml_file_format", "DICe_xml_camera_system_file")
 _RELATIVE = "extrinsics_relative_camera_to_camera"
@@ -59,11 +59,11 @@ def read_dice(sources: Sequence[SourceText]) -> ReadRig:
     if values.get(_FORMAT[0]) != _FORMAT[1]:
         raise InputError(
             f"{path} is no camera system file of DICe: it should hold the parameter {_FORMAT[0]} with the "
-            f"value "
-            f"{_FORMAT[1]}. Older files ('cal_file_ID') are converted by opening and saving them in DICe."
+            f"value {_FORMAT[1]}. Older files ('cal_file_ID') are converted by opening and saving them in "
+            "DICe."
         )
-    lists = {child.get("name", ""): child for child in root if child.tag == "ParameterList"}
-    cameras: list[Element] = []
+    lists = {child.get("name", ""): child for child in root if child.tag == _LIST}
+    cameras: list[ET.Element] = []
     while f"CAMERA {len(cameras)}" in lists:
         cameras.append(lists[f"CAMERA {len(cameras)}"])
     if not cameras:
@@ -88,48 +88,49 @@ def write_dice(rig: Rig, _suffix: str) -> RigTexts:
     if len(rig.cameras) > _MOST_CAMERAS:
         raise InputError(
             f"DICe takes {_MOST_CAMERAS} cameras at most, and this rig has {len(rig.cameras)}. Choose some: "
-            f"--only "
-            f"{','.join(list(rig.cameras)[:2])}."
+            f"--only {','.join(list(rig.cameras)[:2])}."
         )
-    lines = ["<ParameterList>"]
-    lines.append(_line("string", *_FORMAT))
-    lines.append(_line("string", "system_type_3D", "OPENCV"))
-    lines.append(_line("bool", _RELATIVE, "false"))
+    root = ET.Element(_LIST)
+    _add(root, "string", *_FORMAT)
+    _add(root, "string", "system_type_3D", "OPENCV")
+    _add(root, "bool", _RELATIVE, "false")
     for number, (name, record) in enumerate(rig.cameras.items()):
-        lines += _camera_lines(number, name, record)
-    lines.append("</ParameterList>")
-    return RigTexts((OutputText("", "\n".join(lines) + "\n"),))
+        _add_camera(ET.SubElement(root, _LIST, {"name": f"CAMERA {number}"}), name, record)
+    ET.indent(root)
+    return RigTexts((OutputText("", ET.tostring(root, encoding="unicode") + "\n"),))
 
 
-def _line(kind: str, name: str, value: str) -> str:
-    return f"  <Parameter name={quoteattr(name)} type={quoteattr(kind)} value={quoteattr(value)} />"
+def _add(parent: ET.Element, kind: str, name: str, value: str) -> None:
+    """Add a parameter to a list."""
+    ET.SubElement(parent, _PARAMETER, {"name": name, "type": kind, "value": value})
 
 
-def _camera_lines(number: int, name: str, record: CameraRecord) -> list[str]:
-    """Return the list of one camera."""
+def _add_camera(parent: ET.Element, name: str, record: CameraRecord) -> None:
+    """Fill the list of one camera."""
     held = held_coefficients(name, record, len(_COEFFICIENTS), _HOLDER)
     (fx, _, cx), (_, fy, cy), _ = record.K
     R, t = np.array(record.T_cam_world)[:3, :3], np.array(record.T_cam_world)[:3, 3]
-    figures = [("CX", cx), ("CY", cy), ("FX", fx), ("FY", fy)]
-    figures += [(key, value) for key, value in zip(_COEFFICIENTS, held, strict=True) if value != 0.0]
-    figures += [("TX", t[0]), ("TY", t[1]), ("TZ", t[2])]
-    rows = [f"{{ {', '.join(number_text(value) for value in row)} }}" for row in R]
-    return [
-        f'  <ParameterList name="CAMERA {number}">',
-        _line("string", "CAMERA_ID", name),
-        *(_line("double", key, number_text(value)) for key, value in figures),
-        _line("string", "LENS_DISTORTION_MODEL", _OPENCV_LENS),
-        f'  <ParameterList name="{_ROTATION}">',
-        *(_line("string", f"ROW {at}", row) for at, row in enumerate(rows)),
-        "  </ParameterList>",
-        _line("string", "IMAGE_HEIGHT_WIDTH", f"{{ {record.size[1]}, {record.size[0]} }}"),
-        "  </ParameterList>",
-    ]
+    _add(parent, "string", "CAMERA_ID", name)
+    for key, value in (
+        ("CX", cx),
+        ("CY", cy),
+        ("FX", fx),
+        ("FY", fy),
+        *zip(_COEFFICIENTS, held, strict=True),
+    ):
+        _add(parent, "double", key, number_text(value))
+    _add(parent, "string", "LENS_DISTORTION_MODEL", _OPENCV_LENS)
+    for key, value in zip(("TX", "TY", "TZ"), t, strict=True):
+        _add(parent, "double", key, number_text(value))
+    rotation = ET.SubElement(parent, _LIST, {"name": _ROTATION})
+    for at, row in enumerate(R):
+        _add(rotation, "string", f"ROW {at}", f"{{ {', '.join(number_text(value) for value in row)} }}")
+    _add(parent, "string", "IMAGE_HEIGHT_WIDTH", f"{{ {record.size[1]}, {record.size[0]} }}")
 
 
-def _values(element: Element) -> dict[str, str]:
+def _values(element: ET.Element) -> dict[str, str]:
     """Return the parameters of a list, by name."""
-    return {child.get("name", ""): child.get("value", "") for child in element if child.tag == "Parameter"}
+    return {child.get("name", ""): child.get("value", "") for child in element if child.tag == _PARAMETER}
 
 
 def _array(text: str | None) -> list[str]:
@@ -137,7 +138,7 @@ def _array(text: str | None) -> list[str]:
     return (text or "").strip().strip("{}").split(",")
 
 
-def _pose(camera: Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
+def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return what a camera's list says about its place, mm."""
     values = _values(camera)
     t = np.array([finite_number(values.get(key, "0"), key, path) for key in ("TX", "TY", "TZ")])
@@ -150,7 +151,7 @@ def _pose(camera: Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
     return rounded_pose(Rotation.from_euler("xyz", angles, degrees=True).as_matrix(), t, path)
 
 
-def _camera(camera: Element, T_cam_world: Pose, path: Path) -> CameraRecord:
+def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
     """Return the camera of one list."""
     values = _values(camera)
     skew = finite_number(values.get("FS", "0"), "FS", path)
@@ -158,8 +159,7 @@ def _camera(camera: Element, T_cam_world: Pose, path: Path) -> CameraRecord:
     if skew != 0.0 or model not in {_NO_LENS, _OPENCV_LENS}:
         raise InputError(
             f"{path}: {camera.get('name')} has the lens model {model:.40} and the skew FS = {skew:g}, which "
-            f"labcal's "
-            f"cameras do not have. Calibrate with {_OPENCV_LENS} and without skew."
+            f"labcal's cameras do not have. Calibrate with {_OPENCV_LENS} and without skew."
         )
     numbers = [finite_number(values.get(key), key, path) for key in ("FX", "FY", "CX", "CY")]
     used = _COEFFICIENTS if model == _OPENCV_LENS else ()

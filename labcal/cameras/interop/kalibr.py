@@ -137,8 +137,7 @@ def _camera(camera: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraReco
     if model != "pinhole" or distortion not in _LENSES:
         raise InputError(
             f"{path}: the camera model {model!r:.40} with the distortion {distortion!r:.40} has no "
-            f"counterpart here; pinhole "
-            f"with {', '.join(_LENSES)} has. Calibrate with one of these."
+            f"counterpart here; pinhole with {', '.join(_LENSES)} has. Calibrate with one of these."
         )
     lens, count = _LENSES[distortion]
     coefficients = finite_numbers(camera.get("distortion_coeffs"), (count,), "distortion_coeffs", path)

@@ -114,8 +114,7 @@ def _camera(source: SourceText) -> CameraRecord:
     if not isinstance(model, str) or model not in _COEFFICIENTS:
         raise InputError(
             f"{path}: the lens model {model!r:.60} has no counterpart here; {', '.join(_COEFFICIENTS)} have. "
-            f"Convert "
-            "it with mrcal-convert-lensmodel first."
+            "Convert it with mrcal-convert-lensmodel first."
         )
     wanted = (4 + _COEFFICIENTS[model],)
     numbers = finite_numbers(content.get("intrinsics"), wanted, "intrinsics", path)

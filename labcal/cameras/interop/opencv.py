@@ -62,8 +62,7 @@ def read_opencv(sources: Sequence[SourceText]) -> ReadRig:
         if len(stores) > 1 and not posed:
             raise InputError(
                 f"{storage.path} holds a camera without its pose (R and T), so several cameras cannot be "
-                f"placed in "
-                "one world. Convert each file alone, or a stereo file (M1 D1 M2 D2 R T)."
+                "placed in one world. Convert each file alone, or a stereo file (M1 D1 M2 D2 R T)."
             )
         T_cam_world, mended = _pose(storage) if posed else (np.eye(4), ())
         names.append(storage.text("camera_name") or storage.path.stem)
@@ -110,8 +109,7 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
         if a != b:
             raise InputError(
                 f"OpenCV's stereo file holds one {what} for both cameras, but '{left}' and '{right}' differ "
-                f"in it. "
-                f"Write each camera alone: --only {left}."
+                f"in it. Write each camera alone: --only {left}."
             )
     (_, T_right_left), notes = poses_from_first(rig)
     content: Content = {

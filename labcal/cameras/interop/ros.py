@@ -86,8 +86,7 @@ def write_ros(rig: Rig, _suffix: str) -> RigTexts:
         names = list(rig.cameras)
         raise InputError(
             f"ROS files hold the poses of a pair at most, and this rig has {len(names)} cameras. Choose two "
-            f"of "
-            f"them: --only {','.join(names[:2])}."
+            f"of them: --only {','.join(names[:2])}."
         )
     poses, notes = poses_from_first(rig)
     held = {name: _distortion(name, record) for name, record in rig.cameras.items()}
@@ -104,8 +103,8 @@ def write_ros(rig: Rig, _suffix: str) -> RigTexts:
         rig.cameras.items(), cameras, rectified_pair(cameras[0], cameras[1]), strict=True
     ):
         R_ideal_cam = ideal.T_cam_world[:3, :3] @ camera.T_cam_world[:3, :3].T
-        t_m = (ideal.T_cam_world[:3, 3] - ideal.T_cam_world[:3, :3] @ -cameras[0].centre) / MM_IN_M
-        P = np.concatenate([ideal.K, (ideal.K @ t_m)[:, None]], axis=1)
+        along = float(ideal.T_cam_world[0, :3] @ (cameras[0].centre - camera.centre)) / MM_IN_M
+        P = np.concatenate([ideal.K, [[ideal.K[0, 0] * along], [0.0], [0.0]]], axis=1)
         files.append(OutputText(name, _text(name, record, held[name], (R_ideal_cam, P))))
     return RigTexts(tuple(files), notes)
 
@@ -172,8 +171,8 @@ def _pair_pose(contents: Sequence[dict[str, Any]], paths: Sequence[Path]) -> tup
     if not np.any(step):
         raise InputError(
             f"{paths[0]} and {paths[1]} do not say how far apart their cameras are: both projection matrices "
-            f"have the "
-            "same fourth column, as those of cameras that were calibrated alone. Convert each file alone."
+            "have the same fourth column, as those of cameras that were calibrated alone. Convert each file "
+            "alone."
         )
     first, note_first = rounded_pose(turns[0], np.zeros(3), paths[0])
     second, note_second = rounded_pose(turns[1], np.zeros(3), paths[1])

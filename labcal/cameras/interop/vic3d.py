@@ -40,8 +40,7 @@ def read_project(root: Element, path: Path) -> ReadRig:
     if mask is None:
         raise InputError(
             f"{path} does not say how large the pictures are: the project has no area of interest. Draw one, "
-            f"save, and "
-            "convert again."
+            "save, and convert again."
         )
     size = picture_size([mask.get("width"), mask.get("height")], path)
     names: list[str] = []
@@ -52,9 +51,8 @@ def read_project(root: Element, path: Path) -> ReadRig:
         if any(bent):
             raise InputError(
                 f"{path}: {name} has skew or distortion (fs kappa1 kappa2 kappa3 = {bent}). VIC-3D does not "
-                f"publish how it "
-                "applies them, so they are not converted. Calibrate the cameras with labcal from the same "
-                "pictures."
+                "publish how it applies them, so they are not converted. Calibrate the cameras with labcal "
+                "from the same pictures."
             )
         element = camera.find("orientation")
         words = [] if element is None else (element.text or "").split()

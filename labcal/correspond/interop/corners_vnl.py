@@ -151,8 +151,7 @@ def _require_square(target: AnyTarget) -> None:
     if max(np.abs(steps - [pitch, 0.0]).max(), np.abs(rises - [0.0, pitch]).max()) > _EQUAL_PITCH * pitch:
         raise InputError(
             f"mrcal knows boards with one spacing, along and across, but '{target.name}' is not of that "
-            f"kind. Use a "
-            "target with equal pitches."
+            "kind. Use a target with equal pitches."
         )
 
 
@@ -219,6 +218,5 @@ def _picture(
         return np.zeros((target.count, 3))
     raise InputError(
         f"{path}: {image:.60} has {len(points)} points, but '{target.name}' has {target.cols} x "
-        f"{target.rows}. Name the "
-        "target that the pictures show."
+        f"{target.rows}. Name the target that the pictures show."
     )

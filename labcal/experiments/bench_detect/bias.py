@@ -92,7 +92,7 @@ def bias_checks(seed: int) -> list[Check]:
 
 
 def hand_poses(camera: Camera, target: DotGrid, seed: int) -> list[Pose]:
-    """Return this benchmark's poses: tilts up to :data:`TILT_DEG`, dots of :data:`RADIUS_PX` in the middle."""
+    """Return this benchmark's poses: up to :data:`TILT_DEG`, dots of :data:`RADIUS_PX` in the middle."""
     wanted = HandViews(VIEWS, TILT_DEG, RADIUS_PX)
     return poses_in_hand(camera, target, wanted, generator(seed, "bench bias", "poses"))
 

@@ -101,7 +101,9 @@ def reprojected(model: Path, v: Points) -> Pixels:
 
 def projected(model: Path, p: Points) -> Pixels:
     """Return where a model images points of the reference's frame, mm, by the module behind the programs."""
-    interpreter = Path(_path(_REPROJECT)).read_text(encoding="utf-8").splitlines()[0].removeprefix("#!").split()
+    interpreter = (
+        Path(_path(_REPROJECT)).read_text(encoding="utf-8").splitlines()[0].removeprefix("#!").split()
+    )
     said = _run([*interpreter, "-c", _PROJECT, model.name], model.parent, json.dumps((p / _MM_IN_M).tolist()))
     return np.array(json.loads(said), dtype=np.float64)
 
