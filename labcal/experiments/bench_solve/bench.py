@@ -4,10 +4,13 @@ from pathlib import Path
 
 from labcal.experiments.bench_groups import Groups, measured_groups
 from labcal.experiments.bench_settings import BenchSettings
+from labcal.experiments.bench_solve.mrcal import mrcal_findings
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
 
-GROUPS: Groups = {}
+GROUPS: Groups = {
+    "mrcal": mrcal_findings,
+}
 
 
 def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> BenchResult:

@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -101,11 +102,21 @@ def reprojected(model: Path, v: Points) -> Pixels:
 
 def projected(model: Path, p: Points) -> Pixels:
     """Return where a model images points of the reference's frame, mm, by the module behind the programs."""
-    interpreter = (
-        Path(_path(_REPROJECT)).read_text(encoding="utf-8").splitlines()[0].removeprefix("#!").split()
-    )
-    said = _run([*interpreter, "-c", _PROJECT, model.name], model.parent, json.dumps((p / _MM_IN_M).tolist()))
+    said = module_run(_PROJECT, [model], json.dumps((p / _MM_IN_M).tolist()))
     return np.array(json.loads(said), dtype=np.float64)
+
+
+def module_run(script: str, files: Sequence[Path], stdin: str = "") -> str:
+    """Run a script with the interpreter that mrcal's programs run with, and return what it printed.
+
+    Raises
+    ------
+    DeviceError
+        It failed.
+    """
+    first = Path(_path(_REPROJECT)).read_text(encoding="utf-8").splitlines()[0]
+    interpreter = first.removeprefix("#!").split()
+    return _run([*interpreter, "-c", script, *map(str, files)], files[0].parent, stdin)
 
 
 def _path(program: str) -> str:

@@ -18,6 +18,9 @@ from labcal.solve.adjustment.state import Layout, Lenses, RigState
 
 _SHARE = 1.0
 """One standard deviation of a coefficient's effect on the outermost dot, over the picture's width."""
+_SHARE_BEYOND = 0.03
+"""The same for coefficients beyond Brown's five, which stand in for those wherever dots do not tell them apart."""
+_BROWN = 5
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,8 @@ class LensPrior:
         for number, camera in enumerate(state.cameras):
             found = projection_derivatives(camera, state.in_camera(observations, number))
             effect = np.abs(found.by_camera[:, :, INTRINSICS:]).max(axis=(0, 1), initial=0.0)
-            weights.append((effect / (_SHARE * camera.size[0])) ** 2)
+            share = np.where(np.arange(len(effect)) < _BROWN, _SHARE, _SHARE_BEYOND)
+            weights.append((effect / (share * camera.size[0])) ** 2)
         return cls(tuple(weights))
 
     def cost(self, state: RigState) -> float:
