@@ -23,7 +23,7 @@ from labcal.cameras.interop.lens_numbers import (
     perspective_lens,
     require_plain,
 )
-from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
+from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import (
     MM_IN_M,
     poses_along,
@@ -68,6 +68,7 @@ def read_kalibr(sources: Sequence[SourceText]) -> ReadRig:
         chain.append(content[f"cam{len(chain)}"])
     if not chain:
         raise InputError(f"{path} is no camera chain of Kalibr: it has no camera 'cam0'.")
+    _require_neighbours(chain, path)
     found = [_step(camera, number, path) for number, camera in enumerate(chain) if number > 0]
     notes = tuple(note for _, mended in found for note in mended)
     poses = poses_along([step for step, _ in found])
@@ -129,6 +130,17 @@ def _step(camera: dict[str, Any], number: int, path: Path) -> tuple[Pose, tuple[
         raise InputError(f"{path}: {what} should be 4 rows of 4 numbers.")
     matrix = np.array([finite_numbers(row, (4,), what, path) for row in rows])
     return rounded_pose(matrix[:3, :3], MM_IN_M * matrix[:3, 3], path)
+
+
+def _require_neighbours(chain: Sequence[dict[str, Any]], path: Path) -> None:
+    """Raise where a camera overlaps one that is not there: the file may have been cut off."""
+    for number, camera in enumerate(chain):
+        overlaps = camera.get("cam_overlaps")
+        for other in overlaps if isinstance(overlaps, list) else ():
+            if finite_number(other, "cam_overlaps", path) >= len(chain):
+                raise InputError(
+                    f"{path} is truncated: cam{number} overlaps cam{other}, which is not there. Copy it again."
+                )
 
 
 def _camera(camera: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:

@@ -2,7 +2,9 @@
 
 In models with many coefficients some stand in for each other (k1 and k4 of the rational model do at first
 order), and steps along such a direction end at a pole of the formula. This holds them, and weighs nothing
-beside what dots tell: a dot's noise is a ten-thousandth of a picture's width or less.
+beside what dots tell: a dot's noise is a ten-thousandth of a picture's width or less. The coefficients beyond
+Brown's five are held tighter: else noise in the training views sets them, and the pole may come to lie
+just outside the dots.
 """
 
 from dataclasses import dataclass
@@ -18,8 +20,8 @@ from labcal.solve.adjustment.state import Layout, Lenses, RigState
 
 _SHARE = 1.0
 """One standard deviation of a coefficient's effect on the outermost dot, over the picture's width."""
-_SHARE_BEYOND = 0.03
-"""The same for coefficients beyond Brown's five, which stand in for those wherever dots do not tell them apart."""
+_SHARE_BEYOND = 0.01
+"""The same for those beyond Brown's five, which stand in for these where dots do not tell them apart."""
 _BROWN = 5
 
 
