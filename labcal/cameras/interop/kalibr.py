@@ -139,7 +139,7 @@ def _require_neighbours(chain: Sequence[dict[str, Any]], path: Path) -> None:
         for other in overlaps if isinstance(overlaps, list) else ():
             if finite_number(other, "cam_overlaps", path) >= len(chain):
                 raise InputError(
-                    f"{path} is truncated: cam{number} overlaps cam{other}, which is not there. Copy it again."
+                    f"{path} is truncated: cam{number} overlaps cam{other}, but there is none. Copy it again."
                 )
 
 

@@ -12,7 +12,7 @@ from labcal.run.descriptions import explain_validation
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a rig."""
-    return '"labcal-rig"' in text
+    return '"cameras"' in text and '"T_cam_world"' in text
 
 
 def read_labcal(sources: Sequence[SourceText]) -> ReadRig:

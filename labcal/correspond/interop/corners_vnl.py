@@ -40,7 +40,7 @@ class CornersText:
     points: int
     """How many are measured."""
     left_out: int
-    """Lines of the detections that are no measurements of the grid, and stand as missing."""
+    """Lines that stand as missing: no measurements of the grid, or at negative pixels."""
 
 
 def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
@@ -59,7 +59,8 @@ def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
         The target is no square grid, a dot is beyond it, or an image's name cannot stand in such a file.
     """
     _require_square(target)
-    usable = detections.where(detections.ok)
+    # mrcal takes a negative pixel for a missing point, so such a line would be lost in silence.
+    usable = detections.where(detections.ok & (detections.position >= 0.0).all(axis=1))
     require_on_target(usable, target)
     sigma = np.sqrt(0.5 * np.trace(usable.covariance, axis1=1, axis2=2))
     known = sigma[np.isfinite(sigma) & (sigma > 0.0)]
