@@ -9,6 +9,7 @@ minimum, and what noise in the training views does to a lens is a hundredth of t
 seed the ratio scatters by some 0.0003 to either side, whoever is better.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -72,16 +73,22 @@ def mrcal_findings(bench: Bench) -> Findings:
     for number in range(seeds):
         errors.append(_simulated(bench.seed + number, folder / f"seed-{number}"))
         bench.progress.advance()
-    checks, beside = _compared("simulated", np.array(errors))
-    checks += _projection_checks(bench.seed, folder)
+    simulated = _compared("simulated", errors)
+    projection = Findings(_projection_checks(bench.seed, folder), [])
     home = real_home()
     if home is None:
-        return Findings(checks, beside, (f"mrcal: {REAL_SET} left out, since it is not at hand",))
-    real_checks, real_beside = _compared(REAL_SET, np.array(_real(home, folder)))
-    return Findings(checks + real_checks, beside + real_beside)
+        real = Findings([], [], (f"mrcal: {REAL_SET} left out, since it is not at hand",))
+    else:
+        real = _compared(REAL_SET, _real(home, folder))
+    found = (simulated, projection, real)
+    return Findings(
+        [check for one in found for check in one.checks],
+        [figure for one in found for figure in one.beside],
+        tuple(note for one in found for note in one.notes),
+    )
 
 
-def _simulated(seed: int, folder: Path) -> tuple[float, float]:
+def _simulated(seed: int, folder: Path) -> tuple[float, float] | None:
     """Return the held-out RMS of labcal's and mrcal's camera, px, from images of centres with noise."""
     camera, target = bench_camera(), bench_target()
     poses = poses_in_hand(camera, target, VIEWS, generator(seed, "bench mrcal", "poses"))
@@ -93,7 +100,7 @@ def _simulated(seed: int, folder: Path) -> tuple[float, float]:
     return _held_out(dots.where(even), dots.where(~even), target, 0, folder)
 
 
-def _real(home: Path, folder: Path) -> list[tuple[float, float]]:
+def _real(home: Path, folder: Path) -> list[tuple[float, float] | None]:
     """Return the same of every camera of a set of pictures, each fifth of the views held out once."""
     (chosen,) = (one for one in SETS if one.folder == REAL_SET)
     target = load_target(chosen.target)
@@ -112,13 +119,15 @@ def _real(home: Path, folder: Path) -> list[tuple[float, float]]:
 
 def _held_out(
     training: Detections, test: Detections, target: AnyTarget, bias_rounds: int, folder: Path
-) -> tuple[float, float]:
-    """Return the held-out RMS of labcal's and of mrcal's camera, px."""
+) -> tuple[float, float] | None:
+    """Return the held-out RMS of labcal's and of mrcal's camera, px; None where mrcal finds none."""
     folder.mkdir(exist_ok=True)  # an interrupted run may have made it
     ours = calibrate_handheld(training, target, LENS, HandheldSettings(bias_rounds=bias_rounds)).rig
     # From where it can hardly go wrong: the focal length that labcal has found.
     focal = round(ours.camera(CAMERA).intrinsics[0])
     theirs = calibrated_by_mrcal(training, target, float(focal), folder)
+    if theirs is None:
+        return None
     held = [
         HandheldSettings(lenses=Lenses.FIXED, start=rig, bias_rounds=bias_rounds)
         for rig in (ours, Rig.of({CAMERA: theirs}))
@@ -127,19 +136,26 @@ def _held_out(
     return first, second
 
 
-def _compared(what: str, errors: np.ndarray) -> tuple[list[Check], list[Figure]]:
-    """Return the ratio of errors over all seeds or folds, and the errors beside it."""
+def _compared(what: str, found: Sequence[tuple[float, float] | None]) -> Findings:
+    """Return the ratio of errors over all seeds or folds in which mrcal found a camera, and the errors."""
+    errors = np.array([pair for pair in found if pair is not None]).reshape(-1, 2)
+    notes: tuple[str, ...] = ()
+    if len(errors) < len(found):
+        lost = len(found) - len(errors)
+        notes = (f"mrcal, {what}: {lost} of {len(found)} left out, in which mrcal found no camera",)
+    if len(errors) == 0:
+        return Findings([], [], notes)
     rms = np.sqrt((errors**2).mean(axis=0))
     single = errors[:, 0] / errors[:, 1]
     ratio = f"mrcal, {what}: held-out RMS of labcal over mrcal's"
-    check = at_most(ratio, float(rms[0] / rms[1]), RATIO_LIMIT)
-    beside = [
-        Figure(name=f"mrcal, {what}: held-out RMS of {name}, px", value=float(value))
-        for name, value in zip(("labcal", "mrcal"), rms, strict=True)
-    ]
-    beside.append(Figure(name=f"mrcal, {what}: least ratio of one", value=float(single.min())))
-    beside.append(Figure(name=f"mrcal, {what}: greatest ratio of one", value=float(single.max())))
-    return [check], beside
+    figures = (
+        ("held-out RMS of labcal, px", rms[0]),
+        ("held-out RMS of mrcal, px", rms[1]),
+        ("least ratio of one", single.min()),
+        ("greatest ratio of one", single.max()),
+    )
+    beside = [Figure(name=f"mrcal, {what}: {name}", value=float(value)) for name, value in figures]
+    return Findings([at_most(ratio, float(rms[0] / rms[1]), RATIO_LIMIT)], beside, notes)
 
 
 def _projection_checks(seed: int, folder: Path) -> list[Check]:

@@ -1,6 +1,7 @@
 """mrcal's own programs, driven as a user would: calibration from a ``corners.vnl``, and projection."""
 
 import json
+import re
 import shutil
 import subprocess
 from collections.abc import Sequence
@@ -23,6 +24,10 @@ _REPROJECT = "mrcal-reproject-points"
 _MM_IN_M = 1000.0
 _SECONDS = 600
 _PINHOLE_FOCAL = 1000.0
+_STARTS = (1.0, 0.45, 0.9, 0.6, 0.35, 1.5)
+"""Factors on the focal length to begin with."""
+_LOST_PX = 1.0
+"""RMS from which on mrcal has not found the camera."""
 _PROJECT = """
 import json, sys
 import mrcal
@@ -39,7 +44,9 @@ def is_installed() -> bool:
     return all(shutil.which(program) is not None for program in (_CALIBRATE, _REPROJECT))
 
 
-def calibrated_by_mrcal(detections: Detections, target: AnyTarget, focal_px: float, folder: Path) -> Camera:
+def calibrated_by_mrcal(
+    detections: Detections, target: AnyTarget, focal_px: float, folder: Path
+) -> Camera | None:
     """Return the camera that mrcal finds, with :data:`LENSMODEL` and a flat board.
 
     Parameters
@@ -48,9 +55,14 @@ def calibrated_by_mrcal(detections: Detections, target: AnyTarget, focal_px: flo
         Of one camera.
     target : AnyTarget
     focal_px : float
-        Where mrcal begins.
+        Where mrcal begins; where it ends nowhere near the dots, it begins again elsewhere.
     folder : Path
         For ``corners.vnl``, what the program says, and the model; it must exist.
+
+    Returns
+    -------
+    Camera or None
+        None where no start led it to a camera.
 
     Raises
     ------
@@ -64,15 +76,18 @@ def calibrated_by_mrcal(detections: Detections, target: AnyTarget, focal_px: flo
     pitch = float(target.points()[1, 0] - target.points()[0, 0])
     words = [
         "--corners-cache", "corners.vnl", "--corners-cache-has-weights", "--lensmodel", LENSMODEL,
-        "--focal", repr(focal_px), "--imagersize", str(width), str(height),
-        "--object-spacing", repr(pitch / _MM_IN_M),
+        "--imagersize", str(width), str(height), "--object-spacing", repr(pitch / _MM_IN_M),
         "--object-width-n", str(target.cols), "--object-height-n", str(target.rows),
-        "--skip-calobject-warp-solve", "--outdir", ".", "*.png",
+        "--skip-calobject-warp-solve", "--outdir", ".",
     ]  # fmt: skip
-    said = _run([_CALIBRATE, *words], folder)
-    write_file(folder / "mrcal.txt", said, force=True)
-    _, read = read_rig_files([folder / "camera-0.cameramodel"], "mrcal")
-    return read.rig.camera(next(iter(read.rig.cameras)))
+    for factor in _STARTS:
+        said = _run([_CALIBRATE, *words, "--focal", repr(factor * focal_px), "*.png"], folder)
+        write_file(folder / "mrcal.txt", said, force=True)
+        rms = re.findall(r"^RMS reprojection error: (\S+) pixels", said, re.MULTILINE)
+        if rms and float(rms[-1]) <= _LOST_PX:
+            _, read = read_rig_files([folder / "camera-0.cameramodel"], "mrcal")
+            return read.rig.camera(next(iter(read.rig.cameras)))
+    return None
 
 
 def reprojected(model: Path, v: Points) -> Pixels:
