@@ -171,4 +171,4 @@ def _names(chain: Sequence[dict[str, Any]]) -> list[str]:
     return [f"cam{number}" for number in range(len(chain))]
 
 
-KALIBR = RigFormat("kalibr", (".yaml", ".yml"), Home.FILE, 2**20, recognises, read_kalibr, write_kalibr)
+KALIBR = RigFormat("kalibr", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_kalibr, write_kalibr)

@@ -37,6 +37,9 @@ _MODELS = {
 }
 _LARGEST = "LENSMODEL_OPENCV12"
 _POSE_KEYS = ("extrinsics", "rt_cam_ref")
+# What the model was computed from: megabytes in base 85, which has no quotes and no backslashes.
+_INPUTS = re.compile(r"'optimization_inputs'\s*:\s*b'[^'\\]*'\s*,?")
+_MOST_LETTERS = 2**17
 _NAME = re.compile(r"^# camera: ([A-Za-z0-9-]+)$", re.MULTILINE)
 
 
@@ -102,8 +105,11 @@ def _name(source: SourceText) -> str:
 def _camera(source: SourceText) -> CameraRecord:
     """Return the camera of one file."""
     path = source.path
+    text = _INPUTS.sub("", source.text).strip()
+    if len(text) > _MOST_LETTERS:
+        raise InputError(f"{path} is not a camera model of mrcal: it holds far more than a camera.")
     try:
-        content = ast.literal_eval(source.text.strip())
+        content = ast.literal_eval(text)
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError) as error:
         raise InputError(
             f"{path} is not a camera model of mrcal: {type(error).__name__}. Copy it again."

@@ -186,5 +186,5 @@ def _coefficients(name: str, record: CameraRecord) -> np.ndarray:
 
 
 OPENCV = RigFormat(
-    "opencv", (".yml", ".yaml", ".xml"), Home.FILE, 2**20, recognises, read_opencv, write_opencv
+    "opencv", (".yml", ".yaml", ".xml"), Home.FILE, 2**18, recognises, read_opencv, write_opencv
 )

@@ -10,6 +10,7 @@ from labcal.errors import InputError
 from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder, write_file
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
+_MOST_TOGETHER = 4 * _MOST_BYTES
 _MOST_FILES = 100
 
 
@@ -31,7 +32,10 @@ def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigF
         A file cannot be read, is of no format, of two, or of another one than the rest; or it is damaged.
     """
     wanted = None if format_name is None else format_by_name(format_name)
-    given = [_source(path, wanted) for path in _files(paths)]
+    files = _files(paths)
+    together = sum(path.stat().st_size for path in files if path.is_file())
+    _require_size(files[0], together, _MOST_TOGETHER)
+    given = [_source(path, wanted) for path in files]
     found = [(source, wanted or recognised_format(source.text)) for source in given]
     in_folder = any(path.is_dir() for path in paths)
     known = [(source, one) for source, one in found if one is not None]
@@ -46,6 +50,8 @@ def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigF
         raise InputError(f"These files are of several formats: {', '.join(kinds)}. Name one: --from FORMAT.")
     (chosen,) = kinds.values()
     sources = given if chosen.home is Home.FOLDER else [source for source, _ in known]
+    for source in sources:
+        _require_size(source.path, len(source.text), chosen.most_bytes)
     return chosen, chosen.read(sources)
 
 
@@ -129,10 +135,7 @@ def _source(path: Path, wanted: RigFormat | None) -> SourceText:
     try:
         if path.exists() and not path.is_file():
             raise InputError(f"{path} cannot be read: it is no file.")
-        if path.stat().st_size > most:
-            raise InputError(
-                f"{path} is not read: it has more than {most} bytes, and no file of cameras has."
-            )
+        _require_size(path, path.stat().st_size, most)
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
@@ -142,3 +145,9 @@ def _source(path: Path, wanted: RigFormat | None) -> SourceText:
         if b"\0" in data:
             raise InputError(f"{path} is no text file.") from None
         return SourceText(path, data.decode("latin-1"))
+
+
+def _require_size(path: Path, length: int, most: int) -> None:
+    """Raise where there is more to read than any cameras take."""
+    if length > most:
+        raise InputError(f"{path} is not read: there are more than {most} bytes, and no file of cameras has.")

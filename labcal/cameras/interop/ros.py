@@ -189,4 +189,4 @@ def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]
     return ("rational_polynomial", held) if any(held[_PLUMB_BOB:]) else ("plumb_bob", held[:_PLUMB_BOB])
 
 
-ROS = RigFormat("ros", (".yaml", ".yml"), Home.FILE, 2**20, recognises, read_ros, write_ros)
+ROS = RigFormat("ros", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_ros, write_ros)

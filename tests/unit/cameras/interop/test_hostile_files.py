@@ -99,8 +99,11 @@ def test_files_that_are_too_large_missing_or_no_files(tmp_path: Path) -> None:
     path = tmp_path / "large.yaml"
     with path.open("wb") as handle:
         os.truncate(handle.fileno(), 2**21)
-    with pytest.raises(InputError, match="more than 1048576 bytes"):
+    with pytest.raises(InputError, match="more than 131072 bytes"):
         read_rig_files([path], "kalibr")
+    path.write_text("cam0:\n  distortion_model: [" + "1," * 2**17 + "]\n")
+    with pytest.raises(InputError, match="more than 131072 bytes"):
+        read_rig_files([path], None)
     with pytest.raises(InputError, match="cannot be read: No such file"):
         read_rig_files([tmp_path / "none.yaml"], None)
     os.mkfifo(tmp_path / "pipe.yaml")
@@ -109,6 +112,18 @@ def test_files_that_are_too_large_missing_or_no_files(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no file of any format"):
         read_rig_files([tmp_path / "empty"], None)
+
+
+def test_a_camera_model_that_is_large_for_its_inputs_is_read_and_no_other(
+    tmp_path: Path, make_rig: MakeRig
+) -> None:
+    text = FORMATS["mrcal"].write(make_rig("pinhole", count=1), ".cameramodel").files[0].text
+    path = tmp_path / "a.cameramodel"
+    path.write_text(text.replace("}", "    'optimization_inputs': b'" + "x!" * 2**20 + "',\n}"))
+    assert list(read_rig_files([path], None)[1].rig.cameras) == ["left"]
+    path.write_text(text.replace("}", "    'more': [" + "1, " * 2**17 + "],\n}"))
+    with pytest.raises(InputError, match="far more than a camera"):
+        read_rig_files([path], None)
 
 
 def test_names_and_endings() -> None:
