@@ -1,6 +1,7 @@
 """``labcal undistort``: pictures as ideal cameras would have taken them."""
 
 import math
+import shutil
 from argparse import ArgumentTypeError, Namespace
 from dataclasses import dataclass
 from pathlib import Path
@@ -93,7 +94,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     sources = [_with_camera(source, rig) for source in find_sources(arguments.pictures, endings)]
     ideals = _ideal_cameras(arguments, rig, list(dict.fromkeys(source.camera for source in sources)))
-    command = f"undistort {rig.model_dump_json()} {[source.image for source in sources]} {ideals}"
+    how = (arguments.rectify, arguments.whole, arguments.distance_mm)
+    command = f"undistort {rig.model_dump_json()} {[source.image for source in sources]} {how}"
     with unfinished_folder(arguments.output, command, force=arguments.force) as working:
         maps = {
             name: _write_map(working, name, rig.camera(name), ideal, arguments.distance_mm)
@@ -110,6 +112,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                     skipped.append(str(error))
                 progress.advance()
         if not written:
+            shutil.rmtree(working)  # nothing in it is of use to a better command
             raise InputError(f"None of the {len(sources)} pictures can be used. {skipped[0]}")
     for reason in skipped:
         session.warn(reason)
