@@ -49,6 +49,8 @@ VERBS = {
     "fit": "teach methods a target at known places",
     "reconstruct": "points in space from dots",
     "evaluate": "errors of points in millimetres",
+    "convert": "cameras and detections from and to the files of other systems",
+    "undistort": "pictures as ideal cameras would have taken them",
     "reproduce": "the paper: every row",
     "bench": "how good it is, every figure against its limit",
     "report": "one page of a folder of results",

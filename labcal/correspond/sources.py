@@ -89,7 +89,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     """
     sources: dict[tuple[str, str], Source] = {}
     for image in _files(paths):
-        source = _loose_source(image, endings)
+        source = loose_source(image, endings)
         twin = sources.setdefault((source.view, source.camera), source)
         if twin is not source:
             raise InputError(
@@ -101,7 +101,14 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     return [sources[key] for key in sorted(sources)]
 
 
-def _loose_source(image: str, endings: Mapping[str, str]) -> Source:
+def loose_source(image: str, endings: Mapping[str, str]) -> Source:
+    """Return what the name of a loose picture says about it.
+
+    Raises
+    ------
+    InputError
+        The name fits no ending.
+    """
     stem = Path(image).stem
     if not endings:
         return Source(stem, "camera", image, None)

@@ -4,13 +4,12 @@ Nothing is rendered: exact centroids of the dots' outlines come from the camera 
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.correspond.detections import Detections
-from labcal.geometry.poses import pose
+from labcal.experiments.hand_views import HandViews, dots_at, poses_in_hand
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
 from labcal.solve.calibration import HandheldCalibration
@@ -93,44 +92,15 @@ def bias_checks(seed: int) -> list[Check]:
 
 
 def hand_poses(camera: Camera, target: DotGrid, seed: int) -> list[Pose]:
-    """Return poses in which the whole target is in the picture, its dots of :data:`RADIUS_PX` in the middle.
-
-    Tilts run evenly up to :data:`TILT_DEG`, about axes all around.
-    """
-    random = generator(seed, "bench bias", "poses")
-    middle = target.points().mean(axis=0)
-    distance = camera.K[0, 0] * 0.5 * target.dot_diameter_mm / RADIUS_PX
-    poses: list[Pose] = []
-    for number in range(VIEWS):
-        tilt = np.radians(TILT_DEG) * (number + 0.5) / VIEWS
-        while len(poses) == number:
-            azimuth, roll = random.uniform(0.0, 2.0 * np.pi, 2)
-            axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-            turn = Rotation.from_rotvec(tilt * axis) * Rotation.from_rotvec([0.0, 0.0, roll])
-            R = np.diag([1.0, -1.0, -1.0]) @ turn.as_matrix()
-            at = np.array([0.0, 0.0, distance * random.uniform(1.0, 1.25)])
-            at[:2] = 0.1 * distance * random.uniform(-1.0, 1.0, 2)
-            T = pose(R, at - R @ middle)
-            found = dot_images(camera, T, target.points(), 0.5 * target.outer_diameters_mm())
-            if found.ok.all() and camera.in_picture(found.outline).all():
-                poses.append(T)
-    return poses
+    """Return this benchmark's poses: up to :data:`TILT_DEG`, dots of :data:`RADIUS_PX` in the middle."""
+    wanted = HandViews(VIEWS, TILT_DEG, RADIUS_PX)
+    return poses_in_hand(camera, target, wanted, generator(seed, "bench bias", "poses"))
 
 
 def seen(q: list[np.ndarray], images: list[DotImages], noise: np.ndarray, target: DotGrid) -> Detections:
     """Return detections of one camera named ``only`` at pixels (n, 2) by view, with their noise added."""
-    n = len(q) * target.count
-    return Detections(
-        view=np.repeat([f"view-{number:02d}" for number in range(len(q))], target.count),
-        camera=np.full(n, "only"),
-        image=np.repeat([f"view-{number:02d}.png" for number in range(len(q))], target.count),
-        size=np.tile(np.array(SIZE, dtype=np.int64), (n, 1)),
-        index=np.tile(target.indices().astype(np.int64), (len(q), 1)),
-        has_id=np.ones(n, dtype=bool),
-        position=np.concatenate(q) + noise.reshape(n, 2),
-        covariance=np.tile(NOISE_PX**2 * np.eye(2), (n, 1, 1)),
-        flag=np.where(np.concatenate([image.ok for image in images]), "ok", "cut"),
-    )
+    noisy = [each + added for each, added in zip(q, noise, strict=True)]
+    return dots_at(noisy, [image.ok for image in images], target, SIZE, NOISE_PX)
 
 
 def _intrinsics(found: HandheldCalibration) -> np.ndarray:

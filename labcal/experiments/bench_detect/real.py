@@ -39,19 +39,25 @@ SETS = (
 )
 
 
+def real_home() -> Path | None:
+    """Return the folder that holds the sets, if it is at hand."""
+    home = os.environ.get(VARIABLE)
+    return Path(home) if home is not None and Path(home).is_dir() else None
+
+
 def real_findings(bench: Bench) -> Findings:
     """Return whether every picture is indexed, and how well each camera explains its dots.
 
     Nothing but a note where the pictures are not at hand.
     """
-    home = os.environ.get(VARIABLE)
-    if home is None or not Path(home).is_dir():
+    home = real_home()
+    if home is None:
         return Findings([], [], (f"real: left out, since ${VARIABLE} names no folder of pictures",))
     checks: list[Check] = []
     bench.progress.start("real pictures", sum(one.pictures for one in SETS))
     for one in SETS:
         target = load_target(one.target)
-        lost, found = _measured(one, Path(home), target, bench.progress)
+        lost, found = _measured(one, home, target, bench.progress)
         checks.append(at_most(f"{one.folder}: pictures not indexed, of {one.pictures}", lost, 0))
         checks += one.checks(one.folder, found, target)
     return Findings(checks, [])

@@ -2,7 +2,9 @@
 
 In models with many coefficients some stand in for each other (k1 and k4 of the rational model do at first
 order), and steps along such a direction end at a pole of the formula. This holds them, and weighs nothing
-beside what dots tell: a dot's noise is a ten-thousandth of a picture's width or less.
+beside what dots tell: a dot's noise is a ten-thousandth of a picture's width or less. The coefficients beyond
+Brown's five are held tighter: else noise in the training views sets them, and the pole may come to lie
+just outside the dots.
 """
 
 from dataclasses import dataclass
@@ -18,6 +20,9 @@ from labcal.solve.adjustment.state import Layout, Lenses, RigState
 
 _SHARE = 1.0
 """One standard deviation of a coefficient's effect on the outermost dot, over the picture's width."""
+_SHARE_BEYOND = 0.01
+"""The same for those beyond Brown's five, which stand in for these where dots do not tell them apart."""
+_BROWN = 5
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,9 @@ class LensPrior:
             here = np.abs(by_camera[:, :, INTRINSICS:]).max(axis=(0, 1))
             effect[run.camera] = np.maximum(effect[run.camera], here)
         pairs = zip(effect, state.cameras, strict=True)
-        return cls(tuple((largest / (_SHARE * camera.size[0])) ** 2 for largest, camera in pairs))
+        return cls(
+            tuple((largest / (_shares(len(largest)) * camera.size[0])) ** 2 for largest, camera in pairs)
+        )
 
     def cost(self, state: RigState) -> float:
         """Return what the coefficients of a state cost."""
@@ -55,6 +62,11 @@ class LensPrior:
             shared[at, at] += weight
             gradient[at] += weight * layout.state.cameras[number].dist[: len(weight)]
         return Blocks(shared, blocks.cross, blocks.view, Slopes(gradient, blocks.gradient.view))
+
+
+def _shares(coefficients: int) -> Float64[np.ndarray, " coefficients"]:
+    """Return one standard deviation of each coefficient's effect, as a share of the picture's width."""
+    return np.where(np.arange(coefficients) < _BROWN, _SHARE, _SHARE_BEYOND)
 
 
 NO_PRIOR = LensPrior()

@@ -1,0 +1,1 @@
+"""Rigs in the files of other systems, one file a format."""

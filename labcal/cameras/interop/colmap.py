@@ -1,0 +1,174 @@
+"""COLMAP's text model: a folder with ``cameras.txt``, ``images.txt`` and ``points3D.txt``.
+
+COLMAP counts pixels from the corner of the top-left one, whose centre is (0.5, 0.5): the principal point is
+shifted here and nowhere else. An image's quaternion (w x y z) and translation map world to camera, whose axes
+are labcal's. COLMAP has no units; labcal writes millimetres and takes a model for millimetres.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from labcal.arrays import Pose
+from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.lens_numbers import (
+    FISHEYE,
+    FISHEYE_COEFFICIENTS,
+    camera_record,
+    fisheye_lens,
+    held_coefficients,
+    perspective_lens,
+    require_plain,
+)
+from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
+from labcal.cameras.interop.placement import rig_of
+from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig import Rig
+from labcal.errors import InputError
+from labcal.geometry.poses import pose
+
+_HOLDER = "COLMAP"
+_HALF_PIXEL = 0.5
+_CAMERAS, _IMAGES, _POINTS = "cameras.txt", "images.txt", "points3D.txt"
+_PERSPECTIVE = {
+    "SIMPLE_PINHOLE": (1, 0),
+    "PINHOLE": (2, 0),
+    "SIMPLE_RADIAL": (1, 1),
+    "RADIAL": (1, 2),
+    "OPENCV": (2, 4),
+    "FULL_OPENCV": (2, 8),
+}
+"""By model: how many focal lengths, and how many of OpenCV's coefficients follow the principal point."""
+_FISHEYE = {"SIMPLE_RADIAL_FISHEYE": (1, 1), "RADIAL_FISHEYE": (1, 2), "OPENCV_FISHEYE": (2, 4)}
+_MODELS = _PERSPECTIVE | _FISHEYE
+_CAMERA_WORDS = 4
+_IMAGE_WORDS = 10
+
+
+def recognises(text: str) -> bool:
+    """Tell whether a text is a list of cameras."""
+    return "CAMERA_ID, MODEL, WIDTH, HEIGHT" in text
+
+
+def read_colmap(sources: Sequence[SourceText]) -> ReadRig:
+    """Read the texts of one folder; each camera must have taken one image, which tells where it is.
+
+    Raises
+    ------
+    InputError
+        A file is missing or damaged, a camera model has no counterpart, or a camera has more than one place.
+    """
+    by_name = {source.path.name: source for source in sources}
+    if _CAMERAS not in by_name or _IMAGES not in by_name:
+        raise InputError(f"A model of COLMAP is a folder with {_CAMERAS} and {_IMAGES}. Give the folder.")
+    images = _images(by_name[_IMAGES])
+    cameras = _lines(by_name[_CAMERAS])
+    names, records = [], []
+    for line in filter(None, cameras):
+        words = line.split()
+        taken = [image for image in images if image[0] == words[0]]
+        if len(taken) != 1:
+            raise InputError(
+                f"{by_name[_IMAGES].path}: camera {words[0]:.20} took {len(taken)} images. A rig's camera "
+                "has one place: keep one image of each camera."
+            )
+        _, name, T_cam_world = taken[0]
+        names.append(Path(name).stem)
+        records.append(_camera(words, T_cam_world, by_name[_CAMERAS].path))
+    if not records:
+        raise InputError(f"{by_name[_CAMERAS].path} lists no camera.")
+    note = "COLMAP's units are taken for millimetres."
+    return ReadRig(rig_of(names, records), (note,))
+
+
+def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
+    """Return the three texts, with one image a camera.
+
+    Raises
+    ------
+    InputError
+        COLMAP has no such lens.
+    """
+    cameras: list[str] = []
+    images: list[str] = []
+    points: list[str] = []
+    for number, (name, record) in enumerate(rig.cameras.items(), start=1):
+        model, coefficients = _distortion(name, record)
+        (fx, _, cx), (_, fy, cy), _ = record.K
+        numbers = (fx, fy, cx + _HALF_PIXEL, cy + _HALF_PIXEL, *coefficients)
+        cameras.append(f"{number} {model} {record.size[0]} {record.size[1]} {_words(numbers)}")
+        T_cam_world = np.array(record.T_cam_world)
+        x, y, z, w = Rotation.from_matrix(T_cam_world[:3, :3]).as_quat()
+        images.append(f"{number} {_words((w, x, y, z, *T_cam_world[:3, 3]))} {number} {name}.png\n")
+    texts = (
+        (_CAMERAS, "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]", cameras),
+        (
+            _IMAGES,
+            "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)",
+            images,
+        ),
+        (_POINTS, "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)", points),
+    )
+    return RigTexts(tuple(OutputText(name, "\n".join([head, *lines]) + "\n") for name, head, lines in texts))
+
+
+def _words(values: Sequence[float]) -> str:
+    return " ".join(number_text(value) for value in values)
+
+
+def _lines(source: SourceText) -> list[str]:
+    """Return the lines that are no comments."""
+    return [line.strip() for line in source.text.splitlines() if not line.lstrip().startswith("#")]
+
+
+def _images(source: SourceText) -> list[tuple[str, str, Pose]]:
+    """Return camera, name and pose of each image; every second line lists points and may be empty."""
+    found = []
+    for line in _lines(source)[::2]:
+        words = line.split(maxsplit=_IMAGE_WORDS - 1)
+        if not words:
+            continue
+        if len(words) != _IMAGE_WORDS:
+            raise InputError(f"{source.path}: '{line:.60}' is no line of an image.")
+        numbers = finite_numbers(words[1:8], (7,), "a pose", source.path)
+        quaternion = np.array(numbers[:4])
+        if abs(np.linalg.norm(quaternion) - 1.0) > 1e-3:  # noqa: PLR2004 -- rounded to few digits
+            raise InputError(f"{source.path}: the quaternion in '{line:.60}' has not the length 1.")
+        R_cam_world = Rotation.from_quat(quaternion[[1, 2, 3, 0]]).as_matrix()
+        found.append((words[8], words[9], pose(R_cam_world, np.array(numbers[4:]))))
+    return found
+
+
+def _camera(words: Sequence[str], T_cam_world: Pose, path: Path) -> CameraRecord:
+    """Return the camera of one line."""
+    if len(words) < _CAMERA_WORDS:
+        raise InputError(f"{path}: '{' '.join(words):.60}' is no line of a camera.")
+    model = words[1]
+    if model not in _MODELS:
+        raise InputError(
+            f"{path}: the camera model {model:.40} has no counterpart here; {', '.join(_MODELS)} have. Use "
+            f"one of these."
+        )
+    focals, count = _MODELS[model]
+    numbers = finite_numbers(words[4:], (focals + 2 + count,), f"the parameters of {model}", path)
+    fx, fy = numbers[0], numbers[focals - 1]
+    cx, cy = (value - _HALF_PIXEL for value in numbers[focals : focals + 2])
+    lens = fisheye_lens if model in _FISHEYE else perspective_lens
+    size = picture_size(words[2:4], path)
+    return camera_record((fx, fy, cx, cy), lens(numbers[focals + 2 :]), T_cam_world, size, path)
+
+
+def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
+    """Return COLMAP's model and its coefficients."""
+    if record.lens == FISHEYE:
+        require_plain(name, record, _HOLDER)
+        return "OPENCV_FISHEYE", record.dist[:FISHEYE_COEFFICIENTS]
+    held = held_coefficients(name, record, 8, f"{_HOLDER} (FULL_OPENCV)")
+    if not any(held):
+        return "PINHOLE", ()
+    return ("FULL_OPENCV", held) if any(held[4:]) else ("OPENCV", held[:4])
+
+
+COLMAP = RigFormat("colmap", (".txt",), Home.FOLDER, 2**26, recognises, read_colmap, write_colmap)

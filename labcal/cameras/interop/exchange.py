@@ -1,0 +1,72 @@
+"""What passes between a rig and the files of other systems."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from labcal.cameras.rig import Rig
+
+
+@dataclass(frozen=True)
+class SourceText:
+    """The text of one file, and where it comes from."""
+
+    path: Path
+    text: str
+
+
+@dataclass(frozen=True)
+class ReadRig:
+    """A rig from another system's files."""
+
+    rig: Rig
+    notes: tuple[str, ...] = ()
+    """What its reader should know, for people: what was assumed, or changed."""
+
+
+@dataclass(frozen=True)
+class OutputText:
+    """One file to write."""
+
+    label: str
+    """Empty where it holds the whole rig; else the camera's name, or in a folder the file's name."""
+    text: str
+
+
+@dataclass(frozen=True)
+class RigTexts:
+    """A rig as the files of another system."""
+
+    files: tuple[OutputText, ...]
+    notes: tuple[str, ...] = ()
+    """What the files do not say as the rig did, for people."""
+
+
+class Home(Enum):
+    """Where a format lives on disk."""
+
+    FILE = "file"
+    FOLDER = "folder"
+
+
+@dataclass(frozen=True)
+class RigFormat:
+    """How one other system writes cameras down.
+
+    Its functions raise :class:`labcal.errors.InputError` for what is damaged, and for what one side cannot
+    hold.
+    """
+
+    name: str
+    """On the command line."""
+    suffixes: tuple[str, ...]
+    """Endings of its files; the first one is written where none is given."""
+    home: Home
+    most_bytes: int
+    """A larger file is not read."""
+    recognises: Callable[[str], bool]
+    """Tells by a file's text whether it is of this format."""
+    read: Callable[[Sequence[SourceText]], ReadRig]
+    write: Callable[[Rig, str], RigTexts]
+    """Takes the rig and the ending of the file to write."""

@@ -1,0 +1,174 @@
+"""Kalibr's ``camchain.yaml``: cameras ``cam0``, ``cam1``, ... in a chain, in metres.
+
+``T_cn_cnm1`` maps coordinates of the camera before to those of the camera; the first one is the world.
+``radtan`` is OpenCV's k1 k2 p1 p2, ``equidistant`` its fisheye's k1 to k4. The name of a camera is the
+topic that its pictures come on, as in ``/left/image_raw``.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labcal.arrays import Pose
+from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.lens_numbers import (
+    FISHEYE,
+    FISHEYE_COEFFICIENTS,
+    camera_record,
+    fisheye_lens,
+    held_coefficients,
+    perspective_lens,
+    require_plain,
+)
+from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
+from labcal.cameras.interop.placement import (
+    MM_IN_M,
+    poses_along,
+    poses_from_first,
+    rig_of,
+    rounded_pose,
+    steps_along,
+)
+from labcal.cameras.interop.yaml_tree import read_yaml_tree
+from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig import Rig
+from labcal.errors import InputError
+
+_HOLDER = "Kalibr"
+_RADTAN = 4
+_LENSES = {
+    "radtan": (perspective_lens, _RADTAN),
+    "equidistant": (fisheye_lens, 4),
+    "none": (perspective_lens, 0),
+}
+
+
+def recognises(text: str) -> bool:
+    """Tell whether a text is a camera chain."""
+    return "cam0:" in text and "distortion_model:" in text
+
+
+def read_kalibr(sources: Sequence[SourceText]) -> ReadRig:
+    """Read one chain; the first camera is the world.
+
+    Raises
+    ------
+    InputError
+        The file is damaged, or a camera is of a model that labcal does not have.
+    """
+    if len(sources) != 1:
+        raise InputError("A camchain.yaml holds a whole rig. Give one of them.")
+    path = sources[0].path
+    content = read_yaml_tree(sources[0].text, path)
+    chain: list[dict[str, Any]] = []
+    while isinstance(content.get(f"cam{len(chain)}"), dict):
+        chain.append(content[f"cam{len(chain)}"])
+    if not chain:
+        raise InputError(f"{path} is no camera chain of Kalibr: it has no camera 'cam0'.")
+    _require_neighbours(chain, path)
+    found = [_step(camera, number, path) for number, camera in enumerate(chain) if number > 0]
+    notes = tuple(note for _, mended in found for note in mended)
+    poses = poses_along([step for step, _ in found])
+    records = [_camera(camera, T, path) for camera, T in zip(chain, poses, strict=True)]
+    return ReadRig(rig_of(_names(chain), records), notes)
+
+
+def write_kalibr(rig: Rig, _suffix: str) -> RigTexts:
+    """Return the chain.
+
+    Raises
+    ------
+    InputError
+        Kalibr has no such lens.
+    """
+    poses, notes = poses_from_first(rig)
+    steps = [None, *steps_along(poses)]
+    numbers = range(len(steps))
+    entries = []
+    for number, (name, record) in enumerate(rig.cameras.items()):
+        model, coefficients = _distortion(name, record)
+        (fx, _, cx), (_, fy, cy), _ = record.K
+        lines = [
+            f"cam{number}:",
+            f"  cam_overlaps: {[other for other in numbers if other != number]}",
+            "  camera_model: pinhole",
+            f"  intrinsics: {_list((fx, fy, cx, cy))}",
+            f"  distortion_model: {model}",
+            f"  distortion_coeffs: {_list(coefficients)}",
+            f"  resolution: [{record.size[0]}, {record.size[1]}]",
+            f"  rostopic: /{name}/image_raw",
+        ]
+        step = steps[number]
+        if step is not None:
+            lines.append("  T_cn_cnm1:")
+            lines += [f"  - {_list((*row[:3], row[3] / MM_IN_M))}" for row in step[:3]]
+            lines.append("  - [0.0, 0.0, 0.0, 1.0]")
+        entries += lines
+    return RigTexts((OutputText("", "\n".join(entries) + "\n"),), notes)
+
+
+def _list(values: Sequence[float]) -> str:
+    return f"[{', '.join(number_text(value) for value in values)}]"
+
+
+def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
+    """Return Kalibr's distortion model and its coefficients."""
+    if record.lens == FISHEYE:
+        require_plain(name, record, _HOLDER)
+        return "equidistant", record.dist[:FISHEYE_COEFFICIENTS]
+    return "radtan", held_coefficients(name, record, _RADTAN, f"{_HOLDER} (radtan)")
+
+
+def _step(camera: dict[str, Any], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
+    """Return ``T_cam_before``, mm."""
+    rows = camera.get("T_cn_cnm1")
+    what = f"T_cn_cnm1 of cam{number}"
+    if not isinstance(rows, list) or len(rows) != 4:  # noqa: PLR2004 -- a 4x4 matrix
+        raise InputError(f"{path}: {what} should be 4 rows of 4 numbers.")
+    matrix = np.array([finite_numbers(row, (4,), what, path) for row in rows])
+    return rounded_pose(matrix[:3, :3], MM_IN_M * matrix[:3, 3], path)
+
+
+def _require_neighbours(chain: Sequence[dict[str, Any]], path: Path) -> None:
+    """Raise where a camera overlaps one that is not there: the file may have been cut off."""
+    for number, camera in enumerate(chain):
+        overlaps = camera.get("cam_overlaps")
+        for other in overlaps if isinstance(overlaps, list) else ():
+            if finite_number(other, "cam_overlaps", path) >= len(chain):
+                raise InputError(
+                    f"{path} is truncated: cam{number} overlaps cam{other}, but there is none. Copy it again."
+                )
+
+
+def _camera(camera: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
+    """Return one camera of the chain."""
+    model, distortion = camera.get("camera_model"), camera.get("distortion_model")
+    if model != "pinhole" or distortion not in _LENSES:
+        raise InputError(
+            f"{path}: the camera model {model!r:.40} with the distortion {distortion!r:.40} has no "
+            f"counterpart here; pinhole with {', '.join(_LENSES)} has. Calibrate with one of these."
+        )
+    lens, count = _LENSES[distortion]
+    coefficients = finite_numbers(camera.get("distortion_coeffs"), (count,), "distortion_coeffs", path)
+    return camera_record(
+        finite_numbers(camera.get("intrinsics"), (4,), "intrinsics", path),
+        lens(coefficients),
+        T_cam_world,
+        picture_size(camera.get("resolution"), path),
+        path,
+    )
+
+
+def _names(chain: Sequence[dict[str, Any]]) -> list[str]:
+    """Return what the topics call the cameras, or their numbers where that is not plain."""
+    named = [re.search(r"([^/]+)/[^/]+$", str(camera.get("rostopic", ""))) for camera in chain]
+    names = [found[1] for found in named if found]
+    if len(set(names)) == len(chain):
+        return names
+    return [f"cam{number}" for number in range(len(chain))]
+
+
+KALIBR = RigFormat("kalibr", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_kalibr, write_kalibr)

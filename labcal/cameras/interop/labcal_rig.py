@@ -1,0 +1,42 @@
+"""labcal's own ``rig.json`` among the formats, so that it is read and written like the others."""
+
+from collections.abc import Sequence
+
+from pydantic import ValidationError
+
+from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.rig import Rig
+from labcal.errors import InputError
+from labcal.run.descriptions import explain_validation
+
+
+def recognises(text: str) -> bool:
+    """Tell whether a text is a rig."""
+    return '"cameras"' in text and '"T_cam_world"' in text
+
+
+def read_labcal(sources: Sequence[SourceText]) -> ReadRig:
+    """Read one ``rig.json``.
+
+    Raises
+    ------
+    InputError
+        It is damaged, or there are several.
+    """
+    if len(sources) != 1:
+        raise InputError("A rig.json holds a whole rig. Give one of them.")
+    try:
+        rig = Rig.model_validate_json(sources[0].text)
+    except ValidationError as error:
+        raise InputError(f"{sources[0].path} is not a rig: {explain_validation(error)}.") from error
+    for name in rig.cameras:
+        rig.camera(name)  # raises for an impossible camera
+    return ReadRig(rig)
+
+
+def write_labcal(rig: Rig, _suffix: str) -> RigTexts:
+    """Return the text of ``rig.json``."""
+    return RigTexts((OutputText("", rig.model_dump_json(indent=2) + "\n"),))
+
+
+LABCAL = RigFormat("labcal", (".json",), Home.FILE, 2**24, recognises, read_labcal, write_labcal)

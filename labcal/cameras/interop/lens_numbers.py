@@ -1,0 +1,147 @@
+"""Lenses as lists of OpenCV's coefficients, which most formats share."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from labcal.arrays import Pose
+from labcal.cameras.camera import Camera
+from labcal.cameras.lens import LENGTH, LENSES
+from labcal.cameras.record import CameraRecord
+from labcal.errors import InputError
+
+FISHEYE = "fisheye-kb4"
+PINHOLE = "pinhole"
+FISHEYE_COEFFICIENTS = 4
+
+
+def perspective_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]:
+    """Return the simplest lens that holds OpenCV's coefficients, and its `dist`.
+
+    Parameters
+    ----------
+    coefficients : sequence of float
+        k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y, as many as there are. Zeros at the end say nothing,
+        since a lens without them images alike.
+    """
+    k1, k2, p1, p2, *_ = padded = (*coefficients, *(0.0,) * LENGTH)
+    used = max((at + 1 for at, value in enumerate(coefficients) if value != 0.0), default=0)
+    if used == 0:
+        return PINHOLE, (0.0,) * LENGTH
+    if p1 == 0.0 and p2 == 0.0 and used <= LENSES["brown-k1k2"].coefficients:
+        return "brown-k1k2", (k1, k2, 0.0, 0.0, 0.0)
+    for name in ("brown5", "rational8", "thin-prism12", "tilted14"):
+        length = LENSES[name].coefficients
+        if used <= length:
+            return name, (*padded, *(0.0,) * length)[:length]
+    raise InputError(f"A lens with {used} coefficients is not known; OpenCV has at most 14.")
+
+
+def fisheye_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]:
+    """Return the fisheye with k1 to k4, and its `dist`, padded with zeros."""
+    return FISHEYE, (*coefficients, *(0.0,) * LENGTH)[:LENGTH]
+
+
+def held_coefficients(name: str, record: CameraRecord, most: int, holder: str) -> tuple[float, ...]:
+    """Return the coefficients of a perspective lens, exactly `most` of them, for a format.
+
+    Parameters
+    ----------
+    name : str
+        The camera's, for messages.
+    record : CameraRecord
+    most : int
+        How many coefficients the format holds, in OpenCV's order.
+    holder : str
+        The format as messages name it.
+
+    Raises
+    ------
+    InputError
+        The format cannot hold the camera; the message says what, and what to do instead.
+    """
+    require_plain(name, record, holder)
+    if record.lens == FISHEYE:
+        raise InputError(
+            f"{holder} has no lens like '{FISHEYE}' of camera '{name}'. Choose a format that has it (opencv, "
+            "kalibr, ros, colmap), or calibrate with a perspective lens model."
+        )
+    surplus = [f"{value:g}" for value in record.dist[most:] if value != 0.0]
+    if surplus:
+        raise InputError(
+            f"{holder} holds {most} coefficients of a lens, but '{record.lens}' of camera '{name}' has more "
+            f"({', '.join(surplus)}). Calibrate with a simpler lens model, or choose another format."
+        )
+    return (*record.dist, *(0.0,) * most)[:most]
+
+
+def require_plain(name: str, record: CameraRecord, holder: str) -> None:
+    """Raise where a camera has what only labcal can hold.
+
+    Raises
+    ------
+    InputError
+        It has a lens prescription, or a window in front of the lens.
+    """
+    for what, has_it in (("lens prescription", record.prescription), ("window", record.window)):
+        if has_it is not None:
+            raise InputError(
+                f"{holder} cannot hold the {what} of camera '{name}'. Calibrate with one of the lens models "
+                f"{', '.join(LENSES)}, or keep rig.json."
+            )
+
+
+def camera_record(
+    numbers: Sequence[float],
+    lens: tuple[str, tuple[float, ...]],
+    T_cam_world: Pose,
+    size: tuple[int, int],
+    source: Path,
+) -> CameraRecord:
+    """Return a camera that was read, checked.
+
+    Parameters
+    ----------
+    numbers : sequence of float
+        fx, fy, cx, cy in px; pixel (0, 0) is the centre of the top-left pixel.
+    lens : (str, tuple of float)
+        Its name and `dist`.
+    T_cam_world : ndarray, shape (4, 4)
+        Mm.
+    size : (int, int)
+        Width and height, px.
+    source : Path
+        The file, for messages.
+
+    Raises
+    ------
+    InputError
+        There is no such camera.
+    """
+    fx, fy, cx, cy = numbers
+    K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+    name, dist = lens
+    try:
+        return CameraRecord.of(Camera(K, name, np.array(dist), T_cam_world, size))
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
+
+
+def intrinsics_of(matrix: Sequence[float], source: Path) -> tuple[float, float, float, float]:
+    """Return fx, fy, cx, cy of a camera matrix, row by row.
+
+    Raises
+    ------
+    InputError
+        It has skew, or is no camera matrix.
+    """
+    fx, skew, cx, zero, fy, cy, *last = matrix
+    if skew != 0.0:
+        raise InputError(
+            f"{source}: the camera matrix has a skew of {skew:g}, which labcal's cameras do not have. "
+            "Calibrate without skew."
+        )
+    if zero != 0.0 or list(last) != [0.0, 0.0, 1.0]:
+        raise InputError(f"{source}: the camera matrix is not [fx 0 cx; 0 fy cy; 0 0 1].")
+    return (fx, fy, cx, cy)

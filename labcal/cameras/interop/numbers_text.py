@@ -1,0 +1,75 @@
+"""Numbers in the text files of other systems: exact on the way out, checked on the way in."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from labcal.errors import InputError
+
+_MOST_PIXELS = 2**26
+"""As many as a picture may have."""
+
+
+def number_text(value: float) -> str:
+    """Return a float so that it reads back exactly, also in YAML 1.1, where an exponent needs a point."""
+    text = repr(float(value))
+    mantissa, e, exponent = text.partition("e")
+    return text if not e or "." in mantissa else f"{mantissa}.0e{exponent}"
+
+
+def finite_number(value: object, what: str, source: Path) -> float:
+    """Return a number of a file.
+
+    Raises
+    ------
+    InputError
+        It is no number, or not finite.
+    """
+    # YAML 1.1 takes 1e-3 for text, and truth values for numbers.
+    if isinstance(value, (int, float, str)) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except (ValueError, OverflowError):
+            number = math.nan
+        if math.isfinite(number):
+            return number
+    raise InputError(f"{source}: {what} should be a finite number, but is {_shown(value)}.")
+
+
+def finite_numbers(values: object, counts: Sequence[int], what: str, source: Path) -> tuple[float, ...]:
+    """Return a list of numbers of a file.
+
+    Raises
+    ------
+    InputError
+        It is no list, of none of the lengths `counts`, or something in it is no finite number.
+    """
+    if not isinstance(values, (list, tuple)) or len(values) not in counts:
+        lengths = " or ".join(str(count) for count in counts)
+        given = f"{len(values)}" if isinstance(values, (list, tuple)) else _shown(values)
+        raise InputError(f"{source}: {what} should hold {lengths} numbers, but holds {given}.")
+    return tuple(finite_number(value, what, source) for value in values)
+
+
+def picture_size(values: object, source: Path) -> tuple[int, int]:
+    """Return width and height of a file's pictures.
+
+    Raises
+    ------
+    InputError
+        They are no two positive whole numbers, or there would be more pixels than any picture has.
+    """
+    width, height = finite_numbers(values, (2,), "the size of the pictures", source)
+    sound = width == int(width) and height == int(height) and min(width, height) >= 1
+    if not sound or width * height > _MOST_PIXELS:
+        raise InputError(
+            f"{source}: the size of the pictures, {width:g} x {height:g}, is no size of a picture."
+        )
+    return (int(width), int(height))
+
+
+def _shown(value: object) -> str:
+    """Return a value for a message, not too much of it."""
+    text = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
+    most = 40
+    return text if len(text) <= most else f"{text[:most]}..."

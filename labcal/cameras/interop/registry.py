@@ -1,0 +1,53 @@
+"""The formats by name, by the ending of a file, or by what it holds."""
+
+from pathlib import Path
+
+from labcal.cameras.interop.colmap import COLMAP
+from labcal.cameras.interop.dice import DICE
+from labcal.cameras.interop.exchange import Home, RigFormat
+from labcal.cameras.interop.kalibr import KALIBR
+from labcal.cameras.interop.labcal_rig import LABCAL
+from labcal.cameras.interop.mrcal import MRCAL
+from labcal.cameras.interop.opencv import OPENCV
+from labcal.cameras.interop.ros import ROS
+from labcal.errors import InputError, UnknownNameError
+
+FORMATS: dict[str, RigFormat] = {one.name: one for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, DICE)}
+
+
+def format_by_name(name: str) -> RigFormat:
+    """Return a format.
+
+    Raises
+    ------
+    UnknownNameError
+        There is none of that name; the nearest one is offered.
+    """
+    if name not in FORMATS:
+        raise UnknownNameError("format", name, FORMATS)
+    return FORMATS[name]
+
+
+def format_to_write(path: Path) -> RigFormat:
+    """Return the format that the ending of a file to write means.
+
+    Raises
+    ------
+    InputError
+        Several formats end so, or none.
+    """
+    fitting = [
+        one for one in FORMATS.values() if one.home is Home.FILE and path.suffix.lower() in one.suffixes
+    ]
+    if len(fitting) == 1:
+        return fitting[0]
+    names = ", ".join(one.name for one in fitting or FORMATS.values())
+    raise InputError(
+        f"The name {path} does not tell the format to write. Say it: --to FORMAT, one of {names}."
+    )
+
+
+def recognised_format(text: str) -> RigFormat | None:
+    """Return the format of a text, None where none or several take it for theirs."""
+    fitting = [one for one in FORMATS.values() if one.recognises(text)]
+    return fitting[0] if len(fitting) == 1 else None

@@ -1,0 +1,153 @@
+"""Rigs in files of any format: reading one file, several or a folder, and writing them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from labcal.cameras.interop.exchange import Home, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
+from labcal.cameras.rig import Rig
+from labcal.errors import InputError
+from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder, write_file
+
+_MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
+_MOST_TOGETHER = 4 * _MOST_BYTES
+_MOST_FILES = 100
+
+
+def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigFormat, ReadRig]:
+    """Read a rig from one file, several, or a folder.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        A folder stands for the files in it that are of the format.
+    format_name : str, optional
+        Found by what the files hold where not given.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such format.
+    InputError
+        A file cannot be read, is of no format, of two, or of another one than the rest; or it is damaged.
+    """
+    wanted = None if format_name is None else format_by_name(format_name)
+    files = _files(paths)
+    together = sum(path.stat().st_size for path in files if path.is_file())
+    _require_size(files[0], together, _MOST_TOGETHER)
+    given = [_source(path, wanted) for path in files]
+    found = [(source, wanted or recognised_format(source.text)) for source in given]
+    in_folder = any(path.is_dir() for path in paths)
+    known = [(source, one) for source, one in found if one is not None]
+    strange = [source.path for source, one in found if one is None]
+    if strange and not (in_folder and known):
+        raise InputError(
+            f"{strange[0]} is of no format that is read here ({', '.join(FORMATS)}). If it should be, name "
+            f"it: --from FORMAT."
+        )
+    kinds = {one.name: one for _, one in known}
+    if len(kinds) != 1:
+        raise InputError(f"These files are of several formats: {', '.join(kinds)}. Name one: --from FORMAT.")
+    (chosen,) = kinds.values()
+    sources = given if chosen.home is Home.FOLDER else [source for source, _ in known]
+    for source in sources:
+        _require_size(source.path, len(source.text), chosen.most_bytes)
+    return chosen, chosen.read(sources)
+
+
+def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bool) -> list[Path]:
+    """Write a rig and return the files.
+
+    Parameters
+    ----------
+    path : Path
+        The file to write. Where there is one a camera, its name gets the camera's behind it, as in
+        ``rig-left.yaml``; a `path` without an ending is a folder for them.
+    chosen : RigFormat
+    texts : RigTexts
+        What its ``write`` returned.
+    force : bool
+        Replace what exists.
+
+    Raises
+    ------
+    OutputError
+        A file exists and `force` is not set, or it cannot be written.
+    """
+    if chosen.home is Home.FOLDER:
+        return _write_folder(path, {one.label: one.text for one in texts.files}, force=force)
+    if not path.suffix and texts.files[0].label:
+        named = {f"{one.label}{chosen.suffixes[0]}": one.text for one in texts.files}
+        return _write_folder(path, named, force=force)
+    paths = [
+        path.with_name(f"{path.stem}-{one.label}{path.suffix}") if one.label else path for one in texts.files
+    ]
+    for file in paths:
+        refuse_existing(file, force=force)
+        refuse_homeless(file)
+    for file, one in zip(paths, texts.files, strict=True):
+        write_file(file, one.text, force=force)
+    return paths
+
+
+def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
+    """Return the rig of some cameras only, in the order of the names.
+
+    Raises
+    ------
+    InputError
+        The rig has no such camera.
+    """
+    for name in names:
+        rig.camera(name)
+    return Rig(cameras={name: rig.cameras[name] for name in names})
+
+
+def _write_folder(path: Path, texts: dict[str, str], *, force: bool) -> list[Path]:
+    """Write a folder of files that appears whole."""
+    with unfinished_folder(path, f"convert {sorted(texts)}", force=force) as working:
+        for name, text in texts.items():
+            write_file(working / name, text, force=True)
+    return [path / name for name in texts]
+
+
+def _files(paths: Sequence[Path]) -> list[Path]:
+    """Return files, with folders replaced by the text files in them."""
+    endings = {suffix for one in FORMATS.values() for suffix in one.suffixes}
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            files += sorted(entry for entry in path.iterdir() if entry.suffix.lower() in endings)
+        else:
+            files.append(path)
+    if not files:
+        raise InputError(f"There is no file of any format in {', '.join(map(str, paths))}.")
+    if len(files) > _MOST_FILES:
+        raise InputError(
+            f"These are {len(files)} files, more than cameras of any rig. Name those of the rig."
+        )
+    return files
+
+
+def _source(path: Path, wanted: RigFormat | None) -> SourceText:
+    """Read a text file of sensible size."""
+    most = _MOST_BYTES if wanted is None else wanted.most_bytes
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path} cannot be read: it is no file.")
+        _require_size(path, path.stat().st_size, most)
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    try:
+        return SourceText(path, data.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        if b"\0" in data:
+            raise InputError(f"{path} is no text file.") from None
+        return SourceText(path, data.decode("latin-1"))
+
+
+def _require_size(path: Path, length: int, most: int) -> None:
+    """Raise where there is more to read than any cameras take."""
+    if length > most:
+        raise InputError(f"{path} is not read: there are more than {most} bytes, and no file of cameras has.")

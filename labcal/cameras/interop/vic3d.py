@@ -1,0 +1,64 @@
+"""The cameras in a project file of VIC-3D (``z3d`` or ``calibration.xml``); read only.
+
+A camera holds eight numbers, cx cy fx fy fs kappa1 kappa2 kappa3, and an orientation alpha beta gamma tx ty
+tz that maps world to camera (degrees, millimetres; R = Rz(gamma) Ry(beta) Rx(alpha)), as DICe reads them. The
+formula of the kappas is not published, and DICe's own reader says that it guesses, so a camera with
+distortion or skew is refused. The size of the pictures stands at the polygon of the first area of interest.
+"""
+
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from labcal.cameras.interop.exchange import ReadRig
+from labcal.cameras.interop.lens_numbers import camera_record, perspective_lens
+from labcal.cameras.interop.numbers_text import finite_numbers, picture_size
+from labcal.cameras.interop.placement import rig_of
+from labcal.cameras.record import CameraRecord
+from labcal.errors import InputError
+from labcal.geometry.poses import pose
+
+PROJECT = "project"
+"""The outermost element."""
+_NUMBERS, _ORIENTATION = 8, 6
+
+
+def read_project(root: Element, path: Path) -> ReadRig:
+    """Return the cameras of a project.
+
+    Raises
+    ------
+    InputError
+        There are none, they have distortion or skew, or nothing tells how large the pictures are.
+    """
+    cameras = list(root.iter("camera"))
+    mask = next(root.iter("polygonmask"), None)
+    if not cameras:
+        raise InputError(f"{path} is a project of VIC-3D without a calibration.")
+    if mask is None:
+        raise InputError(
+            f"{path} does not say how large the pictures are: the project has no area of interest. Draw one, "
+            "save, and convert again."
+        )
+    size = picture_size([mask.get("width"), mask.get("height")], path)
+    names: list[str] = []
+    records: list[CameraRecord] = []
+    for camera in cameras:
+        name = f"camera-{camera.get('id', len(names))}"
+        cx, cy, fx, fy, *bent = finite_numbers((camera.text or "").split(), (_NUMBERS,), name, path)
+        if any(bent):
+            raise InputError(
+                f"{path}: {name} has skew or distortion (fs kappa1 kappa2 kappa3 = {bent}). VIC-3D does not "
+                "publish how it applies them, so they are not converted. Calibrate the cameras with labcal "
+                "from the same pictures."
+            )
+        element = camera.find("orientation")
+        words = [] if element is None else (element.text or "").split()
+        angles = finite_numbers(words, (_ORIENTATION,), f"the orientation of {name}", path)
+        R = Rotation.from_euler("xyz", angles[:3], degrees=True).as_matrix()
+        T_cam_world = pose(R, np.array(angles[3:]))
+        names.append(name)
+        records.append(camera_record((fx, fy, cx, cy), perspective_lens(()), T_cam_world, size, path))
+    return ReadRig(rig_of(names, records))

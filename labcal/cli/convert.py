@@ -1,0 +1,180 @@
+"""``labcal convert``: cameras and detections from and to the files of other systems."""
+
+from argparse import ArgumentTypeError, Namespace
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+
+if TYPE_CHECKING:
+    import numpy as np
+
+DETECTIONS, CORNERS = ".csv", ".vnl"
+_FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, dice"
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    parser = commands.add(
+        "convert",
+        run,
+        "Convert cameras (rig.json) and detections (detections.csv) from and to the files of OpenCV, mrcal, "
+        "Kalibr, ROS, COLMAP and DICe. docs/formats.md says what each holds.",
+        example="labcal convert rig.json rig.cameramodel\n"
+        "  labcal convert rig-left.cameramodel rig-right.cameramodel rig.json\n"
+        "  labcal convert rig.json stereo.yml --to opencv\n"
+        "  labcal convert detections.csv corners.vnl --target rings-14x10",
+    )
+    parser.add_argument(
+        "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
+    )
+    parser.add_argument("output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder")
+    parser.add_argument("--force", action="store_true", help="replace what exists")
+    parser.add_argument(
+        "--from", dest="source", metavar="FORMAT", help=f"{_FORMATS}; told by the content where left out"
+    )
+    parser.add_argument(
+        "--to",
+        dest="wanted",
+        metavar="FORMAT",
+        help="the same; told by the ending of OUT where that is clear",
+    )
+    parser.add_argument("--only", metavar="CAMERA,...", help="only these cameras, in this order")
+    parser.add_argument("--target", metavar="NAME", help="for corners.vnl: what the pictures show")
+    parser.add_argument(
+        "--cameras",
+        metavar="ENDINGS",
+        help="from corners.vnl: cameras by the end of the images' names: '_0=left,_1=right'",
+    )
+    parser.add_argument(
+        "--size",
+        type=picture_size,
+        metavar="WxH",
+        help="from corners.vnl: where the pictures are not at hand",
+    )
+
+
+def picture_size(text: str) -> tuple[int, int]:
+    """Read a picture size such as ``1280x960``."""
+    width, x, height = text.partition("x")
+    if not (x and width.isdecimal() and height.isdecimal() and min(int(width), int(height)) > 0):
+        raise ArgumentTypeError(f"'{text}' should be width and height in pixels, as in 1280x960")
+    return (int(width), int(height))
+
+
+@dataclass(frozen=True)
+class ConvertResult:
+    """The JSON document of ``labcal convert``."""
+
+    source: str
+    """Format of what was read."""
+    wanted: str
+    """Format of what was written."""
+    files: list[str]
+    cameras: list[str]
+    points: int | None
+    """Of detections; null for cameras."""
+    notes: list[str]
+    """What the reader of the files should know."""
+
+
+def run(arguments: Namespace, session: Session) -> ExitStatus:
+    """Convert and tell what the files do not say as the original did."""
+    endings = {path.suffix.lower() for path in (*arguments.inputs, arguments.output)}
+    convert = _convert_detections if endings & {DETECTIONS, CORNERS} else _convert_cameras
+    result = convert(arguments)
+    for note in result.notes:
+        session.warn(note)
+    of = f"{len(result.cameras)} cameras" if result.points is None else f"{result.points} points"
+    session.emit(result, f"{', '.join(result.files)}: {of} ({', '.join(result.cameras)}), {result.wanted}.")
+    return ExitStatus.DONE
+
+
+def _convert_cameras(arguments: Namespace) -> ConvertResult:
+    from labcal.cameras.interop.registry import format_by_name, format_to_write
+    from labcal.cameras.interop.rig_files import chosen_cameras, read_rig_files, write_rig_files
+
+    output = arguments.output
+    wanted = format_by_name(arguments.wanted) if arguments.wanted else format_to_write(output)
+    source, read = read_rig_files(arguments.inputs, arguments.source)
+    rig = chosen_cameras(read.rig, arguments.only.split(",")) if arguments.only else read.rig
+    texts = wanted.write(rig, output.suffix)
+    files = write_rig_files(output, wanted, texts, force=arguments.force)
+    notes = [*read.notes, *texts.notes]
+    return ConvertResult(
+        source.name, wanted.name, [str(file) for file in files], list(rig.cameras), None, notes
+    )
+
+
+def _convert_detections(arguments: Namespace) -> ConvertResult:
+    from labcal.correspond.detections import detections_csv, read_detections
+    from labcal.correspond.interop.corners_vnl import corners_text, read_corners
+    from labcal.correspond.sources import parse_camera_endings
+    from labcal.errors import InputError
+    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.targets.catalogue import load_target
+
+    ends = [path.suffix.lower() for path in (*arguments.inputs, arguments.output)]
+    if sorted(ends) != [DETECTIONS, CORNERS]:
+        raise InputError(
+            "Detections are converted from one detections.csv to a corners.vnl, or back. Name both with "
+            "these endings."
+        )
+    if arguments.target is None:
+        raise InputError("Say whose dots these are: --target NAME ('labcal target list' shows the names).")
+    target = load_target(arguments.target)
+    path, output = arguments.inputs[0], arguments.output
+    refuse_existing(output, force=arguments.force)
+    refuse_homeless(output)
+    if ends[0] == CORNERS:
+        sides = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
+        detections = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))
+        write_file(output, detections_csv(detections), force=arguments.force)
+        ok = int(detections.ok.sum())
+        return ConvertResult("mrcal", "labcal", [str(output)], list(detections.cameras), ok, [])
+    detections = read_detections(path)
+    if arguments.only:
+        detections = detections.where(_of_cameras(detections.camera.tolist(), arguments.only.split(",")))
+    found = corners_text(detections, target)
+    write_file(output, found.text, force=arguments.force)
+    spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
+    told = (
+        f"For mrcal-calibrate-cameras: --corners-cache-has-weights --object-spacing {spacing_m!r} "
+        f"--object-width-n {target.cols} --object-height-n {target.rows}. It takes the centroids of dots for "
+        "images of their centres."
+    )
+    notes = [told]
+    if found.left_out:
+        notes.append(f"{found.left_out} dots that are no measurements of the grid stand as missing.")
+    return ConvertResult("labcal", "mrcal", [str(output)], list(detections.cameras), found.points, notes)
+
+
+def _of_cameras(cameras: "list[str]", wanted: "list[str]") -> "np.ndarray":
+    """Return which lines are of the cameras that are wanted."""
+    import numpy as np
+
+    from labcal.errors import InputError
+
+    for name in wanted:
+        if name not in cameras:
+            raise InputError(
+                f"The detections have no camera '{name}', only {', '.join(dict.fromkeys(cameras))}."
+            )
+    return np.isin(cameras, wanted)
+
+
+def _size_on_disk(image: Path) -> tuple[int, int]:
+    """Return the size of a picture that is at hand."""
+    from labcal.errors import InputError
+    from labcal.shoot.pictures import read_picture
+
+    if not image.is_file():
+        raise InputError(
+            f"The picture {image} is not at hand, so its size is not known. Say it: --size 1280x960, or go "
+            "to the folder that the names start from."
+        )
+    height, width = read_picture(image).shape[:2]
+    return (width, height)

@@ -1,0 +1,1 @@
+"""Detections in the files of other systems, one file a format."""

@@ -1,0 +1,223 @@
+"""mrcal's and mrgingham's ``corners.vnl``: ``# filename x y weight``, a line for every point of a whole grid.
+
+The points of an image stand together, row by row from (0, 0) and along x first, as dots are numbered; ``-``
+where one is missing, and a single line of ``-`` where an image has none. mrcal multiplies a point's error by
+its weight (``--corners-cache-has-weights``). Here that is the median standard deviation of all points over
+the point's own, so that the typical weight is 1 and mrcal's errors stay in pixels; a comment keeps the
+median. In files of mrgingham the column is ``level``: how often the picture was halved to find the point. Its
+weight is 2 to the power of minus that, as mrcal takes it.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import require_on_target
+from labcal.correspond.sources import loose_source
+from labcal.detect.flags import DotFlag
+from labcal.errors import InputError
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.target import Target
+
+_SIGMA = re.compile(r"^## sigma_px (\S+)", re.MULTILINE)
+_LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULTILINE)
+_MOST_BYTES = 2**28
+_MOST_LEVEL = 30
+_EQUAL_PITCH = 1e-9
+"""Relative difference of pitches that are the same but for rounding."""
+
+
+@dataclass(frozen=True)
+class CornersText:
+    """The text of a ``corners.vnl``."""
+
+    text: str
+    points: int
+    """How many are measured."""
+    left_out: int
+    """Lines that stand as missing: no measurements of the grid, or at negative pixels."""
+
+
+def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
+    """Return detections as a ``corners.vnl``, in the order of the images.
+
+    Parameters
+    ----------
+    detections : Detections
+        Dots flagged ``ok`` are written; the rest of the grid is missing.
+    target : AnyTarget
+        Its whole grid is written.
+
+    Raises
+    ------
+    InputError
+        The target is no square grid, a dot is beyond it, or an image's name cannot stand in such a file.
+    """
+    _require_square(target)
+    # mrcal takes a negative pixel for a missing point, so such a line would be lost in silence.
+    usable = detections.where(detections.ok & (detections.position >= 0.0).all(axis=1))
+    require_on_target(usable, target)
+    sigma = np.sqrt(0.5 * np.trace(usable.covariance, axis1=1, axis2=2))
+    known = sigma[np.isfinite(sigma) & (sigma > 0.0)]
+    typical = float(np.median(known)) if len(known) else 1.0
+    weight = np.where(np.isfinite(sigma) & (sigma > 0.0), typical / np.where(sigma > 0.0, sigma, 1.0), 1.0)
+    number = usable.index[:, 1] * target.cols + usable.index[:, 0]
+    lines = [f"## sigma_px {typical!r} stands for a weight of 1", "# filename x y weight"]
+    for image in dict.fromkeys(detections.image.tolist()):
+        _require_plain(image)
+        rows = np.flatnonzero(usable.image == image)
+        if len(rows) == 0:
+            lines.append(f"{image} - - -")
+            continue
+        entries = [f"{image} - - -"] * target.count
+        for row in rows:
+            x, y = usable.position[row].tolist()
+            entries[number[row]] = f"{image} {x!r} {y!r} {float(weight[row])!r}"
+        lines += entries
+    return CornersText("\n".join(lines) + "\n", len(usable), len(detections) - len(usable))
+
+
+def read_corners(
+    path: Path, target: Target, endings: Mapping[str, str], size_of: Callable[[Path], tuple[int, int]]
+) -> Detections:
+    """Read a ``corners.vnl``.
+
+    Parameters
+    ----------
+    path : Path
+    target : Target
+        How many points are in a row, and how many rows there are.
+    endings : mapping of str to str
+        Camera by ending of an image's name, as for loose pictures; one camera where empty.
+    size_of : callable
+        Takes an image's path, returns width and height of the picture, px.
+
+    Returns
+    -------
+    Detections
+        Covariances are those of the weights times the standard deviation that a file of labcal states, else
+        1 px. A missing point has the flag ``hidden``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is damaged, or an image has another number of points than the target.
+    """
+    text = _text(path)
+    legend = _LEGEND.search(text)
+    if legend is None:
+        raise InputError(
+            f"{path} is no corners.vnl: it should have the line '# filename x y weight' (or level)."
+        )
+    stated = _SIGMA.search(text)
+    sigma = _positive(stated[1], path) if stated else 1.0
+    images: dict[str, list[tuple[float, float, float]]] = {}
+    for line in text.splitlines():
+        if line.strip() and not line.lstrip().startswith("#"):
+            image, *fields = line.split()
+            images.setdefault(image, []).append(_point(fields, legend[1], path))
+    if not images:
+        raise InputError(f"{path} lists no image.")
+    parts = [_picture(image, np.array(points), target, path) for image, points in images.items()]
+    sources = [loose_source(image, endings) for image in images]
+    n = target.count
+    xyw = np.concatenate(parts)
+    seen = xyw[:, 2] > 0.0
+    variance = np.where(seen, (sigma / np.where(seen, xyw[:, 2], 1.0)) ** 2, np.nan)
+    sizes = [size_of(Path(image)) for image in images]
+    return Detections(
+        view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), n),
+        camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), n),
+        image=np.repeat(np.array(list(images), dtype=np.str_), n),
+        size=np.repeat(np.array(sizes, dtype=np.int64), n, axis=0),
+        index=np.tile(target.indices().astype(np.int64), (len(images), 1)),
+        has_id=np.ones(len(xyw), dtype=bool),
+        position=np.where(seen[:, None], xyw[:, :2], np.nan),
+        covariance=variance[:, None, None] * np.eye(2),
+        flag=np.where(seen, DotFlag.OK.value, DotFlag.HIDDEN.value),
+    )
+
+
+def _require_square(target: AnyTarget) -> None:
+    """Raise where mrcal, which knows one spacing, cannot have the target's grid."""
+    places = target.points()
+    steps = np.diff(places.reshape(target.rows, target.cols, 3), axis=1)[..., :2]
+    rises = np.diff(places.reshape(target.rows, target.cols, 3), axis=0)[..., :2]
+    pitch = float(steps[0, 0, 0])
+    if max(np.abs(steps - [pitch, 0.0]).max(), np.abs(rises - [0.0, pitch]).max()) > _EQUAL_PITCH * pitch:
+        raise InputError(
+            f"mrcal knows boards with one spacing, along and across, but '{target.name}' is not of that "
+            "kind. Use a target with equal pitches."
+        )
+
+
+def _require_plain(image: str) -> None:
+    """Raise where an image's name would not be read back."""
+    if not image.isascii() or len(image.split()) != 1 or image.startswith("#"):
+        raise InputError(
+            f"The name '{image}' cannot stand in a corners.vnl, which takes ASCII without spaces. Rename the "
+            f"pictures."
+        )
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"The corners {path} cannot be read: it is no file.")
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path} is not read: it has more than {_MOST_BYTES} bytes.")
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"The corners {path} cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is no text file.") from error
+
+
+def _positive(word: str, path: Path) -> float:
+    """Return a standard deviation."""
+    try:
+        value = float(word)
+    except ValueError:
+        value = np.nan
+    if not (np.isfinite(value) and value > 0.0):
+        raise InputError(f"{path}: the standard deviation '{word:.40}' should be a positive number.")
+    return value
+
+
+def _point(fields: list[str], kind: str | None, path: Path) -> tuple[float, float, float]:
+    """Return x, y and weight of a line; all 0 where it says that there is no point."""
+    try:
+        if len(fields) not in {2, 3} or (len(fields) == 2 and kind is not None):  # noqa: PLR2004 -- x y weight
+            raise ValueError  # noqa: TRY301 -- told below, with the line
+        if "-" in fields:
+            return (0.0, 0.0, 0.0)
+        x, y, last = (*(float(field) for field in fields), 1.0)[:3]
+        if not np.isfinite([x, y, last]).all() or (kind == "level" and last > _MOST_LEVEL):
+            raise ValueError  # noqa: TRY301 -- as above
+    except ValueError as error:
+        raise InputError(
+            f"{path}: '{' '.join(fields):.60}' should be x, y and a {kind or 'weight'}."
+        ) from error
+    if kind == "level":
+        last = 2.0**-last if last >= 0.0 else 0.0
+    # mrcal takes a negative pixel or weight for a missing point.
+    return (x, y, last) if min(x, y) >= 0.0 and last > 0.0 else (0.0, 0.0, 0.0)
+
+
+def _picture(
+    image: str, points: Float64[np.ndarray, "n 3"], target: Target, path: Path
+) -> Float64[np.ndarray, "count 3"]:
+    """Return the points of a whole grid; none of them where the image has a single line."""
+    if len(points) == target.count:
+        return points
+    if len(points) == 1 and points[0, 2] == 0.0:
+        return np.zeros((target.count, 3))
+    raise InputError(
+        f"{path}: {image:.60} has {len(points)} points, but '{target.name}' has {target.cols} x "
+        f"{target.rows}. Name the target that the pictures show."
+    )

@@ -1,0 +1,107 @@
+"""Every format gives back what it was given, to the last digit or to the rounding of a rotation."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labcal.cameras.interop.registry import FORMATS
+from labcal.cameras.interop.rig_files import read_rig_files, write_rig_files
+from labcal.cameras.lens import LENSES
+from labcal.cameras.rig import Rig
+from labcal.errors import InputError
+
+MakeRig = Callable[..., Rig]
+PERSPECTIVE = tuple(LENSES)[:-1]
+HELD = {
+    "labcal": tuple(LENSES),
+    "opencv": tuple(LENSES),
+    "mrcal": PERSPECTIVE[:-1],
+    "kalibr": ("pinhole", "brown-k1k2", "fisheye-kb4"),
+    "ros": ("pinhole", "brown-k1k2", "brown5", "rational8", "fisheye-kb4"),
+    "colmap": ("pinhole", "brown-k1k2", "brown5", "rational8", "fisheye-kb4"),
+    "dice": PERSPECTIVE,
+}
+"""The lenses that each format has."""
+WITH_WORLD = ("labcal", "mrcal", "colmap", "dice")
+CASES = [(name, lens) for name, lenses in HELD.items() for lens in lenses]
+MISSING = [(name, lens) for name, lenses in HELD.items() for lens in LENSES if lens not in lenses]
+
+
+def there_and_back(
+    rig: Rig, name: str, folder: Path, suffix: str | None = None
+) -> tuple[Rig, tuple[str, ...]]:
+    """Write a rig, read it by what the files hold, and return it with what was said about the writing."""
+    chosen = FORMATS[name]
+    suffix = suffix or chosen.suffixes[0]
+    texts = chosen.write(rig, suffix)
+    path = folder / ("model" if name == "colmap" else f"rig{suffix}")
+    files = write_rig_files(path, chosen, texts, force=False)
+    found, back = read_rig_files([path] if name == "colmap" else files, None)
+    assert found.name == name
+    return back.rig, texts.notes
+
+
+@pytest.mark.parametrize(("name", "lens"), CASES)
+def test_a_rig_comes_back(name: str, lens: str, tmp_path: Path, make_rig: MakeRig) -> None:
+    rig = make_rig(lens)
+    back, notes = there_and_back(rig, name, tmp_path)
+    assert notes == ()
+    assert list(back.cameras) == list(rig.cameras)
+    for camera, record in back.cameras.items():
+        meant = rig.cameras[camera]
+        assert (record.lens, record.size, record.dist) == (meant.lens, meant.size, meant.dist)
+        # COLMAP's half pixel may cost the last digit; rotations become quaternions, vectors or products.
+        np.testing.assert_allclose(record.K, meant.K, rtol=2e-16 if name == "colmap" else 0.0, atol=0.0)
+        np.testing.assert_allclose(record.T_cam_world, meant.T_cam_world, rtol=1e-14, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["labcal", "opencv", "dice"])
+def test_what_is_written_as_it_is_comes_back_to_the_last_digit(
+    name: str, tmp_path: Path, make_rig: MakeRig
+) -> None:
+    rig = make_rig("tilted14")
+    assert there_and_back(rig, name, tmp_path)[0] == rig
+
+
+def test_opencv_xml_comes_back_to_the_last_digit(tmp_path: Path, make_rig: MakeRig) -> None:
+    rig = make_rig("fisheye-kb4")
+    assert there_and_back(rig, "opencv", tmp_path, ".xml")[0] == rig
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("name", ["opencv", "mrcal", "kalibr", "colmap", "dice"])
+def test_one_camera_and_three(name: str, count: int, tmp_path: Path, make_rig: MakeRig) -> None:
+    rig = make_rig("brown-k1k2", count=count)
+    back, _ = there_and_back(rig, name, tmp_path)
+    assert list(back.cameras) == list(rig.cameras)
+    for camera, record in back.cameras.items():
+        np.testing.assert_allclose(record.T_cam_world, rig.cameras[camera].T_cam_world, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", list(HELD))
+def test_another_world_is_kept_or_the_first_camera_becomes_it_and_that_is_said(
+    name: str, tmp_path: Path, make_rig: MakeRig, elsewhere: np.ndarray
+) -> None:
+    rig = make_rig("brown-k1k2", elsewhere)
+    back, notes = there_and_back(rig, name, tmp_path)
+    to_world = np.eye(4) if name in WITH_WORLD else elsewhere
+    assert bool(notes) is (name not in WITH_WORLD)
+    assert all("first camera, 'left', is the world" in note for note in notes)
+    for camera, record in back.cameras.items():
+        expected = np.array(rig.cameras[camera].T_cam_world) @ np.linalg.inv(to_world)
+        np.testing.assert_allclose(record.T_cam_world, expected, atol=1e-11)
+
+
+@pytest.mark.parametrize(("name", "lens"), MISSING)
+def test_a_lens_that_a_format_does_not_have_is_refused_by_name(
+    name: str, lens: str, make_rig: MakeRig
+) -> None:
+    with pytest.raises(InputError, match=f"'{lens}' of camera 'left'"):
+        FORMATS[name].write(make_rig(lens), FORMATS[name].suffixes[0])
+
+
+def test_three_cameras_are_too_many_for_ros(make_rig: MakeRig) -> None:
+    with pytest.raises(InputError, match="--only left,right-2"):
+        FORMATS["ros"].write(make_rig("pinhole", count=3), ".yaml")
