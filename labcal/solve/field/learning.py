@@ -16,6 +16,9 @@ from labcal.solve.resection.whitening import Correlated
 ROUNDS = 3
 """After these, neither the field's scale nor the camera moves by more than a few percent of their sd."""
 
+_EXACT_PX = 1e-4
+"""Residuals below this are those of a simulation without noise; a field would follow rounding errors."""
+
 
 @one_blas_thread()
 def learned_camera(start: ResectedCamera, q: Pixels, p: Points) -> LearnedCamera:
@@ -35,6 +38,8 @@ def learned_camera(start: ResectedCamera, q: Pixels, p: Points) -> LearnedCamera
     are a smoother function of where light arrives than of where it would have arrived: both are tried, and
     the likelier one is taken.
     """
+    if start.sigma_px < _EXACT_PX:
+        return LearnedCamera(start.placed, start.covariance, start.sigma_px)
     ideal = _learned(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
     if ideal is None:
         return LearnedCamera(start.placed, start.covariance, start.sigma_px)
