@@ -6,7 +6,8 @@ from labcal.solve.registry import make_estimator, method_class, method_names
 
 def test_every_method_is_made_under_its_own_name() -> None:
     assert method_names() == [
-        "affine", "bundle", "dlt", "homography", "hybrid", "mlp", "mlp-bayes", "quadratic", "ray-net", "two-plane",
+        "affine", "bundle", "dlt", "homography", "hybrid",
+        "mlp", "mlp-bayes", "quadratic", "ray-net", "two-plane",
     ]  # fmt: skip
     for name in method_names():
         assert make_estimator(name).method == name
