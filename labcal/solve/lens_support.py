@@ -9,8 +9,8 @@ from labcal.solve.adjustment.state import Lenses
 from labcal.solve.lens_start import FISHEYE
 
 MOST_OPEN = 0.1
-"""Standard deviation of a coefficient's own effect on the outermost dot, over the picture's width, from which
-on it counts as not determined. What dots tell is a thousandth; what is assumed beforehand is 1."""
+"""Standard deviation of a coefficient, over the one that is assumed beforehand, from which on it counts as not
+determined: the assumption decides then. Where dots decide, it is a hundredth or less."""
 _NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y")
 _FISHEYE_NAMES = ("k1", "k2", "k3", "k4")
 
@@ -19,7 +19,8 @@ def undetermined(adjusted: Adjusted, observations: Observations) -> tuple[str, .
     """Return the names of the first camera's coefficients that the views leave open.
 
     Several of them may stand in for each other, as k1 and k4 of the rational model do in a lens that does not
-    need both. Their sum is determined then, and so is the picture where dots were; they are not.
+    need both. Their sum is determined then, and so is the picture where dots were. Those are named that the
+    prior holds tighter, beyond Brown's five.
 
     Parameters
     ----------
