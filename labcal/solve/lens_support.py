@@ -9,8 +9,8 @@ from labcal.solve.adjustment.state import Lenses
 from labcal.solve.lens_start import FISHEYE
 
 MOST_OPEN = 0.1
-"""Standard deviation of a coefficient, over the one that is assumed beforehand, from which on it counts as not
-determined: the assumption decides then. Where dots decide, it is a hundredth or less."""
+"""Standard deviation of a coefficient, over the one that is assumed beforehand, from which on the assumption
+decides and not the dots. Where these do, it is a hundredth or less."""
 _NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y")
 _FISHEYE_NAMES = ("k1", "k2", "k3", "k4")
 
