@@ -234,7 +234,7 @@ class Camera:
     ) -> tuple[Dual, ...]:
         """Return :attr:`forward_numbers` for derivatives by intrinsics and all of :attr:`padded_dist`."""
         directions = len(intrinsics[0].slopes)
-        formula = self.model.formula(m, dist)
+        formula = self.model.formula(m, dist) if self.model.coefficients else ()
         rest = constants(self._forward_lens_numbers[len(formula) :], directions)
         return (*intrinsics, *constants(self._window_numbers, directions), *formula, *rest)
 

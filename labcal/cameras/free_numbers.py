@@ -104,20 +104,15 @@ class FreeNumbers:
         return ProjectionDerivatives(q, np.asarray(found.ok), J[..., :POINT], J[..., POINT:])
 
     def _dual_numbers(self, m: DualMathematics, free: tuple[Dual, ...]) -> tuple[Dual, ...]:
-        """Return ``Camera.numbers`` with the free ones varying."""
-        camera, directions = self.camera, POINT + self.count
+        """Return ``Camera.forward_numbers`` with the free ones varying."""
+        camera = self.camera
         intrinsics = (free[0], *free[:3]) if self._prescribed else free[:INTRINSICS]
-        pane: tuple[Dual, ...] = ()
-        if camera.window is not None:
-            pane = constants(camera.window.numbers, directions)
-        if isinstance(camera.window, FlatWindow):
-            pane = camera.window.formula(m, free[-PLACE:])
-        lens = camera.forward_numbers[camera.optics.lens_at :]
-        formula: tuple[Dual, ...] = ()
-        if not self._prescribed:
-            rest = constants(camera.padded_dist[camera.model.coefficients :], directions)
-            formula = camera.model.formula(m, (*free[self.coefficients], *rest))
-        return (*intrinsics, *pane, *formula, *constants(lens[len(formula) :], directions))
+        rest = constants(camera.padded_dist[camera.model.coefficients :], POINT + self.count)
+        numbers = camera.dual_numbers(m, intrinsics, (*free[self.coefficients], *rest))
+        if not isinstance(camera.window, FlatWindow):
+            return numbers
+        pane = camera.window.formula(m, free[-PLACE:])
+        return (*intrinsics, *pane, *numbers[camera.optics.lens_at :])
 
     @property
     def _prescribed(self) -> bool:

@@ -4,16 +4,10 @@ import numpy as np
 from jaxtyping import Float32
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.window import FlatWindow
 from labcal.errors import InputError
 
 _ROWS_AT_ONCE = 2**18
 """Pixels that are traced at a time, which bounds the memory."""
-
-
-def is_central(camera: Camera) -> bool:
-    """Tell whether all rays of a camera meet in one point, so that depth does not matter."""
-    return camera.model.central and not isinstance(camera.window, FlatWindow)
 
 
 def source_pixels(
@@ -40,7 +34,7 @@ def source_pixels(
     InputError
         The camera's rays do not meet in a point, and no distance is given.
     """
-    if distance_mm is None and not is_central(camera):
+    if distance_mm is None and not camera.optics.central:
         raise InputError(
             "The rays of a camera with a lens prescription or a flat window do not meet in one point, so no "
             "pinhole sees what it sees at every distance. Say at which one it should: --distance-mm."
