@@ -10,6 +10,8 @@ from labcal.errors import UnknownNameError
 
 LENGTH = 5
 """OpenCV's shortest coefficient vector that it takes everywhere."""
+FISHEYE = "fisheye-kb4"
+"""The lens model that images directions far from its axis."""
 PRESCRIPTION = "prescription"
 """The lens model whose rays are traced through a prescription; it has no entry of its own in LENSES."""
 
@@ -73,7 +75,7 @@ LENSES: dict[str, Lens] = {
         Perspective("rational8", 8),
         Perspective("thin-prism12", 12),
         Perspective("tilted14", 14),
-        KannalaBrandt("fisheye-kb4"),
+        KannalaBrandt(FISHEYE),
     )
 }
 

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Points, Pose
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
+from labcal.cameras.lens import FISHEYE, LENGTH, PRESCRIPTION, lens_by_name
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.plane_pose import plane_pose
@@ -16,7 +16,6 @@ from labcal.geometry.poses import from_rotation_vector, transform
 from labcal.solve.opencv_threads import one_opencv_thread
 from labcal.targets.target import Target
 
-FISHEYE = "fisheye-kb4"
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
 _OPENCV_FLAGS = {
     0: cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3,

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from labcal.cameras.lens import FISHEYE
 from labcal.solve.adjustment.lens_prior import LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.rounds import Adjusted
 from labcal.solve.adjustment.state import Lenses
-from labcal.solve.lens_start import FISHEYE
 
 MOST_OPEN = 0.1
 """Standard deviation of a coefficient, over the one that is assumed beforehand, from which on the assumption

@@ -14,7 +14,6 @@ from scipy.spatial.transform import Rotation
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE,
     FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_lens,
@@ -24,6 +23,7 @@ from labcal.cameras.interop.lens_numbers import (
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import rig_of
+from labcal.cameras.lens import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError

@@ -15,7 +15,6 @@ import numpy as np
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE,
     FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_lens,
@@ -33,6 +32,7 @@ from labcal.cameras.interop.placement import (
     steps_along,
 )
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
+from labcal.cameras.lens import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError

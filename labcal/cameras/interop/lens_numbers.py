@@ -7,11 +7,10 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH, LENSES
+from labcal.cameras.lens import FISHEYE, LENGTH, LENSES
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 
-FISHEYE = "fisheye-kb4"
 PINHOLE = "pinhole"
 FISHEYE_COEFFICIENTS = 4
 

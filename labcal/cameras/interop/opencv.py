@@ -13,7 +13,6 @@ import numpy as np
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE,
     FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_lens,
@@ -25,6 +24,7 @@ from labcal.cameras.interop.lens_numbers import (
 from labcal.cameras.interop.numbers_text import finite_number, picture_size
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.placement import poses_from_first, rig_of, rounded_pose
+from labcal.cameras.lens import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError

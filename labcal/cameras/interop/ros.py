@@ -17,7 +17,6 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.ideal import rectified_pair
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE,
     FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_lens,
@@ -29,6 +28,7 @@ from labcal.cameras.interop.lens_numbers import (
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import MM_IN_M, poses_from_first, rig_of, rounded_pose
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
+from labcal.cameras.lens import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
