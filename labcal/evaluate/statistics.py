@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from labcal.arrays import PointCovariances, Points
 from labcal.geometry.covariances import positive_definite
+from labcal.geometry.ellipsoids import within_ellipsoids
 
 CONFIDENCE = 0.95
 
@@ -66,7 +66,4 @@ def coverage(error: Points, covariance: PointCovariances) -> float:
     stated = positive_definite(covariance) & np.isfinite(error).all(axis=1)
     if not stated.any():
         return float("nan")
-    distance = np.einsum(
-        "ni,ni->n", error[stated], np.linalg.solve(covariance[stated], error[stated, :, None])[..., 0]
-    )
-    return float((distance <= chi2.ppf(CONFIDENCE, 3)).mean())
+    return float(within_ellipsoids(error[stated], covariance[stated], CONFIDENCE).mean())

@@ -13,7 +13,6 @@ _EDGE = 0.04
 _SURE = 1.0
 """Standard errors by which a model must be better than one with fewer numbers."""
 
-
 Fold = Bool[np.ndarray, " n"]
 """Which points are held out."""
 
@@ -53,10 +52,9 @@ def simplest(squares: Sequence[Float64[np.ndarray, " tests"]]) -> int:
     """
     means = [float(np.mean(square)) for square in squares]
     best = int(np.argmin(means))
-    for number, square in enumerate(squares):
-        if number == best or not np.isfinite(means[number]):
-            continue
-        worse = square - squares[best]
-        if number < best and worse.mean() <= _SURE * worse.std() / np.sqrt(len(worse)):
-            return number
+    for number in range(best):
+        if np.isfinite(means[number]):
+            worse = squares[number] - squares[best]
+            if worse.mean() <= _SURE * worse.std() / np.sqrt(len(worse)):
+                return number
     return best

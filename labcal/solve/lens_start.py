@@ -14,6 +14,8 @@ from labcal.errors import InputError
 from labcal.geometry.plane_pose import plane_pose
 from labcal.geometry.poses import from_rotation_vector, transform
 from labcal.solve.opencv_threads import one_opencv_thread
+from labcal.solve.resection.lens_choice import camera_of_lens
+from labcal.solve.resection.start import camera_with_field
 from labcal.targets.target import Target
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
@@ -154,7 +156,8 @@ def _fisheye(pictures: list[Detections], target: Target) -> LensStart:
     """Start a fisheye as equidistant, with the focal length at which flat targets look flat."""
     scanned = pictures[:: -(-len(pictures) // _SCAN_VIEWS)]
     size = pictures[0].picture_size(pictures[0].cameras[0])
-    candidates = [_equidistant(size, half_field) for half_field in np.radians(_HALF_FIELDS_DEG)]
+    kind = camera_of_lens(FISHEYE, size, None)
+    candidates = [camera_with_field(kind, half_field) for half_field in np.radians(_HALF_FIELDS_DEG)]
     misses = [_miss(camera, scanned, target) for camera in candidates]
     if not np.isfinite(misses).any():
         raise InputError(
@@ -162,14 +165,6 @@ def _fisheye(pictures: list[Detections], target: Target) -> LensStart:
             "several rows and columns, and the views different tilts."
         )
     return start_from_camera(pictures, target, candidates[int(np.nanargmin(misses))])
-
-
-def _equidistant(size: tuple[int, int], half_field: float) -> Camera:
-    """Return a fisheye whose picture reaches, at its corners, an angle (rad) from the axis."""
-    width, height = size
-    f = 0.5 * float(np.hypot(width, height)) / half_field
-    K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
-    return Camera(K, FISHEYE, np.zeros(LENGTH), np.eye(4), size)
 
 
 def _miss(camera: Camera, pictures: list[Detections], target: Target) -> float:

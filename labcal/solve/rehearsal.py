@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
-from scipy.stats import chi2
 
-from labcal.arrays import PointCovariances, Points
+from labcal.arrays import Points
 from labcal.cameras.triangulation import refined
 from labcal.errors import InputError
-from labcal.geometry.covariances import positive_definite
+from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.geometry.hull import inside_hull
 from labcal.rng import generator
 from labcal.solve.estimator import PointEstimator
@@ -126,15 +125,7 @@ def rehearse(estimator: PointEstimator, twin: Twin) -> Rehearsed:
     square = (error**2).sum(axis=1)
     known = square[np.isfinite(square)]
     rmse = float(np.sqrt(known.mean())) if len(known) else float("nan")
-    return Rehearsed(rmse, twin.limit_mm, _coverage(error, covariance))
-
-
-def _coverage(error: Points, covariance: PointCovariances) -> float:
-    """Return the share of errors within their own ellipsoids; what has none is not within."""
-    stated = positive_definite(covariance) & np.isfinite(error).all(axis=1)
-    whitened = np.linalg.solve(covariance[stated], error[stated, :, None])[..., 0]
-    within = (error[stated] * whitened).sum(axis=1) <= chi2.ppf(CONFIDENCE, 3)
-    return float(within.sum() / len(error))
+    return Rehearsed(rmse, twin.limit_mm, float(within_ellipsoids(error, covariance, CONFIDENCE).mean()))
 
 
 def _points_within(Y: Points, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:

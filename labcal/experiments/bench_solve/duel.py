@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
-from sklearn.base import clone
 
 from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
@@ -128,16 +127,14 @@ def fought(duel: Duel) -> DuelFigures:
 
 def _estimator(method: str, family: Family, seed: int) -> PointEstimator | None:
     """Return a new estimator; None where a family has no right one."""
+    estimator = make_estimator("bundle" if method == RIGHT else method)
     if method == RIGHT:
         if family.right is None:
             return None
-        estimator = make_estimator("bundle").set_params(**family.right)
-    else:
-        estimator = make_estimator(method)
+        estimator.set_params(**family.right)
     known = estimator.get_params()
     if "image_sizes" in known:
         estimator.set_params(image_sizes=(SIZE, SIZE))
     if "random_state" in known:
         estimator.set_params(random_state=seed)
-    cloned: PointEstimator = clone(estimator)
-    return cloned
+    return estimator

@@ -41,7 +41,7 @@ def resection_starts(q: Pixels, p: Points, kind: Camera) -> list[Camera]:
     Focal lengths are scanned, each with the pose that its rays give, the principal point in the picture's
     middle. A lens that images straight lines nearly straight also begins as the direct linear transform.
     """
-    candidates = [_with_pose(_scanned(kind, field), q, p) for field in _fields(kind)]
+    candidates = [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
     if kind.lens != FISHEYE:
         candidates.append(_linear(q, p, kind))
     misses = [np.inf if camera is None else _miss(camera, q, p) for camera in candidates]
@@ -61,8 +61,16 @@ def _fields(kind: Camera) -> list[float]:
     return [float(np.radians(field)) for field in _HALF_FIELDS_DEG if field <= widest]
 
 
-def _scanned(kind: Camera, field: float) -> Camera:
-    """Return the camera whose picture's corners see so far from the axis."""
+def camera_with_field(kind: Camera, field: float) -> Camera:
+    """Return the camera without distortion whose picture's corners see an angle (rad) from the axis.
+
+    Parameters
+    ----------
+    kind : Camera
+        Size, lens, prescription and window; its other numbers do not matter.
+    field : float
+        Below a right angle for all but a fisheye, which begins as equidistant.
+    """
     width, height = kind.size
     corner = 0.5 * float(np.hypot(width, height))
     f = corner / (field if kind.lens == FISHEYE else float(np.tan(field)))

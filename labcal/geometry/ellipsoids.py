@@ -1,0 +1,34 @@
+"""The ellipsoids that covariances stand for."""
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.stats import chi2
+
+from labcal.arrays import Mask
+from labcal.geometry.covariances import positive_definite
+
+
+def within_ellipsoids(
+    error: Float64[np.ndarray, "n dim"], covariance: Float64[np.ndarray, "n dim dim"], confidence: float
+) -> Mask:
+    """Return which errors lie within the ellipsoids that should hold a share of normal ones.
+
+    Parameters
+    ----------
+    error : ndarray, shape (n, d)
+        Predicted minus true.
+    covariance : ndarray, shape (n, d, d)
+        As stated, in the unit of the errors squared.
+    confidence : float
+        The share.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        False for errors that are not finite, and for covariances that cannot be inverted.
+    """
+    stated = positive_definite(covariance) & np.isfinite(error).all(axis=1)
+    whitened = np.linalg.solve(covariance[stated], error[stated, :, None])[..., 0]
+    within = np.zeros(len(error), dtype=bool)
+    within[stated] = (error[stated] * whitened).sum(axis=1) <= chi2.ppf(confidence, error.shape[1])
+    return within
