@@ -5,6 +5,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Points, Pose
 from labcal.errors import InputError
+from labcal.geometry.map_from_rays import map_from_rays
 from labcal.geometry.poses import pose
 
 _FEWEST = 6
@@ -37,18 +38,10 @@ def pose_from_rays(directions: Float64[np.ndarray, "n 3"], p: Points) -> Pose:
     """
     if len(p) < _FEWEST:
         raise InputError(f"A pose from rays needs at least {_FEWEST} points, but got {len(p)}.")
-    middle = p.mean(axis=0)
-    scale = np.sqrt(((p - middle) ** 2).sum(axis=1).mean()) or 1.0
-    normalised = np.column_stack([(p - middle) / scale, np.ones(len(p))])
-    x, y, z = directions.T
-    o = np.zeros_like(x)
-    cross = np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(-1, 3, 3)
-    equations = (cross[:, :, :, None] * normalised[:, None, None, :]).reshape(-1, 12)
-    _, singular, rows = np.linalg.svd(np.linalg.qr(equations, mode="r"))
-    if singular[-2] <= 1e-9 * singular[0]:
+    found = map_from_rays(directions, p)
+    if found.is_open:
         raise InputError("A pose from rays needs points that are not all on one plane.")
-    M = rows[-1].reshape(3, 4)
-    M = M * np.sign(np.einsum("ni,ij,nj->", directions, M, normalised))
+    M = found.linear
     U, stretch, Vt = np.linalg.svd(M[:, :3])
     R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
-    return pose(R, scale * M[:, 3] / stretch.mean() - R @ middle)
+    return pose(R, found.scale * M[:, 3] / stretch.mean() - R @ found.middle)
