@@ -36,7 +36,7 @@ from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
 from labcal.solve.reconstruction import reconstruct_points as reconstruct
-from labcal.solve.rehearsal import Twin, rehearse, twin_of
+from labcal.solve.rehearsal import Twin, fitted_beside, rehearse, twin_of
 from labcal.targets.catalogue import AnyTarget
 
 __all__ = [
@@ -96,7 +96,7 @@ def fit(
     if "image_sizes" in estimator.get_params():
         estimator.set_params(image_sizes=data.image_sizes)
     box = TrainingBox.of(data.X, data.Y)
-    fitted = estimator.fit(data.X, data.Y)
+    fitted = fitted_beside(twin, estimator, data.X, data.Y)
     rehearsed = None if twin is None else rehearse(fitted, twin)
     return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)
 

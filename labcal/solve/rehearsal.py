@@ -57,6 +57,8 @@ class Twin:
 
     Attributes
     ----------
+    hybrid : Hybrid
+        Fitted to the training data; its cameras see the points.
     p : float64 array, (n, 3)
         Mm.
     X : float64 array, (n, 2 x cameras)
@@ -67,6 +69,7 @@ class Twin:
         RMS 3-D error that the noise leaves where cameras are known exactly.
     """
 
+    hybrid: Hybrid
     p: Points
     X: Float64[np.ndarray, "n inputs"]
     covariance: Float64[np.ndarray, "n cameras 2 2"]
@@ -99,9 +102,10 @@ def twin_of(
     against a truth, though not against the real one.
     """
     try:
-        cameras = Hybrid(image_sizes=image_sizes).fit(X, Y).learned_cameras_
+        hybrid = Hybrid(image_sizes=image_sizes).fit(X, Y)
     except InputError:
         return None
+    cameras = hybrid.learned_cameras_
     random = generator(seed, "rehearsal")
     p = _points_within(Y, random)
     q = np.stack([camera.project(p) for camera in cameras], axis=1)
@@ -113,9 +117,25 @@ def twin_of(
     covariance = np.tile(noise[:, None, None] ** 2 * np.eye(2), (len(p), 1, 1, 1))
     limit = refined(measured_by(cameras, q), p, q, covariance).covariance
     q = q + noise[:, None] * random.standard_normal(q.shape)
-    return Twin(
-        p, q.reshape(len(p), -1), covariance, float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
-    )
+    limit_mm = float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
+    return Twin(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm)
+
+
+def fitted_beside(
+    twin: Twin | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Points
+) -> PointEstimator:
+    """Return a method fitted to the training data of a twin.
+
+    The twin's own method is not fitted a second time: it is returned in the place of an estimator with the
+    same parameters.
+    """
+    if (
+        twin is not None
+        and isinstance(estimator, Hybrid)
+        and estimator.get_params() == twin.hybrid.get_params()
+    ):
+        return twin.hybrid
+    return estimator.fit(X, Y)
 
 
 def rehearse(estimator: PointEstimator, twin: Twin) -> Rehearsed:

@@ -13,7 +13,7 @@ from labcal.report.reproduction import Measured
 from labcal.rng import generator
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.registry import make_estimator
-from labcal.solve.rehearsal import rehearse, twin_of
+from labcal.solve.rehearsal import fitted_beside, rehearse, twin_of
 
 NOISE_PX = 0.05
 TESTS = 2000
@@ -96,7 +96,7 @@ def fought(duel: Duel) -> DuelFigures:
         if estimator is None:
             continue
         try:
-            estimator.fit(X, Y)
+            estimator = fitted_beside(twin, estimator, X, Y)
         except InputError as error:
             nan = float("nan")
             figures.append(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import PixelCovariances, Pixels, Points
+from labcal.arrays import Pixels, Points
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.optim.damping import Damping
@@ -48,11 +48,6 @@ class ResectedCamera:
     def camera(self) -> Camera:
         """The camera."""
         return self.placed.camera
-
-    def pixel_covariance(self, p: Points) -> PixelCovariances:
-        """Return how sure the images of world points (mm) are, by what was learned alone, px squared."""
-        J = self.placed.seen(p).by_camera
-        return np.asarray(J @ self.covariance @ J.transpose(0, 2, 1))
 
 
 @one_blas_thread()

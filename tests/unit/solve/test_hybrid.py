@@ -17,7 +17,7 @@ from labcal.solve.bundle import Bundle
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.hybrid import Hybrid
 from labcal.solve.model_file import load_model, save_model
-from labcal.solve.rehearsal import rehearse, twin_of
+from labcal.solve.rehearsal import Twin, fitted_beside, rehearse, twin_of
 
 View = Callable[[np.ndarray], np.ndarray]
 SIZE, SIGMA = (1280, 960), 0.05
@@ -81,6 +81,13 @@ def hybrid(waves: Simulated) -> Hybrid:
     return Hybrid("pinhole", SIZES).fit(*waves.training)
 
 
+@pytest.fixture(scope="module")
+def twin(waves: Simulated) -> Twin:
+    found = twin_of(*waves.training, SIZES)
+    assert found is not None
+    return found
+
+
 def test_waves_are_learned_and_their_uncertainty_known(waves: Simulated, hybrid: Hybrid) -> None:
     ratio, covered = waves.outcome(hybrid)
     assert ratio <= 1.10
@@ -103,9 +110,7 @@ def test_where_the_lens_is_right_there_is_no_field() -> None:
     assert 0.93 <= covered <= 0.97
 
 
-def test_training_data_alone_tell_whom_to_trust(waves: Simulated, hybrid: Hybrid) -> None:
-    twin = twin_of(*waves.training, SIZES)
-    assert twin is not None
+def test_training_data_alone_tell_whom_to_trust(waves: Simulated, hybrid: Hybrid, twin: Twin) -> None:
     trusted, misled = rehearse(hybrid, twin), rehearse(Bundle("pinhole", SIZES).fit(*waves.training), twin)
     assert not trusted.misfit
     assert trusted.rmse_mm == pytest.approx(waves.outcome(hybrid)[0] * waves.oracle, rel=0.1)
@@ -145,3 +150,9 @@ def test_what_cannot_be_fitted_is_refused(stereo: View, volume: np.ndarray, plan
         Bundle(image_sizes=((640, 480),)).fit(X, volume)
     with pytest.raises(InputError, match="NaN"):
         Hybrid().fit(np.where(X[3, 1] == X, np.nan, X), volume)
+
+
+def test_the_twins_own_method_is_not_fitted_twice(waves: Simulated, twin: Twin) -> None:
+    assert fitted_beside(twin, Hybrid(image_sizes=SIZES), *waves.training) is twin.hybrid
+    for other in (Hybrid("pinhole", SIZES), Bundle("pinhole", SIZES)):
+        assert fitted_beside(twin, other, *waves.training) is other

@@ -11,6 +11,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.free_numbers import FreeNumbers
 from labcal.cameras.window import WATER, FlatWindow
 from labcal.errors import InputError, UnknownNameError
+from labcal.solve.field.learned_camera import LearnedCamera
 from labcal.solve.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.solve.resection.resected import resect
 
@@ -65,14 +66,16 @@ def test_stated_covariances_are_those_of_repeated_resections() -> None:
     true, random = TRUE["brown5"], np.random.default_rng(7)
     q, sigma = true.project(POINTS).q, 0.2
     asked = np.array([[20.0, -30.0, 330.0], [-110.0, 80.0, 400.0]])
-    truth, statistic, runs = true.project(asked).q, 0.0, 12
+    truth, statistic, runs, nothing = true.project(asked).q, 0.0, 12, np.zeros((2, 2, 2))
     for _ in range(runs):
         found = resect(
             "test", q + sigma * random.standard_normal(q.shape), POINTS, camera_of_lens("brown5", SIZE, None)
         )
         assert found.sigma_px == pytest.approx(sigma, rel=0.15)
         error = found.camera.project(asked).q - truth
-        statistic += np.einsum("ni,nij,nj->", error, np.linalg.inv(found.pixel_covariance(asked)), error)
+        learned = LearnedCamera(found.placed, found.covariance, found.sigma_px)
+        stated = learned.pixel_covariance(truth, asked, nothing)
+        statistic += np.einsum("ni,nij,nj->", error, np.linalg.inv(stated), error)
     assert 0.001 < chi2(4 * runs).cdf(statistic) < 0.999
 
 
