@@ -9,8 +9,9 @@ from labcal.solve.field.learned_camera import LearnedCamera
 from labcal.solve.resection.lens_choice import AUTO, camera_of_lens, chosen_camera
 from labcal.solve.resection.resected import ResectedCamera, resect
 
-_START_MM = 100.0
-"""Where a window is looked for at first; from up to some metres away the adjustment finds it."""
+_DISTANCES_MM = (60.0, 240.0, 1000.0)
+_TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
+"""Where the search for a window begins. From a place too far off, it may end with the glass at the lens."""
 
 
 class Bundle(CameraEstimator):
@@ -66,11 +67,21 @@ class Bundle(CameraEstimator):
             if self.lens == AUTO:
                 return chosen_camera(self.method, q, p, size)
             return resect(self.method, q, p, camera_of_lens(self.lens, size, None))
-        window = FlatWindow(
-            distance_mm=_START_MM,
-            thickness_mm=self.glass_thickness_mm,
-            glass_index=self.glass_index,
-            behind_index=self.behind_index,
-        )
         lens = "brown-k1k2" if self.lens == AUTO else self.lens
-        return resect(self.method, q, p, camera_of_lens(lens, size, window))
+        kinds = [camera_of_lens(lens, size, window) for window in self._windows()]
+        return resect(self.method, q, p, *kinds)
+
+    def _windows(self) -> list[FlatWindow]:
+        """Return the windows that the search begins with."""
+        return [
+            FlatWindow(
+                distance_mm=distance,
+                tilt_x_deg=tilt_x,
+                tilt_y_deg=tilt_y,
+                thickness_mm=self.glass_thickness_mm,
+                glass_index=self.glass_index,
+                behind_index=self.behind_index,
+            )
+            for distance in _DISTANCES_MM
+            for tilt_x, tilt_y in _TILTS_DEG
+        ]

@@ -51,7 +51,7 @@ class ResectedCamera:
 
 
 @one_blas_thread()
-def resect(method: str, q: Pixels, p: Points, kind: Camera) -> ResectedCamera:
+def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
     """Return the camera that images points nearest to pixels.
 
     Parameters
@@ -62,21 +62,22 @@ def resect(method: str, q: Pixels, p: Points, kind: Camera) -> ResectedCamera:
         Pixels.
     p : ndarray, shape (n, 3)
         World points, mm, not all on one plane.
-    kind : Camera
-        Size, lens, prescription and window; of a flat window the place is a start, of the rest the numbers
-        do not matter.
+    *kinds : Camera
+        Size, lens, prescription and window; numbers do not matter, but for the place of a flat window, which
+        is where the search for it begins. Several kinds are the same one with windows at several places.
 
     Raises
     ------
     InputError
         Too few points, all on a plane, or no such camera images them anywhere near the pixels.
     """
+    kind = kinds[0]
     unknowns = PlacedCamera(kind, np.zeros(3)).count
     refuse_few(method, len(p), unknowns // 2 + 1)
     refuse_collinear(method, p)
     refuse_one_plane(method, p)
     middle = p.mean(axis=0)
-    ends = [adjusted(PlacedCamera(start, middle), q, p, Even(1.0)) for start in resection_starts(q, p, kind)]
+    ends = [adjusted(PlacedCamera(start, middle), q, p, Even(1.0)) for start in resection_starts(q, p, kinds)]
     best = min(ends, key=lambda end: float((end.residual**2).sum()))
     rms = float(np.sqrt((best.residual**2).sum(axis=1).mean()))
     if not rms <= _MOST_OFF * kind.size[0]:

@@ -1,5 +1,6 @@
 """Where resection begins: cameras without distortion, the one nearest to the pixels first."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +16,11 @@ from labcal.solve.projective_map import projective_map
 
 _HALF_FIELDS_DEG = np.geomspace(8.0, 120.0, 24)
 _WIDEST_FLAT_DEG = 70.0
-_KEPT = 2
-"""Starts that are worth an adjustment."""
+_KEPT, _KEPT_OF_SEVERAL = 2, 6
+"""Starts that are worth an adjustment, of one kind of camera and of several together."""
 
 
-def resection_starts(q: Pixels, p: Points, kind: Camera) -> list[Camera]:
+def resection_starts(q: Pixels, p: Points, kinds: Sequence[Camera]) -> list[Camera]:
     """Return cameras to begin with, the most promising first.
 
     Parameters
@@ -28,8 +29,8 @@ def resection_starts(q: Pixels, p: Points, kind: Camera) -> list[Camera]:
         Pixels.
     p : ndarray, shape (n, 3)
         World points, mm, not all on one plane.
-    kind : Camera
-        Size, lens, prescription and window; its other numbers do not matter.
+    kinds : sequence of Camera
+        Of each the size, lens, prescription and window; other numbers do not matter.
 
     Raises
     ------
@@ -41,11 +42,14 @@ def resection_starts(q: Pixels, p: Points, kind: Camera) -> list[Camera]:
     Focal lengths are scanned, each with the pose that its rays give, the principal point in the picture's
     middle. A lens that images straight lines nearly straight also begins as the direct linear transform.
     """
-    candidates = [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
-    if kind.lens != FISHEYE:
-        candidates.append(_linear(q, p, kind))
+    candidates: list[Camera | None] = []
+    for kind in kinds:
+        candidates += [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
+        if kind.lens != FISHEYE:
+            candidates.append(_linear(q, p, kind))
+    kept = _KEPT if len(kinds) == 1 else _KEPT_OF_SEVERAL
     misses = [np.inf if camera is None else _miss(camera, q, p) for camera in candidates]
-    order = np.argsort(misses, kind="stable")[:_KEPT]
+    order = np.argsort(misses, kind="stable")[:kept]
     starts = [candidates[i] for i in order if np.isfinite(misses[i])]
     if not starts:
         raise InputError(

@@ -9,7 +9,7 @@ from sklearn.base import clone
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
-from labcal.cameras.window import Wave, WavyWindow
+from labcal.cameras.window import WATER, FlatWindow, Wave, WavyWindow
 from labcal.errors import InputError
 from labcal.evaluate.statistics import coverage
 from labcal.geometry.poses import look_at
@@ -31,7 +31,7 @@ PANE = WavyWindow(
 )
 
 
-def pair(window: WavyWindow | None) -> list[Camera]:
+def pair(window: FlatWindow | WavyWindow | None) -> list[Camera]:
     focus, up = np.array([1000.0, 1000.0, 500.0]), np.array([0.0, 1.0, 0.0])
     return [
         Camera(
@@ -156,3 +156,17 @@ def test_the_twins_own_method_is_not_fitted_twice(waves: Simulated, twin: Twin) 
     assert fitted_beside(twin, Hybrid(image_sizes=SIZES), *waves.training) is twin.hybrid
     for other in (Hybrid("pinhole", SIZES), Bundle("pinhole", SIZES)):
         assert fitted_beside(twin, other, *waves.training) is other
+
+
+@pytest.mark.slow
+def test_a_tilted_window_far_from_where_the_search_begins_is_found() -> None:
+    wet = Simulated(pair(FlatWindow(distance_mm=200.0, tilt_x_deg=30.0, behind_index=WATER)), 3)
+    estimator = Bundle("pinhole", SIZES, behind_index=WATER).fit(*wet.training)
+    for camera in estimator.cameras_:
+        assert isinstance(camera.window, FlatWindow)
+        assert camera.window.distance_mm == pytest.approx(200.0, rel=0.01)
+        assert camera.window.tilt_x_deg == pytest.approx(30.0, abs=0.2)
+        assert camera.window.tilt_y_deg == pytest.approx(0.0, abs=0.2)
+    ratio, covered = wet.outcome(estimator)
+    assert ratio <= 1.03
+    assert 0.93 <= covered <= 0.97
