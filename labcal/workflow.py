@@ -35,6 +35,7 @@ from labcal.solve.centred_training import centred_training
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.handheld import calibrate_handheld as calibrate
+from labcal.solve.handheld_training import handheld_training
 from labcal.solve.reconstruction import reconstruct_points as reconstruct
 from labcal.solve.rehearsal import Twin, fitted_beside, rehearse, twin_of
 from labcal.targets.catalogue import AnyTarget
@@ -46,6 +47,7 @@ __all__ = [
     "epipolar_rms",
     "evaluate",
     "fit",
+    "handheld_training",
     "measure",
     "reconstruct",
     "render",

@@ -10,8 +10,6 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.cameras.record import CameraRecord
-    from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.freed_dots import FreedDots
     from labcal.solve.handheld import HandheldSettings
 
@@ -54,7 +52,7 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import write_rig
-    from labcal.cli.calibrate_result import calibrate_result, calibrate_table
+    from labcal.cli.calibrate_result import calibrate_result, calibrate_table, calibration_warnings
     from labcal.cli.inputs import choose_target, read_or_detect
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing, refuse_homeless
@@ -83,32 +81,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_rig(arguments.output, found.rig, force=arguments.force)
     if found.freed is not None:
         _write_dots(arguments, found.freed)
-    _warn(found, lens, target.name, session)
+    for warning in calibration_warnings(found, lens, target.name):
+        session.warn(warning)
     result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
-
-
-def _warn(found: "HandheldCalibration", lens: str, target: str, session: Session) -> None:
-    """Say what is not as it should be."""
-    from labcal.optim.solution import StopReason
-
-    for reason in found.skipped:
-        session.warn(f"left out {reason}")
-    for name, camera in found.rig.cameras.items():
-        if not _middle_inside(camera):
-            session.warn(
-                f"the principal point of {name} lies outside its picture: the views do not determine it, or "
-                f"the dots are not those of '{target}'"
-            )
-        left_open = ", ".join(found.fits[name].undetermined)
-        if left_open:
-            session.warn(
-                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
-                f"where dots were, but not these numbers, or let --lens {AUTO} choose"
-            )
-    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
-        session.warn(f"the adjustment has not come to its end: {found.reason.value}")
 
 
 def _settings(arguments: Namespace) -> "HandheldSettings":
@@ -137,13 +114,6 @@ def _lens_of(settings: "HandheldSettings") -> str:
         return DEFAULT_LENS
     lenses = {record.lens for record in settings.start.cameras.values()}
     return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS
-
-
-def _middle_inside(camera: "CameraRecord") -> bool:
-    """Tell whether a camera's principal point lies in its picture."""
-    (_, _, cx), (_, _, cy), _ = camera.K
-    width, height = camera.size
-    return 0.0 <= cx <= width - 1 and 0.0 <= cy <= height - 1
 
 
 def _dots_path(output: Path) -> Path:

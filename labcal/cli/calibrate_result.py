@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from labcal.cameras.record import CameraRecord
     from labcal.evaluate.print_shape import PrintShape
     from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centre_bias import CentreBias
@@ -194,3 +195,32 @@ def _outlier_table(result: CalibrateResult) -> "Table":
     if result.outlier_count > _SHOWN_OUTLIERS:
         table.caption = f"the worst {_SHOWN_OUTLIERS}; --json lists up to {MOST_OUTLIERS}"
     return table
+
+
+def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -> list[str]:
+    """Return what is not as it should be, for people; `lens` and `target` are names."""
+    from labcal.optim.solution import StopReason
+
+    warnings = [f"left out {reason}" for reason in found.skipped]
+    for name, camera in found.rig.cameras.items():
+        if not _middle_inside(camera):
+            warnings.append(
+                f"the principal point of {name} lies outside its picture: the views do not determine it, or "
+                f"the dots are not those of '{target}'"
+            )
+        left_open = ", ".join(found.fits[name].undetermined)
+        if left_open:
+            warnings.append(
+                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
+                "where dots were, but not these numbers, or let --lens auto choose"
+            )
+    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
+        warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
+    return warnings
+
+
+def _middle_inside(camera: "CameraRecord") -> bool:
+    """Tell whether a camera's principal point lies in its picture."""
+    (_, _, cx), (_, _, cy), _ = camera.K
+    width, height = camera.size
+    return 0.0 <= cx <= width - 1 and 0.0 <= cy <= height - 1

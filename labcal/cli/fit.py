@@ -11,6 +11,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.cli.training import HandheldResult
     from labcal.correspond.training import TrainingData
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.fitted_model import FittedModel
@@ -22,10 +23,15 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "fit",
         run,
-        "Fit methods to the training views of a shoot whose stage tells where the target was.",
+        "Fit methods to views of a target: on a stage that tells where it was, or held in the hand, where a "
+        "bundle adjustment finds it. The first camera is then the world.",
         example="labcal fit shoot --method affine,mlp -o model.safetensors",
     )
-    parser.add_argument("shoot", type=Path, metavar="SHOOT")
+    parser.add_argument(
+        "source",
+        metavar="SHOOT-or-detections.csv",
+        help="a shoot, of which training views are used, or a table of dots of a target held in the hand",
+    )
     parser.add_argument(
         "--method",
         required=True,
@@ -45,7 +51,16 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--lens",
         metavar="MODEL",
-        help="lens model, or prescription, of bundle and hybrid; without it held-out dots choose",
+        help="lens model, or prescription, of bundle and hybrid, and of the adjustment where the target was "
+        "held; without it held-out dots and views choose",
+    )
+    parser.add_argument(
+        "--target", metavar="NAME", help="the target of a table of dots; a shoot tells its own"
+    )
+    parser.add_argument(
+        "--free-dots",
+        action="store_true",
+        help="of a target that was held: estimate where each dot is on the print, too",
     )
     add_seed(parser)
     add_workers(parser)
@@ -80,17 +95,17 @@ class FitResult:
     """Centroid minus centre, which was taken off the training dots; null where it was not."""
     centre_bias_kept: str | None
     """Why it was not."""
+    handheld: "HandheldResult | None"
+    """How the target was placed; null where a stage told."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
-    from labcal.cli.inputs import read_or_detect
-    from labcal.correspond.detections import read_detections
+    from labcal.cli.training import read_training
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing, refuse_homeless
-    from labcal.shoot.dataset import open_shoot
     from labcal.solve.registry import make_estimator
-    from labcal.workflow import centred_training, fit, training_data, twin_of
+    from labcal.workflow import fit, twin_of
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):
@@ -100,13 +115,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for path in paths:
         refuse_existing(path, force=arguments.force)
         refuse_homeless(path)
-    shoot = open_shoot(arguments.shoot)
-    detections = (
-        read_detections(arguments.detections)
-        if arguments.detections is not None
-        else read_or_detect(str(arguments.shoot), None, arguments.workers, session)
-    )
-    training = centred_training(training_data(shoot, detections), shoot.target, shoot.nominal_poses())
+    training, handheld = read_training(arguments, session)
     data = training.data
     if training.reason is not None:
         session.say(f"centroids are taken as they are: {training.reason}")
@@ -128,7 +137,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         fitted.append((path, model))
         results.append(_fitted(model, data, path))
     _save_all(fitted, force=arguments.force)
-    result = FitResult(results, training.bias, training.reason)
+    result = FitResult(results, training.bias, training.reason, handheld)
     session.emit(result, _table(result))
     failed = sum(model.error is not None for model in results)
     if failed == len(results):
@@ -197,6 +206,8 @@ def _table(result: FitResult) -> object:
     if result.centre_bias_px is not None:
         bias = result.centre_bias_px
         captions.append(f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
+    if result.handheld is not None:
+        captions.append(result.handheld.words())
     table = Table(
         "method",
         "dots",

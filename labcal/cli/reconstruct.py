@@ -43,6 +43,8 @@ class ReconstructResult:
     flags: dict[str, int]
     centre_bias_px: "CentreBias | None"
     """Centroid minus centre, which was taken off; null where it was not."""
+    miss_px: float | None
+    """By how much the rays of a dot miss each other, the median; null where the model has no cameras."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -53,6 +55,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.inputs import read_or_detect
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.solve.ray_misses import MOST_PX
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
 
     refuse_existing(arguments.output, force=arguments.force)
@@ -65,13 +68,18 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
-    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias)
+    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias, found.miss_px)
     if found.bias is not None:
         told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
     elif target is None and (isinstance(model, Rig) or model.resected is not None):
         session.warn(
             "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
             "--target NAME"
+        )
+    if isinstance(model, Rig) and result.miss_px is not None and result.miss_px > MOST_PX:
+        session.warn(
+            f"the rays of a dot miss each other by {result.miss_px:.3g} px: the cameras are not as they were "
+            "when this rig was calibrated, or not the same. Calibrate again."
         )
     session.emit(result, f"{arguments.output}: {told}.")
     return ExitStatus.DONE

@@ -84,6 +84,34 @@ class Detections:
             self.has_id[mask], self.position[mask], self.covariance[mask], self.flag[mask],
         )  # fmt: skip
 
+    def measured(self) -> "Detections":
+        """Return the dots that are measurements of the declared grid.
+
+        Raises
+        ------
+        InputError
+            One has no position, or is listed twice for a picture.
+        """
+        usable = self.where(self.ok)
+        lost = np.flatnonzero(~np.isfinite(usable.position).all(axis=1))
+        if len(lost):
+            raise InputError(
+                f"{usable.words(int(lost[0]))} is flagged 'ok', but has no position. Flag it otherwise."
+            )
+        dot = np.column_stack([usable.camera_number, usable.view_number, usable.index])
+        _, first = np.unique(dot, axis=0, return_index=True)
+        if len(first) < len(dot):
+            twice = np.setdiff1d(np.arange(len(dot)), first)[0]
+            raise InputError(
+                f"{usable.words(int(twice))} is listed twice. Keep one line for each dot of a picture."
+            )
+        return usable
+
+    def words(self, line: int) -> str:
+        """Return which dot a line is, for people."""
+        col, row = self.index[line]
+        return f"Dot ({col}, {row}) in view '{self.view[line]}' of camera '{self.camera[line]}'"
+
     def picture_size(self, camera: str) -> tuple[int, int]:
         """Return a camera's picture size.
 

@@ -53,7 +53,7 @@ def match(detections: Detections, cameras: Sequence[str]) -> Matches:
     Raises
     ------
     InputError
-        A camera is missing from the detections.
+        A camera is missing from the detections, or a dot is listed twice for a picture or has no position.
     """
     missing = [name for name in cameras if name not in detections.cameras]
     if missing:
@@ -61,7 +61,7 @@ def match(detections: Detections, cameras: Sequence[str]) -> Matches:
             f"There are no detections of camera {', '.join(missing)}, "
             f"only of {', '.join(detections.cameras) or 'none'}."
         )
-    usable = detections.where(detections.ok)
+    usable = detections.measured()
     lines: dict[tuple[str, int, int], dict[str, int]] = {}
     for i, (view, camera, (col, row)) in enumerate(
         zip(usable.view.tolist(), usable.camera.tolist(), usable.index.tolist(), strict=True)

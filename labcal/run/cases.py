@@ -1,7 +1,7 @@
 """Many independent cases, one result file each, so that an interrupted run goes on where it stopped."""
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, as_completed
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
@@ -57,9 +57,17 @@ def run_cases(
     missing = [case for case in cases if not files[case.key].exists()]
     progress.start("cases", len(cases))
     progress.advance(len(cases) - len(missing))
-    futures = {executor.submit(work, case): case for case in missing}
-    for future in as_completed(futures):
-        text = future.result().model_dump_json(indent=2) + "\n"
-        write_file(files[futures[future].key], text, force=True)
-        progress.advance()
+    pending: dict[Future[R], C] = {}
+
+    def keep(done: Iterable[Future[R]]) -> None:
+        for future in done:
+            text = future.result().model_dump_json(indent=2) + "\n"
+            write_file(files[pending.pop(future).key], text, force=True)
+            progress.advance()
+
+    for case in missing:
+        pending[executor.submit(work, case)] = case
+        keep(wait(pending, timeout=0).done)  # an executor without processes has finished it already
+    while pending:
+        keep(wait(pending, return_when=FIRST_COMPLETED).done)
     return [result_type.model_validate_json(files[case.key].read_bytes()) for case in cases]

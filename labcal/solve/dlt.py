@@ -50,7 +50,7 @@ class Dlt(PointEstimator):
                 f"{self.method}: X has the columns of one camera, but triangulation needs two or more."
             )
         refuse_other_than_points(self.method, points.shape[1])
-        refuse_few(self.method, len(points), UNKNOWN_POINTS)
+        refuse_few(self.method, points, UNKNOWN_POINTS)
         refuse_collinear(self.method, points)
         refuse_one_plane(self.method, points)
         seen = pixels.reshape(len(pixels), cameras, 2)

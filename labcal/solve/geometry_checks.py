@@ -9,17 +9,19 @@ FLAT = 1e-9
 """An extent below this fraction of the largest one counts as none: nominal places are exact to rounding."""
 
 
-def refuse_few(method: str, given: int, needed: int) -> None:
-    """Raise where there are fewer points than unknowns.
+def refuse_few(method: str, points: Float64[np.ndarray, "n dim"], needed: int) -> None:
+    """Raise where there are fewer different points than unknowns.
 
     Raises
     ------
     InputError
-        `given` is below `needed`.
+        There are fewer than `needed`, or some more than once.
     """
-    if given < needed:
+    given, different = len(points), len(np.unique(points, axis=0))
+    if different < needed:
+        again = "" if different == given else f", only {different} of them different"
         raise InputError(
-            f"{method}: {given} points were given, but at least {needed} are needed for its unknowns. "
+            f"{method}: {given} points were given{again}, but at least {needed} are needed for its unknowns. "
             f"Train on more dots or more views. (n_samples = {given})"
         )
 

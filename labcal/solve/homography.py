@@ -42,7 +42,7 @@ class Homography(PointEstimator):
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
         cameras = camera_count(self.method, pixels.shape[1])
         refuse_other_than_points(self.method, points.shape[1])
-        refuse_few(self.method, len(points), UNKNOWN_POINTS)
+        refuse_few(self.method, points, UNKNOWN_POINTS)
         refuse_collinear(self.method, points)
         refuse_several_planes(self.method, points)
         seen = pixels.reshape(len(pixels), cameras, 2)

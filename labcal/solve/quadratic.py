@@ -35,7 +35,7 @@ class Quadratic(PointEstimator):
         )
 
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
-        refuse_few(self.method, len(pixels), _term_count(pixels.shape[1]))
+        refuse_few(self.method, pixels, _term_count(pixels.shape[1]))
         if points.shape[1] >= 3:  # noqa: PLR2004 - X, Y, Z come first
             refuse_collinear(self.method, points[:, :3])
         scaling = RangeScaling.of(pixels)

@@ -247,6 +247,6 @@ class RayNet(PointEstimator):
         if camera_count(self.method, pixels.shape[1]) < CAMERAS:
             raise InputError(f"{self.method}: X has the columns of one camera, but rays meet from two on.")
         refuse_other_than_points(self.method, points.shape[1])
-        refuse_few(self.method, len(points), UNKNOWN_POINTS)
+        refuse_few(self.method, points, UNKNOWN_POINTS)
         refuse_collinear(self.method, points)
         refuse_one_plane(self.method, points)

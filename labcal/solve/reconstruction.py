@@ -14,6 +14,7 @@ from labcal.errors import InputError
 from labcal.solve.centre_bias import CentreBias, centred, shifts_of_matches
 from labcal.solve.fitted_model import FittedModel
 from labcal.solve.model_file import ModelKind, load_model, model_kind
+from labcal.solve.ray_misses import MOST_PX, RayMisses, refuse_swapped
 from labcal.targets.target import Target
 
 
@@ -35,6 +36,9 @@ class Reconstruction:
     points: ReconstructedPoints
     bias: CentreBias | None
     """None where nothing was."""
+    miss_px: float | None
+    """By how much the rays of a dot miss each other, the median; infinite where they meet nowhere; None where
+    the model has no cameras."""
 
 
 def reconstruct_points(
@@ -90,24 +94,34 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     if len(rig.cameras) == 1:
         raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
     cameras, bias = [rig.camera(name) for name in matches.cameras], None
+    refuse_swapped(cameras, matches)
     if target is not None:
         matches, bias = centred(cameras, matches, target)
-    found = triangulate(cameras, matches.q, matches.covariance)
-    flag = np.where(found.ok, PointFlag.OK.value, PointFlag.NO_SOLUTION.value)
+    found, misses = triangulate(cameras, matches.q, matches.covariance), RayMisses.of(cameras, matches)
+    moved = misses.typical_px > MOST_PX
+    flag = np.where(misses.outlying | moved, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
-        ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag), bias
+        ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag),
+        bias,
+        misses.typical_px,
     )
 
 
 def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> Reconstruction:
-    bias = None
-    if target is not None and model.resected is not None:
-        roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
-        shift = shifts_of_matches(model.resected, matches, roughly, target)
-        matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
+    bias, outlying, typical_px = None, np.zeros(len(matches), dtype=bool), None
+    if model.resected is not None:
+        refuse_swapped(model.resected, matches)
+        if target is not None:
+            roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
+            shift = shifts_of_matches(model.resected, matches, roughly, target)
+            matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
+        misses = RayMisses.of(model.resected, matches)
+        outlying, typical_px = misses.outlying, misses.typical_px
     outputs, covariance = model.estimator.predict_with_covariance(matches.X, matches.covariance)
     point = np.ascontiguousarray(outputs[:, :3])
-    within = PointFlag.MODEL_MISFIT if model.misfit else PointFlag.OK
-    flag = np.where(model.box.holds(point), within.value, PointFlag.EXTRAPOLATED.value)
+    flag = np.where(outlying | model.misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)
     flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
-    return Reconstruction(ReconstructedPoints(matches.view, matches.index, point, covariance, flag), bias)
+    points = ReconstructedPoints(matches.view, matches.index, point, covariance, flag)
+    return Reconstruction(points, bias, typical_px)

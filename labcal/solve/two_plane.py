@@ -84,7 +84,7 @@ class TwoPlane(PointEstimator):
         if not 0 <= self.degree <= _HIGHEST:
             raise InputError(f"{self.method}: the degree must be 0 to {_HIGHEST}, but is {self.degree}.")
         refuse_other_than_points(self.method, points.shape[1])
-        refuse_few(self.method, len(points), 2 * _term_count(max(self.degree, 1)))
+        refuse_few(self.method, points, 2 * _term_count(max(self.degree, 1)))
         refuse_collinear(self.method, points)
         refuse_one_plane(self.method, points)
         seen = pixels.reshape(len(pixels), cameras, 2)

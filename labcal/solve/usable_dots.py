@@ -19,23 +19,10 @@ def usable_dots(detections: Detections, target: Target) -> Detections:
     InputError
         There is none, one is not on the target, has no position, or is listed twice.
     """
-    usable = detections.where(detections.ok)
+    usable = detections.measured()
     if len(usable) == 0:
         raise InputError("There are no dots with ids to calibrate with. See the flags in the detections.")
     require_on_target(usable, target)
-    lost = np.flatnonzero(~np.isfinite(usable.position).all(axis=1))
-    if len(lost):
-        raise InputError(
-            f"{_words(usable, int(lost[0]))} is flagged 'ok', but has no position. Flag it otherwise."
-        )
-    picture = usable.camera_number * len(usable.views) + usable.view_number
-    dot = (picture * target.rows + usable.index[:, 1]) * target.cols + usable.index[:, 0]
-    _, first = np.unique(dot, return_index=True)
-    if len(first) < len(dot):
-        twice = np.setdiff1d(np.arange(len(dot)), first)[0]
-        raise InputError(
-            f"{_words(usable, int(twice))} is listed twice. Keep one line for each dot of a picture."
-        )
     return usable
 
 
@@ -49,9 +36,3 @@ def in_full_pictures(usable: Detections) -> tuple[Detections, tuple[str, ...]]:
         what = f"view '{usable.views[view]}' of camera '{usable.cameras[camera]}'"
         skipped.append(f"{what}: only {dots[few]} dots, at least {MIN_DOTS} are needed")
     return usable.where(dots[picture] >= MIN_DOTS), tuple(skipped)
-
-
-def _words(dots: Detections, line: int) -> str:
-    """Return which dot a line is, for people."""
-    col, row = dots.index[line]
-    return f"Dot ({col}, {row}) in view '{dots.view[line]}' of camera '{dots.camera[line]}'"

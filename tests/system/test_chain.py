@@ -191,6 +191,45 @@ def test_without_truth_the_bytes_are_the_same(
     assert told.document["epipolar_rms_px"] is None
 
 
+def test_methods_learn_from_the_hand(
+    labcal: Run, handheld: Path, handheld_dots: Path, tmp_path: Path
+) -> None:
+    model, points = tmp_path / "model.safetensors", tmp_path / "points.csv"
+    words = ("--method", "mlp,two-plane", "--lens", "brown-k1k2")
+    target = ("--target", "paper-13x10")
+    told = labcal("fit", handheld_dots, *target, *words, "-o", model)
+    assert told.status == 0
+    placed = told.document["handheld"]
+    assert (placed["lens"], placed["views"], placed["free_dots"]) == ("brown-k1k2", 3, False)
+    assert placed["rms_px"] < 0.25
+    for method in ("mlp", "two-plane"):
+        fitted = tmp_path / f"model-{method}.safetensors"
+        told = labcal("reconstruct", fitted, handheld_dots, *target, "-o", points, "--force")
+        assert told.status == 0
+        lengths = labcal("evaluate", points, *target).document
+        assert lengths["length_error_mm"]["rms"] < 2.0  # the board is 700 mm wide
+    again = tmp_path / "again.safetensors"
+    told = labcal("fit", handheld, "--detections", handheld_dots, *words[2:], "--method", "mlp", "-o", again)
+    assert told.status == 0
+    assert again.read_bytes() == (tmp_path / "model-mlp.safetensors").read_bytes()
+
+
+def test_how_a_target_was_placed_is_not_said_twice(
+    labcal: Run, stage: Path, handheld_dots: Path, tmp_path: Path
+) -> None:
+    model = tmp_path / "model.safetensors"
+    for words, hint in (
+        ((handheld_dots,), "--target NAME"),
+        ((handheld_dots, "--target", "paper-13x10", "--detections", handheld_dots), "Give the table alone"),
+        ((stage, "--free-dots"), "Leave them out"),
+        ((stage, "--target", "paper-13x10"), "Leave them out"),
+    ):
+        told = labcal("fit", *words, "--method", "mlp", "-o", model)
+        assert told.status == 2
+        assert hint in told.said
+        assert not model.exists()
+
+
 def test_the_same_command_twice_gives_the_same_bytes(
     labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path
 ) -> None:

@@ -73,7 +73,7 @@ def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
     """
     kind = kinds[0]
     unknowns = PlacedCamera(kind, np.zeros(3)).count
-    refuse_few(method, len(p), unknowns // 2 + 1)
+    refuse_few(method, p, unknowns // 2 + 1)
     refuse_collinear(method, p)
     refuse_one_plane(method, p)
     middle = p.mean(axis=0)

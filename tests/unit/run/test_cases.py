@@ -1,6 +1,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
 from pydantic import BaseModel
 
 from labcal.run.cases import run_cases
@@ -25,6 +26,12 @@ def square(case: Square) -> Result:
     return Result(value=case.number**2)
 
 
+def square_below_three(case: Square) -> Result:
+    if case.number >= 3:
+        raise ValueError(f"{case} is too large")
+    return square(case)
+
+
 def never(case: Square) -> Result:
     raise AssertionError(f"{case} has a result already")
 
@@ -39,6 +46,13 @@ def test_results_keep_the_order_and_a_second_run_computes_nothing(tmp_path: Path
     assert sorted(path.name for path in (tmp_path / "cases").iterdir()) == [
         f"square-{n}.json" for n in (1, 2, 3)
     ]
+
+
+def test_what_is_done_is_kept_when_a_later_case_fails(tmp_path: Path) -> None:
+    cases = [Square(n) for n in (1, 2, 3)]
+    with pytest.raises(ValueError, match="too large"), open_executor(1) as executor:
+        run_cases(cases, square_below_three, Result, tmp_path, executor, NoProgress())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["square-1.json", "square-2.json"]
 
 
 def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:

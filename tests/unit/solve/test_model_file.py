@@ -10,6 +10,7 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from labcal.errors import InputError, OutputError, UnknownNameError
+from labcal.solve.camera_estimator import CameraEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.mlp import Mlp
 from labcal.solve.mlp_bayes import MlpBayes
@@ -25,6 +26,8 @@ def fitted(name: str, X: np.ndarray, Y: np.ndarray) -> FittedModel:
     estimator = make_estimator(name)
     if isinstance(estimator, Mlp | MlpBayes | RayNet):
         estimator.set_params(hidden=(5, 6), max_epochs=4, random_state=2)
+    if isinstance(estimator, CameraEstimator):
+        estimator.set_params(lens="pinhole")
     estimator.fit(X, Y)
     return FittedModel(estimator, ("left", "right"), ((640, 480), (800, 600)), TrainingBox.of(X, Y))
 

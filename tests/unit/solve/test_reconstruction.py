@@ -15,7 +15,8 @@ from labcal.errors import InputError
 from labcal.solve.affine import Affine
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.model_file import save_model
-from labcal.solve.reconstruction import load_reconstructor, reconstruct_points
+from labcal.solve.ray_misses import MOST_PX
+from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres, reconstruct_points
 from labcal.targets.grid import DotGrid
 
 See = Callable[..., Detections]
@@ -105,3 +106,45 @@ def test_what_does_not_belong_to_the_model_is_refused(
             reconstruct_points(model, exact.where((exact.camera == "left") == (exact.view == "pose-0")))
     with pytest.raises(InputError, match="A rig with one camera"):
         reconstruct_points(Rig.of({"left": pair["left"]}), exact)
+
+
+def exchanged(detections: Detections, view: str) -> Detections:
+    other = np.where(detections.camera == "left", "right", "left")
+    return replace(detections, camera=np.where(detections.view == view, other, detections.camera))
+
+
+def noisy(detections: Detections) -> Detections:
+    sigma = np.sqrt(detections.covariance[0, 0, 0])
+    noise = sigma * np.random.default_rng(5).standard_normal(detections.position.shape)
+    return replace(detections, position=detections.position + noise)
+
+
+def test_exchanged_pictures_are_told_by_view(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = noisy(see(pair, grid, poses))
+    centred = replace(fitted(exact, grid, poses), resected=tuple(pair.values()))
+    for model in (Rig.of(pair), centred):
+        assert set(reconstruct_points(model, exact).flag) <= {"ok", "extrapolated"}
+        with pytest.raises(InputError, match=r"In view 'pose-3' the pictures of .* seem to be swapped"):
+            reconstruct_points(model, exchanged(exact, "pose-3"))
+
+
+def test_a_dot_that_is_elsewhere_is_flagged(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = noisy(see(pair, grid, poses))
+    position = exact.position.copy()
+    position[7, 1] += 20 * np.sqrt(exact.covariance[7, 1, 1])
+    found = reconstruct_points(Rig.of(pair), replace(exact, position=position))
+    wrong = (found.view == exact.view[7]) & (found.index == exact.index[7]).all(axis=1)
+    np.testing.assert_array_equal(found.flag == "model-misfit", wrong)
+
+
+def test_a_rig_that_was_bumped_is_told(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = see(pair, grid, poses)
+    turned = pair["right"].T_cam_world.copy()
+    turned[1, 3] += 10.0
+    moved = pair | {"right": replace(pair["right"], T_cam_world=turned)}
+    found = reconstruct_centres(Rig.of(moved), exact, None)
+    assert found.miss_px is not None
+    assert found.miss_px > MOST_PX
+    assert set(found.points.flag) == {"model-misfit"}
+    still = reconstruct_centres(Rig.of(pair), exact, None)
+    assert still.miss_px == pytest.approx(0.0, abs=1e-6)
