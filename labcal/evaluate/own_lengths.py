@@ -41,17 +41,22 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -
     ----------
     points : ReconstructedPoints
     target : Target or DotPlaces
-        Its dots are taken as exactly placed: where they were declared, or where they were found to be.
+        Its dots are taken as exactly placed: where they were declared, or where they were found to be. Of
+        places, only those that were found count.
 
     Raises
     ------
     InputError
-        No view has two points, or there is a point of a dot that the target does not have.
+        No view has two points that count, or there is a point of a dot that the target does not have.
     """
     declared = target.target if isinstance(target, DotPlaces) else target
     _require_dots(points, declared)
     places = target.points()
-    solved = points.where(np.isfinite(points.point).all(axis=1))
+    number = points.index[:, 1] * declared.cols + points.index[:, 0]
+    counted = np.isfinite(points.point).all(axis=1)
+    if isinstance(target, DotPlaces):
+        counted &= target.freed()[number]
+    solved = points.where(counted)
     measured, nominal = [], []
     for view in dict.fromkeys(solved.view.tolist()):
         of_view = solved.where(solved.view == view)
@@ -59,7 +64,9 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -
         nominal.append(pdist(places[of_view.index[:, 1] * declared.cols + of_view.index[:, 0]]))
     lengths = np.concatenate(measured) if measured else np.zeros(0)
     if len(lengths) == 0:
-        raise InputError("There are no two points of the same view, so there is no length to compare.")
+        raise InputError(
+            "There are no two points of the same view whose places are known, so no length can be compared."
+        )
     expected = np.concatenate(nominal)
     error = lengths - expected
     return LengthErrors(

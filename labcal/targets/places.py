@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.arrays import Points
@@ -78,6 +78,10 @@ class DotPlaces(BaseModel):
     def points(self) -> Points:
         """Return the places in the order of the target's indices, mm, shape (dots, 3)."""
         return np.array([[dot.x_mm, dot.y_mm, dot.z_mm] for dot in self.dots])
+
+    def freed(self) -> Bool[np.ndarray, " dots"]:
+        """Return which places were estimated, in the order of the target's indices."""
+        return np.array([dot.freed for dot in self.dots], dtype=bool)
 
 
 def write_places(path: Path, places: DotPlaces, *, force: bool = False) -> None:

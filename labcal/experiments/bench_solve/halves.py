@@ -4,10 +4,12 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
 from labcal.solve.calibration import HandheldCalibration
+from labcal.solve.fitted_model import FittedModel
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.solve.reconstruction import reconstruct_points
 from labcal.targets.catalogue import AnyTarget
@@ -46,29 +48,39 @@ def disagreement(one: HandheldCalibration, other: HandheldCalibration) -> Float6
     return np.concatenate(ratios)
 
 
-def lengths_elsewhere(learned: Detections, others: Detections, target: AnyTarget, lens: str) -> LengthErrors:
-    """Return the errors of distances on a print that was measured, rig and dots alike, in other views.
-
-    Parameters
-    ----------
-    learned : Detections
-        Of the views from which the rig and the places of the dots come.
-    others : Detections
-        Of the views in which distances are measured: those of all pairs of dots, near and far.
-    target : AnyTarget
-    lens : str
-        Lens model.
+def print_and_rig(learned: Detections, target: AnyTarget, lens: str) -> tuple[HandheldCalibration, DotPlaces]:
+    """Return a rig and the places of the dots on the print, both of the same views.
 
     Raises
     ------
     InputError
-        The views determine no rig, or no dot of theirs is in the others.
+        The views determine no rig.
     """
     found = calibrate_handheld(learned, target, lens, HandheldSettings(free_dots=True))
     freed = found.freed
     if freed is None:
         raise InputError("A calibration with free dots returned none.")
-    points = reconstruct_points(found.rig, others, target)
-    points = points.where(freed.freed[points.index[:, 1] * target.cols + points.index[:, 0]])
-    places = DotPlaces.of(target, freed.place, freed.own_covariance, freed.pictures, freed.freed)
-    return errors_of_lengths(points, places)
+    return found, DotPlaces.of(target, freed.place, freed.own_covariance, freed.pictures, freed.freed)
+
+
+def lengths_elsewhere(
+    model: Rig | FittedModel, places: DotPlaces, others: Detections, target: AnyTarget
+) -> LengthErrors:
+    """Return the errors of distances on a print that was measured in other views.
+
+    Parameters
+    ----------
+    model : Rig or FittedModel
+        What reconstructs.
+    places : DotPlaces
+        Of the dots on the print.
+    others : Detections
+        Of the views in which distances are measured: those of all pairs of dots, near and far.
+    target : AnyTarget
+
+    Raises
+    ------
+    InputError
+        No dot of the print is in the others.
+    """
+    return errors_of_lengths(reconstruct_points(model, others, target), places)

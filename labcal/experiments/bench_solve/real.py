@@ -5,20 +5,27 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
 from labcal.experiments.bench_detect.real import PAIR, VARIABLE
 from labcal.experiments.bench_groups import Bench, Findings
-from labcal.experiments.bench_solve.halves import disagreement, halves, lengths_elsewhere
+from labcal.experiments.bench_solve.halves import disagreement, halves, lengths_elsewhere, print_and_rig
 from labcal.report.bench import Figure, at_most
 from labcal.run.progress import Progress
+from labcal.solve.fitted_model import FittedModel
 from labcal.solve.handheld import calibrate_handheld
+from labcal.solve.handheld_training import handheld_training
+from labcal.solve.registry import make_estimator
 from labcal.targets.catalogue import AnyTarget, load_target
+from labcal.workflow import fit
 
 LENS = "brown-k1k2"
 RENDERED, RENDERED_TARGET, RENDERED_PICTURES = "rendered_black", "rings-14x10", 20
 PHOTOS, PHOTO_TARGET, PHOTO_PICTURES = "photos", "rings-10x8", 14
+TAUGHT = ("hybrid", "mlp", "mlp-bayes", "ray-net")
+"""Methods that learn from the dots of a target in the hand."""
 AGREE_LIMIT = 3.0
 """Standard deviations."""
 LENGTH_LIMIT_MM = 0.010
@@ -27,8 +34,8 @@ LENGTH_LIMIT_MM = 0.010
 def real_findings(bench: Bench) -> Findings:
     """Return how well two halves of rendered views agree, and how well lengths on photographs repeat.
 
-    On the photographs the rig and the places of the dots come from one half of the views, the lengths from
-    the other half. Nothing but a note where the pictures are not at hand.
+    On the photographs the rig, what methods learned in its world, and the places of the dots come from one
+    half of the views, the lengths from the other half. Nothing but a note where the pictures are not at hand.
     """
     home = os.environ.get(VARIABLE)
     if home is None or not Path(home).is_dir():
@@ -51,10 +58,15 @@ def real_findings(bench: Bench) -> Findings:
     target = load_target(PHOTO_TARGET)
     dots = _measured(Path(home) / PHOTOS, target, bench.progress)
     for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
-        found = lengths_elsewhere(learned, others, target, LENS)
-        what = f"{PHOTOS}: lengths in other views, freed dots and rig of the {which} ones"
-        checks.append(at_most(f"{what}, RMS, mm", found.length_error_mm.rms, LENGTH_LIMIT_MM))
-        beside.append(Figure(name=f"{what}, largest, mm", value=found.length_error_mm.max))
+        found, places = print_and_rig(learned, target, LENS)
+        training = handheld_training(found, learned, target).data
+        models: dict[str, Rig | FittedModel] = {"rig": found.rig}
+        models |= {method: fit(training, make_estimator(method)) for method in TAUGHT}
+        for name, model in models.items():
+            lengths = lengths_elsewhere(model, places, others, target).length_error_mm
+            what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"
+            checks.append(at_most(f"{what}, RMS, mm", lengths.rms, LENGTH_LIMIT_MM))
+            beside.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
     return Findings(checks, beside)
 
 

@@ -70,6 +70,17 @@ def test_lengths_of_a_misprinted_target_are_those_of_its_freed_dots(grid: DotGri
     assert errors_of_lengths(points, freed).length_error_mm.max < 1e-9
 
 
+def test_lengths_from_dots_that_were_not_freed_do_not_count(grid: DotGrid) -> None:
+    points = views(grid, 1.0)
+    points.point[points.index[:, 0] == 0] += [0.0, 0.0, 5.0]
+    freed = grid.indices()[:, 0] > 0
+    nothing = np.zeros((grid.count, 3, 3))
+    places = DotPlaces.of(grid, grid.points(), nothing, np.full(grid.count, 3), freed)
+    found = errors_of_lengths(points, places)
+    assert found.n == 3 * freed.sum() * (freed.sum() - 1) // 2
+    assert found.length_error_mm.max == pytest.approx(0.0, abs=1e-9)
+
+
 def test_dots_of_another_target_are_refused(grid: DotGrid) -> None:
     points = views(grid, 1.0)
     points.index[4] = (grid.cols, 0)
