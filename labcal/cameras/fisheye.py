@@ -28,7 +28,7 @@ def _stretch(m: Mathematics, numbers: tuple[Number, ...], theta2: Number) -> Num
 def fold_angle(dist: tuple[float, ...]) -> float:
     """Return the angle to the axis (rad) where the image radius stops growing, at most pi."""
     k1, k2, k3, k4 = dist[:_POWERS]
-    slope = np.polynomial.Polynomial([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4])
+    slope = (1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4)
     return min([*(float(np.sqrt(s)) for s in positive_roots(slope)), float(np.pi)])
 
 

@@ -174,7 +174,7 @@ def fold_radius_squared(dist: tuple[float, ...]) -> float:
     where D = 0.
     """
     k1, k2, _, _, k3, k4, k5, k6 = dist[:_RATIONAL]
-    P = np.polynomial.Polynomial
-    N, D = P([1.0, k1, k2, k3]), P([1.0, k4, k5, k6])
-    slope = N * D + P([0.0, 2.0]) * (N.deriv() * D - N * D.deriv())
+    N, D = np.array([1.0, k1, k2, k3]), np.array([1.0, k4, k5, k6])
+    powers = np.arange(4.0)  # of s, so that powers N are the coefficients of s N'
+    slope = np.convolve(N, D) + 2.0 * (np.convolve(powers * N, D) - np.convolve(N, powers * D))
     return min([*positive_roots(slope), *positive_roots(D)], default=float("inf"))

@@ -1,6 +1,6 @@
 """A first guess of the inverse of a radial mapping: a polynomial, so that Newton needs a step or two."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -87,7 +87,9 @@ def _field_radius(forward: Callable[[np.ndarray], np.ndarray], fold: float, reac
     return high
 
 
-def positive_roots(polynomial: np.polynomial.Polynomial) -> list[float]:
-    """Return the positive real roots of a polynomial."""
-    roots: np.ndarray = polynomial.trim().roots()
+def positive_roots(coefficients: Sequence[float] | np.ndarray) -> list[float]:
+    """Return the positive real roots of a polynomial, whose coefficients begin with the constant's."""
+    if not np.any(coefficients[1:]):
+        return []
+    roots = np.polynomial.polynomial.polyroots(np.trim_zeros(np.asarray(coefficients), "b"))
     return [float(root.real) for root in roots if abs(root.imag) <= 1e-12 * abs(root) and root.real > 0.0]
