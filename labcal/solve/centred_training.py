@@ -12,6 +12,7 @@ from labcal.errors import InputError
 from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, centre_shift
 from labcal.solve.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.solve.resection.resected import resect
+from labcal.solve.swapped_pictures import refuse_swapped_training
 from labcal.targets.target import Target
 
 _NAME = "resection"
@@ -47,7 +48,13 @@ def centred_training(
     target : Target
     T_world_target : mapping of str to ndarray of shape (4, 4)
         Pose of the target by view, mm.
+
+    Raises
+    ------
+    InputError
+        The pictures of a view are exchanged.
     """
+    refuse_swapped_training(data)
     q = data.X.reshape(len(data.X), -1, 2)
     discs, dots = Discs.of(target), data.index[:, 1] * target.cols + data.index[:, 0]
     shift = np.zeros_like(q)

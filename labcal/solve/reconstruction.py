@@ -14,7 +14,8 @@ from labcal.errors import InputError
 from labcal.solve.centre_bias import CentreBias, centred, shifts_of_matches
 from labcal.solve.fitted_model import FittedModel
 from labcal.solve.model_file import ModelKind, load_model, model_kind
-from labcal.solve.ray_misses import MOST_PX, RayMisses, refuse_swapped
+from labcal.solve.ray_misses import MOST_PX, RayMisses
+from labcal.solve.swapped_pictures import refuse_swapped
 from labcal.targets.target import Target
 
 
