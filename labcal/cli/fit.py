@@ -13,7 +13,10 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.cli.training import HandheldResult
     from labcal.correspond.training import TrainingData
+    from labcal.errors import InputError
     from labcal.solve.centre_bias import CentreBias
+    from labcal.solve.centred_training import CentredTraining
+    from labcal.solve.estimator import PointEstimator
     from labcal.solve.fitted_model import FittedModel
     from labcal.solve.rehearsal import Rehearsed
 
@@ -104,45 +107,74 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.training import read_training
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing, refuse_homeless
+
+    estimators = _estimators(arguments)
+    alone = len(estimators) == 1
+    paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
+    for path in paths:
+        refuse_existing(path, force=arguments.force)
+        refuse_homeless(path)
+    training, handheld = read_training(arguments, session)
+    if training.reason is not None:
+        session.say(f"centroids are taken as they are: {training.reason}")
+    learned = _learned(training, estimators, arguments.seed, session)
+    results, fitted = [], []
+    for path, estimator, model in zip(paths, estimators, learned, strict=True):
+        if isinstance(model, InputError):
+            if alone:
+                raise model
+            session.warn(f"{estimator.method}: {model}")
+            results.append(_refused(estimator.method, str(model)))
+        else:
+            fitted.append((path, model))
+            results.append(_fitted(model, training.data, path))
+    _save_all(fitted, force=arguments.force)
+    result = FitResult(results, training.bias, training.reason, handheld)
+    session.emit(result, _table(result))
+    failed = len(results) - len(fitted)
+    if failed == len(results):
+        return ExitStatus.UNUSABLE
+    return ExitStatus.PARTIAL if failed else ExitStatus.DONE
+
+
+def _estimators(arguments: Namespace) -> "list[PointEstimator]":
+    """Return the methods that are named, with the options that concern them."""
+    from labcal.errors import InputError
     from labcal.solve.registry import make_estimator
-    from labcal.workflow import fit, twin_of
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):
         raise InputError(f"--method names a method twice: {arguments.method}. Name each once.")
     estimators = [make_estimator(name) for name in names]
-    paths = [_path(arguments.output, name, alone=len(names) == 1) for name in names]
-    for path in paths:
-        refuse_existing(path, force=arguments.force)
-        refuse_homeless(path)
-    training, handheld = read_training(arguments, session)
+    wanted = {"random_state": arguments.seed}
+    if arguments.lens is not None:
+        wanted["lens"] = arguments.lens
+    for estimator in estimators:
+        known = estimator.get_params()
+        estimator.set_params(**{key: value for key, value in wanted.items() if key in known})
+    return estimators
+
+
+def _learned(
+    training: "CentredTraining", estimators: "list[PointEstimator]", seed: int, session: Session
+) -> "list[FittedModel | InputError]":
+    """Return what each method learned, or why it cannot."""
+    from labcal.errors import InputError
+    from labcal.workflow import fit, twin_of
+
     data = training.data
-    if training.reason is not None:
-        session.say(f"centroids are taken as they are: {training.reason}")
-    twin = twin_of(data.X, data.Y, data.image_sizes, arguments.seed)
-    results, fitted = [], []
-    for path, estimator in zip(paths, estimators, strict=True):
-        if "random_state" in estimator.get_params():
-            estimator.set_params(random_state=arguments.seed)
-        if arguments.lens is not None and "lens" in estimator.get_params():
-            estimator.set_params(lens=arguments.lens)
-        try:
-            model = fit(data, estimator, training.cameras, twin)
-        except InputError as error:
-            if len(names) == 1:
-                raise
-            session.warn(f"{estimator.method}: {error}")
-            results.append(_refused(estimator.method, str(error)))
-            continue
-        fitted.append((path, model))
-        results.append(_fitted(model, data, path))
-    _save_all(fitted, force=arguments.force)
-    result = FitResult(results, training.bias, training.reason, handheld)
-    session.emit(result, _table(result))
-    failed = sum(model.error is not None for model in results)
-    if failed == len(results):
-        return ExitStatus.UNUSABLE
-    return ExitStatus.PARTIAL if failed else ExitStatus.DONE
+    learned: list[FittedModel | InputError] = []
+    with session.progress() as progress:
+        progress.start("methods", len(estimators) + 1)
+        twin = twin_of(data.X, data.Y, data.image_sizes, seed)
+        progress.advance()
+        for estimator in estimators:
+            try:
+                learned.append(fit(data, estimator, training.cameras, twin))
+            except InputError as error:
+                learned.append(error)
+            progress.advance()
+    return learned
 
 
 def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:

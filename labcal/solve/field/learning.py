@@ -10,7 +10,7 @@ from labcal.solve.field.evidence import FieldScale, field_scale
 from labcal.solve.field.learned_camera import Asked, LearnedCamera, LearnedField
 from labcal.solve.field.pixel_field import PixelField
 from labcal.solve.field.places import Places
-from labcal.solve.resection.resected import ResectedCamera, adjusted
+from labcal.solve.resection.resected import NEAR, ResectedCamera, adjusted
 from labcal.solve.resection.whitening import Correlated
 
 ROUNDS = 3
@@ -98,7 +98,7 @@ def _learned(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> _Learned | No
         scale = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
         if scale.amplitude_px == 0.0:
             return None
-        found = adjusted(found.placed, q, p, Correlated(scale.root(x)))
+        found = adjusted(found.placed, q, p, Correlated(scale.root(x)), NEAR)
         if not np.isfinite(found.residual).all():
             return None
         if asked is Asked.IDEAL:

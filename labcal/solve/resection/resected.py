@@ -19,7 +19,8 @@ from labcal.solve.resection.start import resection_starts
 from labcal.solve.resection.whitening import Even, Whitening
 
 _STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
-_DAMPING = Damping(ceiling=1e8)
+FAR, NEAR = Damping(ceiling=1e8), Damping(start=1e-6, ceiling=1e8)
+"""The first damping, from anywhere and from a camera that is nearly right already."""
 _MOST_OFF = 0.05
 """RMS residual, as a share of the picture's width, from which on it is not the camera of these points."""
 
@@ -85,10 +86,12 @@ def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
             f"{method}: no camera with the lens '{kind.lens}' explains the dots; the best is off by "
             f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."
         )
-    return adjusted(best.placed, q, p, Even(max(best.sigma_px, 1e-6)))
+    return adjusted(best.placed, q, p, Even(max(best.sigma_px, 1e-6)), NEAR)
 
 
-def adjusted(start: PlacedCamera, q: Pixels, p: Points, whitening: Whitening) -> ResectedCamera:
+def adjusted(
+    start: PlacedCamera, q: Pixels, p: Points, whitening: Whitening, damping: Damping = FAR
+) -> ResectedCamera:
     """Return the camera nearest to pixels, from a start that images all points.
 
     Parameters
@@ -98,9 +101,11 @@ def adjusted(start: PlacedCamera, q: Pixels, p: Points, whitening: Whitening) ->
         Pixels, and world points in mm.
     whitening : Whitening
         The covariance is right if this is.
+    damping : Damping
+        :data:`FAR` or :data:`NEAR`.
     """
     problem = ResectionProblem(q, p, whitening, lens_prior(start, start.seen(p)))
-    placed = minimize(problem, start, _STOPPING, _DAMPING).parameters
+    placed = minimize(problem, start, _STOPPING, damping).parameters
     residual = placed.camera.project(p).q - q
     freedom = max(1, residual.size - placed.count)
     return ResectedCamera(
