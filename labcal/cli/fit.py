@@ -65,6 +65,11 @@ def add_parser(commands: CommandGroup) -> None:
         action="store_true",
         help="of a target that was held: estimate where each dot is on the print, too",
     )
+    parser.add_argument(
+        "--no-rehearsal",
+        action="store_true",
+        help="be quick: do not find out what error to expect, and never flag points 'model-misfit'",
+    )
     add_seed(parser)
     add_workers(parser)
 
@@ -117,7 +122,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     training, handheld = read_training(arguments, session)
     if training.reason is not None:
         session.say(f"centroids are taken as they are: {training.reason}")
-    learned = _learned(training, estimators, arguments.seed, session)
+    learned = _learned(training, estimators, arguments, session)
     results, fitted = [], []
     for path, estimator, model in zip(paths, estimators, learned, strict=True):
         if isinstance(model, InputError):
@@ -141,6 +146,7 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     """Return the methods that are named, with the options that concern them."""
     from labcal.errors import InputError
     from labcal.solve.registry import make_estimator
+    from labcal.solve.resection.lens_choice import camera_of_lens
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):
@@ -148,6 +154,7 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     estimators = [make_estimator(name) for name in names]
     wanted = {"random_state": arguments.seed}
     if arguments.lens is not None:
+        camera_of_lens(arguments.lens, (1, 1), None)  # tells now whether there is such a lens
         wanted["lens"] = arguments.lens
     for estimator in estimators:
         known = estimator.get_params()
@@ -156,17 +163,20 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
 
 
 def _learned(
-    training: "CentredTraining", estimators: "list[PointEstimator]", seed: int, session: Session
+    training: "CentredTraining", estimators: "list[PointEstimator]", arguments: Namespace, session: Session
 ) -> "list[FittedModel | InputError]":
     """Return what each method learned, or why it cannot."""
     from labcal.errors import InputError
+    from labcal.solve.resection.lens_choice import AUTO
     from labcal.workflow import fit, twin_of
 
     data = training.data
     learned: list[FittedModel | InputError] = []
     with session.progress() as progress:
         progress.start("methods", len(estimators) + 1)
-        twin = twin_of(data.X, data.Y, data.image_sizes, seed)
+        twin = None
+        if not arguments.no_rehearsal:
+            twin = twin_of(data.X, data.Y, data.image_sizes, arguments.seed, arguments.lens or AUTO)
         progress.advance()
         for estimator in estimators:
             try:

@@ -14,6 +14,7 @@ from labcal.rng import generator
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.field.learned_camera import measured_by
 from labcal.solve.hybrid import Hybrid
+from labcal.solve.resection.lens_choice import AUTO
 
 POINTS = 1000
 CONFIDENCE = 0.95
@@ -81,6 +82,7 @@ def twin_of(
     Y: Points,
     image_sizes: tuple[tuple[int, int], ...],
     seed: int = 0,
+    lens: str = AUTO,
 ) -> Twin | None:
     """Return a rehearsal's stage from training data, or None where they determine no cameras.
 
@@ -94,6 +96,8 @@ def twin_of(
         Width and height, px, of each camera's pictures.
     seed : int
         Draws points and noise.
+    lens : str
+        Of `Hybrid`.
 
     Notes
     -----
@@ -102,7 +106,7 @@ def twin_of(
     against a truth, though not against the real one.
     """
     try:
-        hybrid = Hybrid(image_sizes=image_sizes).fit(X, Y)
+        hybrid = Hybrid(lens, image_sizes).fit(X, Y)
     except InputError:
         return None
     cameras = hybrid.learned_cameras_
