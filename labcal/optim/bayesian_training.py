@@ -10,6 +10,7 @@ from jaxtyping import Float64
 from labcal.optim.damping import Damping
 from labcal.optim.evidence import Evidence
 from labcal.optim.levenberg_marquardt import begun, take_epoch
+from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping, StopReason
 from labcal.optim.weight_decay import Decayed, SquaresBatch
 
@@ -50,7 +51,11 @@ class BayesianSolution:
 
 
 def train_by_evidence(
-    problem: SquaresBatch, starts: Sequence[Weights], max_epochs: int, damping: Damping
+    problem: SquaresBatch,
+    starts: Sequence[Weights],
+    max_epochs: int,
+    damping: Damping,
+    race: Race | None = None,
 ) -> list[BayesianSolution]:
     """Train several runs at once, each with its own scales of weights and data.
 
@@ -67,12 +72,16 @@ def train_by_evidence(
         Accepted steps after which to stop.
     damping : Damping
         The first damping, and how it changes.
+    race : Race, optional
+        Which runs are given up on the way and which are kept, by the squared residuals to expect of new
+        data; without one, all are kept.
 
     Returns
     -------
     list of BayesianSolution
-        One a run; that the evidence has not settled is a result.
+        One a run that is kept; that the evidence has not settled is a result.
     """
+    race = race or Race.without_losers(len(starts))
     everyone = range(len(starts))
     count = problem.residual_count
     squares = problem.squares(everyone, starts)
@@ -94,6 +103,7 @@ def train_by_evidence(
             decayed.decays[number] = evidences[number].decay
             if _at_rest(log_evidences[number]):
                 runs[number].stop(StopReason.SETTLED)
+        race.judge(runs, [evidence.expected_square(count) for evidence in evidences])
         for number, cost in zip(members, decayed.costs(members, parameters), strict=True):
             runs[number].restate(cost)
         decayed.decay(equations, members)
@@ -102,17 +112,18 @@ def train_by_evidence(
         for number, square in zip(members, problem.squares(members, after), strict=True):
             if runs[number].epochs == len(histories[number]):
                 histories[number].append(square / count)
-    equations = problem.linearize(everyone, [run.parameters for run in runs])
+    kept = race.kept(runs, [evidence.expected_square(count) for evidence in evidences])
+    equations = problem.linearize(kept, [runs[number].parameters for number in kept])
     return [
         BayesianSolution(
             runs[number].parameters,
             evidences[number],
-            evidences[number].weight_factor(equations, number),
+            evidences[number].weight_factor(equations, place),
             runs[number].reason or StopReason.EPOCHS,
             runs[number].epochs,
             np.array(histories[number]),
         )
-        for number in everyone
+        for place, number in enumerate(kept)
     ]
 
 

@@ -38,6 +38,15 @@ class Evidence:
         """The cost of squared weights in units of squared residuals."""
         return self.alpha / self.beta
 
+    def expected_square(self, residuals: int) -> float:
+        """Return the mean squared residual to expect of new data: generalised cross-validation.
+
+        Golub, Heath and Wahba 1979, "Generalized cross-validation as a method for choosing a good ridge
+        parameter": n E_D / (n - gamma)^2, of so many residuals n.
+        """
+        left = max(residuals - self.effective_parameters, 1.0)
+        return residuals / (2.0 * self.beta * left)
+
     @classmethod
     def start(cls, square: float, weights: float, counts: tuple[int, int]) -> "Evidence":
         """Return the scales to begin with, as if the data determined every parameter.

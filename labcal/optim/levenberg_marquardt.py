@@ -7,6 +7,7 @@ from typing import Generic
 from labcal.optim.damping import Damping
 from labcal.optim.descent import Descent
 from labcal.optim.problem import Batch, BatchLinearization, Linearization, Parameters, Problem
+from labcal.optim.restarts import Race
 from labcal.optim.solution import Solution, Stopping
 
 
@@ -46,8 +47,9 @@ def minimize_batch(
     starts: Sequence[Parameters],
     stopping: Stopping,
     damping: Damping,
+    race: Race | None = None,
 ) -> list[Solution[Parameters]]:
-    """Lower the costs of several runs at once, each ending where it would alone.
+    """Lower the costs of several runs at once, each ending where it would alone unless it is outrun.
 
     All that are still running take their epochs together. See :func:`minimize`.
 
@@ -61,17 +63,21 @@ def minimize_batch(
         For every run.
     damping : Damping
         For every run; each has a damping of its own.
+    race : Race, optional
+        Which runs are given up on the way and which are kept, by their costs; without one, all are kept.
 
     Returns
     -------
     list of Solution
-        One a run.
+        One a run that is kept.
     """
+    race = race or Race.without_losers(len(starts))
     runs = begun(batch, starts, stopping, damping)
     while members := [number for number, run in enumerate(runs) if run.reason is None]:
         parameters = [runs[number].parameters for number in members]
         take_epoch(batch, batch.linearize(members, parameters), runs, members)
-    return [run.solution() for run in runs]
+        race.judge(runs, [run.cost for run in runs])
+    return [runs[number].solution() for number in race.kept(runs, [run.cost for run in runs])]
 
 
 def begun(

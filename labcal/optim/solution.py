@@ -19,6 +19,7 @@ class StopReason(StrEnum):
     GRADIENT = "gradient vanished"
     NOT_FINITE = "cost not finite"
     SETTLED = "evidence settled"
+    OUTRUN = "outrun by other starts"
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network_problem import NetworkProblem
+from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
 from labcal.solve.estimator import FittedArray
 from labcal.solve.network_estimator import NetworkEstimator, joint_reason, mean_history
@@ -31,6 +32,8 @@ class Mlp(NetworkEstimator):
         Accepted steps after which to stop.
     members : int
         Number of networks, trained from different starts; the prediction is their mean.
+    restarts : int
+        Starts that are tried for each member; the best are kept, by the mean squared error.
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -59,12 +62,14 @@ class Mlp(NetworkEstimator):
         goal: float = 1e-7,
         max_epochs: int = 5000,
         members: int = 1,
+        restarts: int = 1,
         random_state: int = 0,
     ) -> None:
         self.hidden = hidden
         self.goal = goal
         self.max_epochs = max_epochs
         self.members = members
+        self.restarts = restarts
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
@@ -72,7 +77,8 @@ class Mlp(NetworkEstimator):
         return (*super().fitted_arrays(), FittedArray("history_", (self.n_iter_ + 1,)))
 
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        solutions = minimize_batch(problem, starts, Stopping(self.goal, self.max_epochs), Damping())
+        stopping, race = Stopping(self.goal, self.max_epochs), Race([range(len(starts))], self.members)
+        solutions = minimize_batch(problem, starts, stopping, Damping(), race)
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         self.n_iter_ = max(solution.epochs for solution in solutions)
         self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])

@@ -10,6 +10,7 @@ from scipy.linalg import solve_triangular
 from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
 from labcal.optim.network_problem import NetworkProblem
+from labcal.optim.restarts import Race
 from labcal.optim.threads import one_thread
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.estimator import COORDINATES, FittedArray
@@ -40,6 +41,8 @@ class MlpBayes(NetworkEstimator):
         Accepted steps after which to stop.
     members : int
         Number of networks, trained from different starts; the prediction is their mean.
+    restarts : int
+        Starts that are tried for each member; the best are kept, by the error to expect of new data.
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -71,11 +74,13 @@ class MlpBayes(NetworkEstimator):
         hidden: tuple[int, ...] = (20, 30),
         max_epochs: int = 300,
         members: int = 1,
+        restarts: int = 1,
         random_state: int = 0,
     ) -> None:
         self.hidden = hidden
         self.max_epochs = max_epochs
         self.members = members
+        self.restarts = restarts
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
@@ -89,7 +94,8 @@ class MlpBayes(NetworkEstimator):
         )
 
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        solutions = train_by_evidence(problem, starts, self.max_epochs, Damping())
+        race = Race([range(len(starts))], self.members)
+        solutions = train_by_evidence(problem, starts, self.max_epochs, Damping(), race)
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         evidences = [solution.evidence for solution in solutions]
         self.scales_ = np.array([(evidence.alpha, evidence.beta) for evidence in evidences])

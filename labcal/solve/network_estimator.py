@@ -1,4 +1,4 @@
-"""What the networks from pixels to points have in common: scaling, starts, ensembles."""
+"""What the networks from pixels to points have in common: scaling, starts, restarts, ensembles."""
 
 from abc import abstractmethod
 
@@ -22,8 +22,8 @@ Pixels = Float64[np.ndarray, "n inputs"]
 class NetworkEstimator(PointEstimator):
     """Tanh hidden layers and linear outputs, inputs and outputs scaled to [-1, 1], one network or several.
 
-    Several members are trained as one batch from different starts. They predict their mean, and what they
-    differ by enters the covariance.
+    All starts are trained as one batch, of which the best become members (see `Race`). Several members
+    predict their mean, and what they differ by enters the covariance.
 
     Attributes
     ----------
@@ -33,6 +33,8 @@ class NetworkEstimator(PointEstimator):
         Accepted steps after which to stop.
     members : int
         Number of networks.
+    restarts : int
+        Starts that are tried for each member; the best are kept.
     random_state : int
         Seed of the first weights.
     parameters_ : float64 array, (members, parameters)
@@ -44,6 +46,7 @@ class NetworkEstimator(PointEstimator):
     hidden: tuple[int, ...]
     max_epochs: int
     members: int
+    restarts: int
     random_state: int
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
@@ -58,7 +61,7 @@ class NetworkEstimator(PointEstimator):
 
     @abstractmethod
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        """Train all members, and keep their parameters and how it went."""
+        """Train from all starts, and keep the parameters of the members and how it went."""
 
     def _fit(self, pixels: Pixels, points: Float64[np.ndarray, "n outputs"]) -> None:
         self._refuse_parameters()
@@ -67,7 +70,8 @@ class NetworkEstimator(PointEstimator):
         self.input_centre_, self.input_half_range_ = inputs.centre, inputs.half_range
         self.output_centre_, self.output_half_range_ = outputs.centre, outputs.half_range
         # The first start is named as it was before there were others.
-        names: list[tuple[str, ...]] = [(), *((str(member),) for member in range(1, self.members))]
+        count = self.members * self.restarts
+        names: list[tuple[str, ...]] = [(), *((str(number),) for number in range(1, count))]
         starts = [
             nguyen_widrow(network, generator(self.random_state, "mlp", "start", *name)) for name in names
         ]
@@ -75,7 +79,7 @@ class NetworkEstimator(PointEstimator):
             network,
             self._scaled(pixels),
             torch.from_numpy(outputs.scaled(points)),
-            self.members,
+            count,
         )
         with one_thread(), one_blas_thread():
             self._train(problem, starts)
@@ -122,8 +126,9 @@ class NetworkEstimator(PointEstimator):
                 f"{self.method}: max_epochs and random_state must not be negative, but are "
                 f"{self.max_epochs} and {self.random_state}."
             )
-        if self.members < 1:
-            raise InputError(f"{self.method}: members must be 1 or more, but is {self.members}.")
+        for name, value in (("members", self.members), ("restarts", self.restarts)):
+            if value < 1:
+                raise InputError(f"{self.method}: {name} must be 1 or more, but is {value}.")
 
 
 def mean_history(histories: list[Float64[np.ndarray, " states"]]) -> Float64[np.ndarray, " longest"]:

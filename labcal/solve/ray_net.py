@@ -15,6 +15,7 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
+from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
 from labcal.optim.threads import one_thread
 from labcal.optim.weight_decay import Decayed
@@ -39,9 +40,11 @@ ROUGH_EPOCHS = 60
 """Of a first training without decay, after which the networks themselves tell what a miss is in pixels.
 
 Where the evidence rules from the start, it may take the waves of a pane for noise and never learn them;
-where it comes in after this, noise that was learned by then may stay. Both are done, and the evidence says
-which was better.
+where it comes in after this, noise that was learned by then may stay. Both are done, and that of the less
+error to expect of new data is kept.
 """
+FIRST_MILESTONE = 20
+"""Epochs until starts are compared; sooner, one that will not learn the waves looks like the others."""
 STEPS = 4
 """Gauss-Newton steps from where the rays come nearest to each other."""
 
@@ -64,6 +67,8 @@ class RayNet(PointEstimator):
         Neurons of every hidden layer.
     max_epochs : int
         Accepted steps after which to stop.
+    restarts : int
+        Starts of the first training that are tried for each camera; the best is kept (see `Race`).
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -93,10 +98,15 @@ class RayNet(PointEstimator):
     )  # fmt: skip
 
     def __init__(
-        self, hidden: tuple[int, ...] = (12, 12), max_epochs: int = 500, random_state: int = 0
+        self,
+        hidden: tuple[int, ...] = (12, 12),
+        max_epochs: int = 500,
+        restarts: int = 4,
+        random_state: int = 0,
     ) -> None:
         self.hidden = hidden
         self.max_epochs = max_epochs
+        self.restarts = restarts
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
@@ -123,26 +133,27 @@ class RayNet(PointEstimator):
         self.origins_ = np.stack([frame.origin_mm for frame in frames])
         self.depths_ = np.stack([frame.depths_mm for frame in frames])
         self.half_ranges_ = np.array([frame.half_range_mm for frame in frames])
-        random = [generator(self.random_state, self.method, "start", str(k)) for k in range(len(frames))]
-        self.parameters_ = np.stack([nguyen_widrow(self._network(), own).numpy() for own in random])
         scales = np.stack(
             [frame.first_scale(points, q) for frame, q in zip(frames, seen.swapaxes(0, 1), strict=True)]
         )
+        starts = self._starts(len(frames))
+        of_cameras = [range(k, len(starts), len(frames)) for k in range(len(frames))]
+        race = Race(of_cameras, first_milestone=FIRST_MILESTONE)
         with one_thread(), one_blas_thread():
-            starts = list(torch.from_numpy(self.parameters_))
-            without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(frames))
+            without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(starts))
             stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
-            rough = minimize_batch(without_decay, starts, stopping, Damping())
+            rough = minimize_batch(without_decay, starts, stopping, Damping(), race)
             self.parameters_ = np.stack([solution.parameters.numpy() for solution in rough])
             scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
             problem = self._problem(pixels, points, scales)
-            both = (
+            ruled, corrected = (
                 train_by_evidence(problem, first, self.max_epochs, Damping())
-                for first in (starts, [solution.parameters for solution in rough])
+                for first in (starts[: len(frames)], [solution.parameters for solution in rough])
             )
-            solutions = [
-                max(pair, key=lambda one: one.evidence.log_evidence) for pair in zip(*both, strict=True)
-            ]
+        solutions = [
+            min(pair, key=lambda one: one.evidence.expected_square(problem.residual_count))
+            for pair in zip(ruled, corrected, strict=True)
+        ]
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
         self.n_iter_ = max(solution.epochs for solution in solutions)
@@ -151,6 +162,19 @@ class RayNet(PointEstimator):
         self.effective_parameters_ = float(np.mean(effective))
         # Two residuals a point.
         self.rms_px_ = float(np.sqrt(2.0 * np.mean([solution.history[-1] for solution in solutions])))
+
+    def _starts(self, cameras: int) -> list[Float64[torch.Tensor, " p"]]:
+        """Return first weights: of every camera once, of every camera again, and so on."""
+        # The first starts are named as they were before there were others.
+        names = [
+            (str(camera), *([str(number)] if number else []))
+            for number in range(self.restarts)
+            for camera in range(cameras)
+        ]
+        return [
+            nguyen_widrow(self._network(), generator(self.random_state, self.method, "start", *name))
+            for name in names
+        ]
 
     def _problem(
         self,
@@ -167,6 +191,7 @@ class RayNet(PointEstimator):
             torch.stack([self._scaled(k, pixels) for k in range(len(frames))]),
             scales @ np.stack(slopes),
             (scales @ np.stack(places))[..., 0],
+            self.restarts,
         )
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
@@ -244,6 +269,8 @@ class RayNet(PointEstimator):
                 f"{self.method}: max_epochs and random_state must not be negative and hidden not empty, but "
                 f"they are {self.max_epochs}, {self.random_state} and {self.hidden}."
             )
+        if self.restarts < 1:
+            raise InputError(f"{self.method}: restarts must be 1 or more, but is {self.restarts}.")
         if camera_count(self.method, pixels.shape[1]) < CAMERAS:
             raise InputError(f"{self.method}: X has the columns of one camera, but rays meet from two on.")
         refuse_other_than_points(self.method, points.shape[1])

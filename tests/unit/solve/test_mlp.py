@@ -82,16 +82,49 @@ def test_constant_inputs_do_no_harm(stereo: View, plane: np.ndarray) -> None:
     assert Mlp(goal=1e-6, max_epochs=40).fit(X, plane).stop_reason_ == "goal reached"
 
 
+def mean_squares(fitted: Mlp, X: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Return every member's mean squared error over scaled outputs."""
+    errors = (fitted._predictions(X) - Y) / fitted.output_half_range_
+    return np.asarray((errors**2).mean(axis=(1, 2)))
+
+
+def test_of_restarts_the_best_is_kept(stereo: View, volume: np.ndarray) -> None:
+    X = stereo(volume)
+    # The members of an ensemble have the same starts, and all go to their end; so soon, none is given up.
+    each = Mlp(hidden=(8,), goal=0.0, max_epochs=4, members=4, random_state=0).fit(X, volume)
+    squares = mean_squares(each, X, volume)
+    best = Mlp(hidden=(8,), goal=0.0, max_epochs=4, restarts=4, random_state=0).fit(X, volume)
+    assert best.parameters_.shape[0] == 1
+    assert best.mse_ == pytest.approx(squares.min(), rel=1e-9)
+    assert squares[0] > 1.5 * best.mse_
+    two = Mlp(hidden=(8,), goal=0.0, max_epochs=4, members=2, restarts=2, random_state=0).fit(X, volume)
+    numbers = np.sort(np.argsort(squares)[:2])
+    np.testing.assert_allclose(two.parameters_, each.parameters_[numbers], rtol=1e-6, atol=1e-9)
+
+
+def test_a_race_of_restarts_ends_where_one_of_them_would_alone(stereo: View, volume: np.ndarray) -> None:
+    X = stereo(volume)
+    each = Mlp(hidden=(20,), goal=0.0, max_epochs=40, members=3, random_state=3).fit(X, volume)
+    squares = mean_squares(each, X, volume)
+    raced = Mlp(hidden=(20,), goal=0.0, max_epochs=40, restarts=3, random_state=3).fit(X, volume)
+    assert raced.mse_ < squares.max()
+    assert np.abs(squares / raced.mse_ - 1).argmin() == squares.argmin() == 2
+    assert raced.mse_ == pytest.approx(squares.min(), rel=1e-3)
+    assert (raced.n_iter_, raced.stop_reason_) == (40, "epochs exhausted")
+
+
 def test_clone_keeps_the_parameters() -> None:
     copy = clone(Mlp(hidden=(55,), goal=1e-5, max_epochs=7, random_state=9))
     assert copy.get_params() == {
-        "hidden": (55,), "goal": 1e-5, "max_epochs": 7, "members": 1, "random_state": 9,
+        "hidden": (55,), "goal": 1e-5, "max_epochs": 7, "members": 1, "restarts": 1, "random_state": 9,
     }  # fmt: skip
 
 
 def test_bad_input_is_refused(stereo: View, plane: np.ndarray) -> None:
     with pytest.raises(InputError, match="must not be negative"):
         Mlp(goal=-1.0).fit(stereo(plane), plane)
+    with pytest.raises(InputError, match="mlp: restarts must be 1 or more, but is 0"):
+        Mlp(restarts=0).fit(stereo(plane), plane)
     with pytest.raises(InputError, match="no empty layer"):
         Mlp(hidden=(20, 0)).fit(stereo(plane), plane)
     with pytest.raises(InputError, match="NaN"):

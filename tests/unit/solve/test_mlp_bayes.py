@@ -66,6 +66,24 @@ def test_members_predict_their_mean_and_their_spread_counts(
     assert (np.linalg.eigvalsh(left) > 0).all()
 
 
+def test_of_restarts_one_is_kept_with_all_that_belongs_to_it(stereo: View, volume: np.ndarray) -> None:
+    X = noisy(stereo(volume))
+    each = MlpBayes(hidden=(6,), max_epochs=12, members=3, random_state=1).fit(X, volume)
+    raced = MlpBayes(hidden=(6,), max_epochs=12, restarts=3, random_state=1).fit(X, volume)
+    (own,) = raced.parameters_
+    kept = int(np.argmin(np.abs(each.parameters_ - own).max(axis=1)))
+    assert kept != 0
+    np.testing.assert_allclose(own, each.parameters_[kept], rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(raced.scales_, each.scales_[[kept]], rtol=1e-4)
+    np.testing.assert_allclose(
+        raced.weight_factors_[0],
+        each.weight_factors_[kept],
+        rtol=1e-3,
+        atol=1e-4 * raced.weight_factors_.max(),
+    )
+    assert raced.mse_ < each.mse_  # which is the mean of all three
+
+
 def test_further_outputs_are_learned(stereo: View, volume: np.ndarray) -> None:
     Y = np.column_stack((volume, np.linalg.norm(volume, axis=1)))
     X = stereo(volume)
@@ -88,5 +106,7 @@ def test_same_seed_same_bytes(stereo: View, volume: np.ndarray) -> None:
 def test_bad_arguments_are_refused(stereo: View, volume: np.ndarray) -> None:
     with pytest.raises(InputError, match="members must be 1 or more"):
         MlpBayes(members=0).fit(stereo(volume), volume)
+    with pytest.raises(InputError, match="restarts must be 1 or more"):
+        MlpBayes(restarts=0).fit(stereo(volume), volume)
     with pytest.raises(InputError, match="must not be negative"):
         MlpBayes(max_epochs=-1).fit(stereo(volume), volume)

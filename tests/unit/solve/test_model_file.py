@@ -25,7 +25,7 @@ View = Callable[[np.ndarray], np.ndarray]
 def fitted(name: str, X: np.ndarray, Y: np.ndarray) -> FittedModel:
     estimator = make_estimator(name)
     if isinstance(estimator, Mlp | MlpBayes | RayNet):
-        estimator.set_params(hidden=(5, 6), max_epochs=4, random_state=2)
+        estimator.set_params(hidden=(5, 6), max_epochs=4, restarts=2, random_state=2)
     if isinstance(estimator, CameraEstimator):
         estimator.set_params(lens="pinhole")
     estimator.fit(X, Y)
@@ -139,6 +139,7 @@ def test_an_older_version_is_refused_by_its_number(saved: Path) -> None:
                     "goal": 1e-7,
                     "max_epochs": 4,
                     "members": 1,
+                    "restarts": 1,
                     "random_state": 2,
                 }
             },
@@ -198,6 +199,7 @@ def test_even_with_a_right_digest_only_known_methods_parameters_and_shapes_are_u
                         "goal": 1e-7,
                         "max_epochs": 4,
                         "members": 1,
+                        "restarts": 1,
                         "random_state": 2,
                     }
                 },

@@ -1,13 +1,19 @@
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from scipy.stats import chi2
 
 from labcal.errors import InputError
+from labcal.optim.bayesian_training import BayesianSolution, train_by_evidence
+from labcal.optim.damping import Damping
+from labcal.solve import ray_net
 from labcal.solve.dlt import Dlt
 from labcal.solve.ray_field import RayFrame
 from labcal.solve.ray_net import RayNet
+from labcal.solve.ray_problem import RayProblem
 
 View = Callable[[np.ndarray], np.ndarray]
 SIGMA_PX = 0.1
@@ -45,9 +51,50 @@ def test_bent_pictures_and_three_cameras(
         q = three_cameras(points)
         return q + 2.0 * np.sin(q / 60.0)
 
-    found = RayNet(hidden=(6, 6), max_epochs=200).fit(bent(volume), volume)
+    found = RayNet(hidden=(6, 6), max_epochs=200, restarts=1).fit(bent(volume), volume)
     straight = Dlt().fit(bent(volume), volume).predict(bent(other_volume)) - other_volume
     assert rms(found.predict(bent(other_volume)) - other_volume) < 0.5 * rms(straight)
+
+
+def test_each_camera_keeps_its_own_best_start(
+    monkeypatch: pytest.MonkeyPatch, stereo: View, volume: np.ndarray
+) -> None:
+    X = noisy(stereo(volume), 1)
+
+    def fitted(restarts: int) -> RayNet:
+        return RayNet(hidden=(4, 4), max_epochs=24, restarts=restarts).fit(X, volume)
+
+    alone = fitted(1)
+    first, second = RayNet(hidden=(4, 4), restarts=1)._starts(2)
+    hopeless = torch.full_like(first, 40.0)  # every neuron saturated
+    given = [hopeless, second, first, hopeless]
+    monkeypatch.setattr(RayNet, "_starts", lambda self, cameras: given[: cameras * self.restarts])
+    raced = fitted(2)
+    assert raced.parameters_.tobytes() == alone.parameters_.tobytes()
+    assert raced.weight_factors_.tobytes() == alone.weight_factors_.tobytes()
+
+
+def test_of_two_trainings_the_one_that_foretells_less_error_is_kept(
+    monkeypatch: pytest.MonkeyPatch, stereo: View, volume: np.ndarray
+) -> None:
+    trained: list[list[BayesianSolution]] = []
+
+    def contradicted(
+        problem: RayProblem, starts: list[torch.Tensor], epochs: int, damping: Damping
+    ) -> list[BayesianSolution]:
+        """Train, and say that the evidence is the greater, the greater the error to expect."""
+        solutions = []
+        for one in train_by_evidence(problem, starts, epochs, damping):
+            expected = one.evidence.expected_square(problem.residual_count)
+            solutions.append(replace(one, evidence=replace(one.evidence, log_evidence=expected)))
+        trained.append(solutions)
+        return solutions
+
+    monkeypatch.setattr(ray_net, "train_by_evidence", contradicted)
+    found = RayNet(hidden=(4, 4), max_epochs=12, restarts=1).fit(noisy(stereo(volume), 1), volume)
+    for own, pair in zip(found.parameters_, zip(*trained, strict=True), strict=True):
+        better = min(pair, key=lambda one: one.evidence.log_evidence)
+        assert own.tobytes() == better.parameters.numpy().tobytes()
 
 
 def test_frames_look_along_the_view_and_misses_vanish_on_rays(stereo: View, volume: np.ndarray) -> None:
@@ -73,6 +120,8 @@ def test_what_rays_cannot_be_learned_from_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=r"ray-net: all 300 dots lie on one plane"):
         RayNet().fit(stereo(plane), plane)
+    with pytest.raises(InputError, match="ray-net: restarts must be 1 or more, but is 0"):
+        RayNet(restarts=0).fit(stereo(volume), volume)
     with pytest.raises(InputError, match="one camera, but rays meet"):
         RayNet().fit(stereo(volume)[:, :2], volume)
     with pytest.raises(InputError, match="Y has 2 columns"):
