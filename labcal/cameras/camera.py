@@ -168,9 +168,9 @@ class Camera:
         """
         with np.errstate(invalid="ignore", over="ignore"):
             traced = self.optics.trace(NUMPY, self.numbers, q[..., 0], q[..., 1])
-        T_world_cam = inverse(self.T_cam_world)
-        origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
-        direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
+            T_world_cam = inverse(self.T_cam_world)
+            origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
+            direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
         ok = np.asarray(traced.ok)
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 

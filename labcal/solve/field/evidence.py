@@ -54,8 +54,11 @@ def field_scale(
     residual: Float64[np.ndarray, "n 2"],
     by_camera: Float64[np.ndarray, "n 2 free"],
     near: FieldScale | None = None,
-) -> FieldScale:
-    """Return the field that explains residuals best while a camera's numbers are free.
+) -> tuple[FieldScale, float]:
+    """Return the field that explains residuals best while a camera's numbers are free, and how well.
+
+    How well is the restricted log-likelihood but for a constant, in natural logarithms: of the same pixels it
+    can be compared between cameras.
 
     Parameters
     ----------
@@ -86,9 +89,11 @@ def field_scale(
     best = np.asarray(end.x)
     gain = likelihood.cost(_NOWHERE) - likelihood.cost(best)
     if gain < _WORTH:
-        return FieldScale(_kernel(_NOWHERE), 0.0, likelihood.noise(_NOWHERE), 0.0)
+        nothing = FieldScale(_kernel(_NOWHERE), 0.0, likelihood.noise(_NOWHERE), 0.0)
+        return nothing, -likelihood.cost(_NOWHERE)
     noise = likelihood.noise(best)
-    return FieldScale(_kernel(best), float(np.exp(0.5 * best[0])) * noise, noise, gain)
+    amplitude = float(np.exp(0.5 * best[0])) * noise
+    return FieldScale(_kernel(best), amplitude, noise, gain), -likelihood.cost(best)
 
 
 def _kernel(logs: Float64[np.ndarray, "3"]) -> FieldKernel:

@@ -1,5 +1,6 @@
 """Learning a camera and a field together."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,10 @@ from labcal.solve.resection.resected import NEAR, ResectedCamera, adjusted
 from labcal.solve.resection.whitening import Correlated
 
 ROUNDS = 3
-"""After these, neither the field's scale nor the camera moves by more than a few percent of their sd."""
+"""After these, neither the field's scale nor the camera moves by more than a few percent of their sd, unless
+the field is so strong that it can stand for much of the camera."""
+_SETTLED = 0.1
+"""Change of a field in a round, as a share of it, up to which it has come to rest."""
 
 _EXACT_PX = 1e-4
 """Residuals below this are those of a simulation without noise; a field would follow rounding errors."""
@@ -34,9 +38,10 @@ def learned_camera(start: ResectedCamera, q: Pixels, p: Points) -> LearnedCamera
     Notes
     -----
     In rounds: the field's scale by restricted likelihood, then the camera once more by generalised least
-    squares with the field as correlated noise, since otherwise its pose absorbs the field. Some displacements
-    are a smoother function of where light arrives than of where it would have arrived: both are tried, and
-    the likelier one is taken.
+    squares with the field as correlated noise, since otherwise its pose absorbs the field. Where the rounds
+    do not come to rest, camera and field drift off together, and the likeliest round is taken. Some
+    displacements are a smoother function of where light arrives than of where it would have arrived: both are
+    tried, and the likelier one is taken.
     """
     if start.sigma_px < _EXACT_PX:
         return LearnedCamera(start.placed, start.covariance, start.sigma_px)
@@ -63,6 +68,8 @@ class _Learned:
 
     found: ResectedCamera
     scale: FieldScale
+    restricted: float
+    """The restricted log-likelihood of the scale."""
     learned: LearnedField
 
     @property
@@ -91,22 +98,33 @@ class _Learned:
 
 def _learned(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> _Learned | None:
     """Return camera and field after some rounds, or None where no field is called for."""
+    ends = list(_rounds(stage, q, p, asked))
+    if len(ends) < ROUNDS:
+        return None
+    before, last = (end.learned.field.smoothed() for end in ends[-2:])
+    if np.linalg.norm(last - before) <= _SETTLED * np.linalg.norm(last):
+        return ends[-1]
+    return max(ends, key=lambda end: end.restricted)
+
+
+def _rounds(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> Iterator[_Learned]:
+    """Yield camera and field after each round, until one calls for no field."""
     found, scale, at = stage.found, stage.scale, stage.at
     for _ in range(ROUNDS):
         camera = found.camera
         x = Places.of(camera, p).inputs(camera, at, p)
-        scale = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
+        scale, likelihood = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
         if scale.amplitude_px == 0.0:
-            return None
+            return
         found = adjusted(found.placed, q, p, Correlated(scale.root(x)), NEAR)
         if not np.isfinite(found.residual).all():
-            return None
+            return
         if asked is Asked.IDEAL:
             at = found.camera.project(p).q
         camera = found.camera
         places = Places.of(camera, p)
         field = PixelField(scale, places.inputs(camera, at, p), -found.residual)
-        end = _Learned(found, scale, LearnedField(field, places, asked, np.array(p)))
+        end = _Learned(found, scale, likelihood, LearnedField(field, places, asked, np.array(p)))
         if asked is Asked.ARRIVED:
             at = end.arrived(q)
-    return end
+        yield end

@@ -73,9 +73,11 @@ def test_the_likelihood_is_that_of_scikit_learn_where_no_camera_is_free() -> Non
 def test_white_noise_asks_for_no_field_and_a_wave_does() -> None:
     by_camera = np.concatenate([np.tile(np.eye(2), (150, 1, 1)), X[:, None, :] * [[1.0], [0.0]]], axis=2)
     noise = 0.05 * RANDOM.standard_normal((150, 2))
-    without = field_scale(X, noise, by_camera)
+    without, _ = field_scale(X, noise, by_camera)
     assert (without.amplitude_px, without.gain) == (0.0, 0.0)
     assert without.noise_px == pytest.approx(0.05, rel=0.15)
-    found = field_scale(X, wavy(X) + noise, by_camera)
+    found, likelihood = field_scale(X, wavy(X) + noise, by_camera)
     assert found.gain > 100.0
     assert found.noise_px == pytest.approx(0.05, rel=0.2)
+    nowhere = _Restricted(X, wavy(X) + noise, by_camera).cost(np.array([-np.inf, 0.0, 0.0]))
+    assert likelihood == pytest.approx(found.gain - nowhere)
