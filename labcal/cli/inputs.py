@@ -21,17 +21,12 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
     from labcal.correspond.detections import read_detections
     from labcal.correspond.measure import detections_of
     from labcal.correspond.sources import shoot_sources
-    from labcal.errors import InputError
-    from labcal.shoot.dataset import is_shoot, open_shoot
+    from labcal.shoot.dataset import open_shoot
     from labcal.workflow import measure
 
+    require_shoot_or_table(source)
     if Path(source).is_file():
         return read_detections(Path(source))
-    if not is_shoot(Path(source)):
-        there = "is not a shoot" if Path(source).exists() else "does not exist"
-        raise InputError(
-            f"{source} {there}. Give a shoot's folder, or the table that 'labcal detect' writes of pictures."
-        )
     shoot = open_shoot(Path(source))
     say_whether_compiling(session)
     with session.progress() as progress:
@@ -40,6 +35,24 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")
     return detections_of(measurements)
+
+
+def require_shoot_or_table(source: str) -> None:
+    """Raise unless there is a shoot or a file.
+
+    Raises
+    ------
+    InputError
+        There is not.
+    """
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import is_shoot
+
+    if not Path(source).is_file() and not is_shoot(Path(source)):
+        there = "is not a shoot" if Path(source).exists() else "does not exist"
+        raise InputError(
+            f"{source} {there}. Give a shoot's folder, or the table that 'labcal detect' writes of pictures."
+        )
 
 
 def say_whether_compiling(session: Session) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.arrays import Pixels
 from labcal.errors import InputError
 
 FLAT = 1e-9
@@ -89,6 +90,18 @@ def refuse_one_plane(method: str, points: Float64[np.ndarray, "n 3"]) -> None:
             f"{method}: all {len(points)} dots lie on one plane, on which this method is singular. Train on "
             f"several planes, or use the method 'homography' for this one."
         )
+
+
+def refuse_one_pixel(method: str, pixels: Pixels) -> None:
+    """Raise where a camera, whose pixels these are, sees all dots at one of them.
+
+    Raises
+    ------
+    InputError
+        No coordinate varies.
+    """
+    if np.ptp(pixels, axis=0).max() == 0:
+        raise InputError(f"{method}: a camera sees all dots at the same pixel; check the columns of X.")
 
 
 def refuse_several_planes(method: str, points: Float64[np.ndarray, "n 3"]) -> None:

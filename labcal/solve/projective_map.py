@@ -5,6 +5,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels
 from labcal.errors import InputError
+from labcal.solve.geometry_checks import refuse_one_pixel
 
 AMBIGUOUS = 1e-10
 """Below this fraction of the largest singular value, a second solution fits as well as the first."""
@@ -57,8 +58,7 @@ def projective_map(
     InputError
         The points determine more than one map.
     """
-    if np.ptp(pixels, axis=0).max() == 0:
-        raise InputError(f"{method}: a camera sees all dots at the same pixel; check the columns of X.")
+    refuse_one_pixel(method, pixels)
     to_source, to_image = normalising_similarity(sources), normalising_similarity(pixels)
     source = homogeneous(sources) @ to_source.T
     image = homogeneous(pixels) @ to_image.T

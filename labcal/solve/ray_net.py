@@ -26,6 +26,7 @@ from labcal.solve.geometry_checks import (
     camera_count,
     refuse_collinear,
     refuse_few,
+    refuse_one_pixel,
     refuse_one_plane,
     refuse_other_than_points,
 )
@@ -277,3 +278,5 @@ class RayNet(PointEstimator):
         refuse_few(self.method, points, UNKNOWN_POINTS)
         refuse_collinear(self.method, points)
         refuse_one_plane(self.method, points)
+        for q in pixels.reshape(len(pixels), -1, 2).swapaxes(0, 1):
+            refuse_one_pixel(self.method, q)

@@ -74,7 +74,7 @@ def copy(stage: Path, tmp_path: Path) -> Path:
         (["calibrate", "x.csv", "--target", "rings-10x9", "-o", "x"], "Did you mean 'rings-10x8'?"),
         (["fit", "x", "--method", "afine", "-o", "x"], "Did you mean 'affine'?"),
         (["fit", "x", "--method", "affine,affine", "-o", "x"], "names a method twice"),
-        (["fit", "nowhere", "--method", "affine", "-o", "x"], "nowhere is not a shoot"),
+        (["fit", "nowhere", "--method", "affine", "-o", "x"], "nowhere does not exist"),
         (["detect", "nowhere", "--target", "rings-10x8", "-o", "x"], "no picture or folder nowhere"),
         (["reconstruct", "nowhere", "x", "-o", "x"], "The model nowhere cannot be read"),
         (["evaluate", "nowhere.csv", "x"], "The points nowhere.csv cannot be read"),

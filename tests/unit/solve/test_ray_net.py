@@ -130,3 +130,6 @@ def test_what_rays_cannot_be_learned_from_is_refused(
         RayNet(hidden=()).fit(stereo(volume), volume)
     with pytest.raises(InputError, match="5 points were given"):
         RayNet().fit(stereo(volume[:5]), volume[:5])
+    blind = np.hstack([stereo(volume)[:, :2], np.full((len(volume), 2), 100.0)])
+    with pytest.raises(InputError, match="ray-net: a camera sees all dots at the same pixel"):
+        RayNet().fit(blind, volume)

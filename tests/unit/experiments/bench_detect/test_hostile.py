@@ -1,3 +1,5 @@
+import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +50,12 @@ def test_values_that_are_no_picture_are_a_reason(tmp_path: Path) -> None:
 def test_a_watched_process_is_replaced_when_it_hangs_or_dies(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     path.write_bytes(encoded(np.zeros((40, 40), np.uint8), ".png"))
-    with WatchedProcess(TARGET, dots_picture(), Limits(2**30, 0.0)) as process:
+    with WatchedProcess(TARGET, dots_picture(), Limits(2**30, 60.0)) as process:
+        assert process.measure(path).ending == "reason"
+        assert process._process is not None
+        assert process._process.pid is not None
+        os.kill(process._process.pid, signal.SIGSTOP)
+        process.limits = Limits(2**30, 0.5)
         assert process.measure(path).ending == "hang"
         process.limits = Limits(2**30, 60.0)
         assert process.measure(path).ending == "reason"
