@@ -8,7 +8,7 @@ from typing import Any
 from labcal.optim.descent import Descent
 from labcal.optim.solution import StopReason
 
-FIRST_MILESTONE = 7
+FIRST_MILESTONE = 5
 """Epochs after which runs are compared for the first time (docs/decisions.md)."""
 
 

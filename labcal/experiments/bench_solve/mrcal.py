@@ -65,7 +65,7 @@ def mrcal_findings(bench: Bench) -> Findings:
     if not is_installed():
         missing = "mrcal: left out, since it is not installed (Debian packages mrcal, python3-mrcal)"
         return Findings([], [], (missing,))
-    folder = bench.folder / "mrcal"
+    folder = bench.folder.resolve() / "mrcal"  # their programs run in it
     folder.mkdir(exist_ok=True)
     seeds = SEEDS_QUICK if bench.quick else SEEDS
     bench.progress.start("against mrcal", seeds)
