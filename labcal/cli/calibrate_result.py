@@ -214,6 +214,11 @@ def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -
                 f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
                 "where dots were, but not these numbers, or let --lens auto choose"
             )
+        if found.freed is None and found.fits[name].uneven:
+            warnings.append(
+                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
+                "an uneven print or another lens; --free-dots estimates where each dot is on the print"
+            )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
     return warnings

@@ -128,18 +128,19 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         if isinstance(model, InputError):
             if alone:
                 raise model
-            session.warn(f"{estimator.method}: {model}")
+            session.warn(_named(estimator.method, str(model)))
             results.append(_refused(estimator.method, str(model)))
         else:
             fitted.append((path, model))
             results.append(_fitted(model, training.data, path))
     _save_all(fitted, force=arguments.force)
     result = FitResult(results, training.bias, training.reason, handheld)
-    session.emit(result, _table(result))
+    session.emit(result, _table(result, rehearsed=not arguments.no_rehearsal))
     failed = len(results) - len(fitted)
     if failed == len(results):
         return ExitStatus.UNUSABLE
-    return ExitStatus.PARTIAL if failed else ExitStatus.DONE
+    left_out = handheld is not None and handheld.left_out
+    return ExitStatus.PARTIAL if failed or left_out else ExitStatus.DONE
 
 
 def _estimators(arguments: Namespace) -> "list[PointEstimator]":
@@ -235,16 +236,22 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
     )
 
 
-def _table(result: FitResult) -> object:
+def _table(result: FitResult, *, rehearsed: bool) -> object:
     from rich.table import Table
 
     captions = []
     limits = {model.expected.limit_mm for model in result.models if model.expected is not None}
     if limits:
         captions.append(
-            "to expect: RMS error between the trained dots, rehearsed with cameras like these; the pixels' "
-            f"noise alone leaves {min(limits):.4f} mm"
+            "to expect: RMS error between the trained dots, rehearsed with cameras like these; what pixels "
+            f"scatter leaves {min(limits):.4f} mm"
         )
+        if result.handheld is not None:
+            captions.append("on top of that comes what the adjustment that placed the target is off")
+    elif not rehearsed:
+        captions.append("not rehearsed, so that no error to expect is told")
+    else:
+        captions.append("no error to expect is told: the dots, all on one plane perhaps, determine no camera")
     if result.centre_bias_px is not None:
         bias = result.centre_bias_px
         captions.append(f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
@@ -257,13 +264,39 @@ def _table(result: FitResult) -> object:
         "to expect [mm]",
         "epochs",
         "model",
-        caption="\n".join(captions) or None,
+        caption="\n".join(captions),
+        caption_justify="left",
     )
+    table.columns[-1].overflow = "fold"  # the next command needs the whole name
     for model in result.models:
+        if model.error is not None:
+            table.add_row(model.method, "", "", "", "", "refused")
+            continue
         epochs = "" if model.epochs is None else f"{model.epochs} ({model.stop_reason})"
-        fate = model.error or str(model.file)
-        expected = "" if model.expected is None else f"{model.expected.rmse_mm:.4f}"
-        if model.misfit:
-            expected += " model-misfit"
-        table.add_row(model.method, str(model.n), f"{model.training_rmse_mm:.4f}", expected, epochs, fate)
+        table.add_row(
+            model.method,
+            str(model.n),
+            f"{model.training_rmse_mm:.4f}",
+            _expectation(model),
+            epochs,
+            str(model.file),
+        )
     return table
+
+
+def _expectation(model: MethodResult) -> str:
+    """Return what to expect, and why points are flagged where they are."""
+    expected = model.expected
+    if expected is None:
+        return ""
+    told = f"{expected.rmse_mm:.4f}"
+    if not model.misfit:
+        return told
+    if expected.too_large:
+        return f"{told} model-misfit: {expected.rmse_mm / expected.limit_mm:.1f} times what pixels leave"
+    return f"{told} model-misfit: 95% ellipsoids hold {100.0 * expected.coverage95:.0f}%"
+
+
+def _named(method: str, reason: str) -> str:
+    """Return a reason that begins with the method, once."""
+    return reason if reason.startswith(f"{method}:") else f"{method}: {reason}"

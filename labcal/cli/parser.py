@@ -4,6 +4,7 @@ import argparse
 from argparse import Namespace
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
+from textwrap import fill
 from typing import NoReturn
 
 from labcal.cli.session import Session
@@ -18,6 +19,9 @@ class UsageError(InputError):
     """Arguments that make no sense."""
 
 
+_WIDTH = 79
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that raises :class:`UsageError` and offers the nearest name for a misspelled one."""
 
@@ -26,7 +30,7 @@ class Parser(argparse.ArgumentParser):
     ) -> None:
         super().__init__(
             prog=prog,
-            description=description,
+            description=None if description is None else fill(description, _WIDTH),
             epilog=epilog,
             formatter_class=argparse.RawDescriptionHelpFormatter,
             allow_abbrev=False,  # an abbreviation breaks when a later version adds an option

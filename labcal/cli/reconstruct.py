@@ -55,6 +55,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.inputs import read_or_detect
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.solve.fitted_model import FittedModel
     from labcal.solve.ray_misses import MOST_PX
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
 
@@ -75,6 +76,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(
             "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
             "--target NAME"
+        )
+    if isinstance(model, FittedModel) and model.misfit:
+        session.warn(
+            f"when it was fitted, '{model.estimator.method}' was found to err by far more than the noise "
+            "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "
+            "the one to begin with."
         )
     if isinstance(model, Rig) and result.miss_px is not None and result.miss_px > MOST_PX:
         session.warn(

@@ -10,6 +10,7 @@ from labcal.cli.session import Session
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
     from labcal.shoot.dataset import Shoot
+    from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centred_training import CentredTraining
     from labcal.targets.catalogue import AnyTarget
 
@@ -20,6 +21,9 @@ class HandheldResult:
 
     lens: str
     views: int
+    """That entered."""
+    left_out: tuple[str, ...]
+    """Pictures that did not, each with its reason, for people."""
     rms_px: float
     outlier_count: int
     free_dots: bool
@@ -29,9 +33,9 @@ class HandheldResult:
         """Return it for people."""
         freed = "with" if self.free_dots else "without"
         return (
-            f"the target was held: a bundle adjustment of {self.views} views, lens {self.lens}, {freed} free "
-            f"dots, left an RMS of {self.rms_px:.4f} px and {self.outlier_count} outliers; the first camera "
-            "is the world"
+            f"the target was held: a bundle adjustment of {self.views} views ({len(self.left_out)} pictures "
+            f"left out), lens {self.lens}, {freed} free dots, left an RMS of {self.rms_px:.4f} px and "
+            f"{self.outlier_count} outliers; the first camera is the world"
         )
 
 
@@ -102,5 +106,12 @@ def _held(
     found = calibrate(detections, target, lens, settings)
     for warning in calibration_warnings(found, lens, target.name):
         session.warn(warning)
-    how = HandheldResult(lens, len(found.views), found.rms_px, len(found.outliers), arguments.free_dots)
+    how = HandheldResult(
+        lens, _entered(found), found.skipped, found.rms_px, len(found.outliers), arguments.free_dots
+    )
     return handheld_training(found, detections, target), how
+
+
+def _entered(found: "HandheldCalibration") -> int:
+    """Return how many views entered with some picture."""
+    return len({view for fit in found.fits.values() for view in fit.views})

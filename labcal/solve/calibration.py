@@ -15,6 +15,9 @@ from labcal.solve.centre_bias import CentreBias
 from labcal.solve.freed_dots import FreedDots
 from labcal.solve.outlying_dots import OutlyingDots
 
+UNEVEN, UNEVEN_PX = 5.0, 0.1
+"""Scatter from which on it is worth a word: so many times the dots' own noise, and so many px."""
+
 
 @dataclass(frozen=True)
 class CameraSigma:
@@ -56,6 +59,13 @@ class CameraFit:
     """The dots as this camera alone finds them."""
     undetermined: tuple[str, ...]
     """Names of lens coefficients that its views leave open."""
+    noise_px: float
+    """Of the dots, along each axis, by their covariances; the median."""
+
+    @property
+    def uneven(self) -> bool:
+        """Whether dots scatter by far more than their noise: the print, or the lens, is another one."""
+        return self.scatter_px > max(UNEVEN_PX, UNEVEN * self.noise_px)
 
 
 @dataclass(frozen=True)

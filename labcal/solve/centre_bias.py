@@ -20,6 +20,8 @@ from labcal.errors import InputError
 from labcal.geometry.poses import rigid_alignment
 from labcal.targets.target import Target
 
+_MOST_TIMES = 1.4
+"""Beyond this, no method is so wrong: the target is another one."""
 ROUNDS = 2
 """How often the bias is predicted anew: after two rounds it changes by less than a thousandth of itself."""
 
@@ -96,6 +98,11 @@ def shifts_of_matches(
     -------
     ndarray, shape (n, cameras, 2)
         Pixels; 0 in views with fewer than three points or all on one line, where the target has no pose.
+
+    Raises
+    ------
+    InputError
+        The points are not of such a target.
     """
     discs = Discs.of(target)
     dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
@@ -107,9 +114,22 @@ def shifts_of_matches(
             T_world_target = rigid_alignment(p[known], discs.centres[dots[known]])
         except InputError:
             continue
+        _refuse_other_size(p[known], discs.centres[dots[known]], target)
         for number, camera in enumerate(cameras):
             shift[rows, number] = centre_shift(camera, T_world_target, discs, dots[rows])
     return shift
+
+
+def _refuse_other_size(
+    p: Float64[np.ndarray, "n 3"], declared: Float64[np.ndarray, "n 3"], target: Target
+) -> None:
+    """Raise where points spread by far more or less than they do on the target."""
+    spread = np.linalg.norm(p - p.mean(axis=0)) / np.linalg.norm(declared - declared.mean(axis=0))
+    if not 1.0 / _MOST_TIMES < spread < _MOST_TIMES:
+        raise InputError(
+            f"The points are {spread:.3g} times as far apart as the dots of the target '{target.name}'. Name "
+            "the target that the pictures show."
+        )
 
 
 def centred(cameras: Sequence[Camera], matches: Matches, target: Target) -> tuple[Matches, CentreBias]:

@@ -10,12 +10,16 @@ from labcal.cameras.camera import Camera
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, centre_shift
+from labcal.solve.geometry_checks import refuse_one_plane
 from labcal.solve.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.solve.resection.resected import resect
 from labcal.solve.swapped_pictures import refuse_swapped_training
 from labcal.targets.target import Target
 
 _NAME = "resection"
+_ON_ONE_PLANE = (
+    "all trained dots are on one plane, where no camera is needed: what they are off is learned with the rest"
+)
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,8 @@ def centred_training(
     discs, dots = Discs.of(target), data.index[:, 1] * target.cols + data.index[:, 0]
     shift = np.zeros_like(q)
     cameras: list[Camera] = []
+    if _on_one_plane(data):
+        return CentredTraining(data, None, None, _ON_ONE_PLANE)
     for _ in range(ROUNDS):
         try:
             cameras = [
@@ -73,6 +79,14 @@ def centred_training(
                 shift[rows, number] = centre_shift(camera, T_world_target[view], discs, dots[rows])
     centred = replace(data, X=(q - shift).reshape(data.X.shape))
     return CentredTraining(centred, tuple(cameras), CentreBias.of(shift), None)
+
+
+def _on_one_plane(data: TrainingData) -> bool:
+    try:
+        refuse_one_plane(_NAME, data.Y)
+    except InputError:
+        return True
+    return False
 
 
 def _resected(q: Pixels, p: Points, size: tuple[int, int], before: Camera | None) -> Camera:

@@ -37,6 +37,9 @@ from labcal.targets.catalogue import AnyTarget
 MIN_VIEWS = 3
 """Views that a camera needs: two fix four intrinsics of a plane target, the third checks them."""
 
+_MOST_OFF = 0.05
+"""RMS residual, as a share of the picture's width, from which on a rig is none."""
+
 require_handheld_lens = require_adjustable
 
 
@@ -113,7 +116,19 @@ def calibrate_handheld(
     observations = observations_of(entering, target, cameras, entering.views)
     start = rig_start([alone.lone for alone in found], target.points())
     whole = _adjusted(start, observations, target, settings)
+    _refuse_far(whole, entering, target)
     return _assemble(found, whole, target, entering.views, skipped)
+
+
+def _refuse_far(whole: _Result, entering: Detections, target: AnyTarget) -> None:
+    """Raise where the rig's dots are nowhere near where they were measured."""
+    rms = whole.adjusted.rms_px(whole.observations)
+    widths = [entering.picture_size(name)[0] for name in entering.cameras]
+    if not (rms <= _MOST_OFF * np.array(widths)).all():  # of NaN, too
+        raise InputError(
+            f"No rig explains the dots: the adjustment left them off by {float(rms.max()):.3g} px. Check "
+            f"that pictures show the target '{target.name}', and that those of a view were taken together."
+        )
 
 
 def _alone(
@@ -206,6 +221,7 @@ def _assemble(
             scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
             undetermined=undetermined(result.adjusted, result.observations),
+            noise_px=float(np.sqrt(np.median(np.trace(alone.dots.covariance, axis1=1, axis2=2)) / 2.0)),
         )
     names = tuple(alone.name for alone in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)

@@ -8,7 +8,7 @@ import numpy as np
 from labcal.cameras.rig import Rig, read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
-from labcal.correspond.matching import Matches, match
+from labcal.correspond.matching import Matches, match, require_on_target
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
 from labcal.solve.centre_bias import CentreBias, centred, shifts_of_matches
@@ -68,8 +68,11 @@ def reconstruct_centres(
     Raises
     ------
     InputError
-        A camera of the model is missing, its pictures are of another size, or no dot was seen by all cameras.
+        A dot is not on the target or its points are not, a camera of the model is missing, its pictures are
+        of another size or exchanged, or no dot was seen by all cameras.
     """
+    if target is not None:
+        require_on_target(detections, target)
     cameras = tuple(model.cameras)
     matches = match(detections, cameras)
     if len(matches) == 0:

@@ -48,8 +48,12 @@ class Rehearsed:
     @property
     def misfit(self) -> bool:
         """Whether the method errs by far more than the noise leaves, or by more than it says."""
-        within = self.rmse_mm <= MOST_OVER_LIMIT * self.limit_mm and self.coverage95 >= LEAST_COVERAGE
-        return not within  # of NaN, too
+        return self.too_large or not self.coverage95 >= LEAST_COVERAGE
+
+    @property
+    def too_large(self) -> bool:
+        """Whether it errs by far more than the noise leaves."""
+        return not self.rmse_mm <= MOST_OVER_LIMIT * self.limit_mm  # of NaN, too
 
 
 @dataclass(frozen=True)
