@@ -257,3 +257,24 @@ def near(grid: DotGrid) -> Poses:
         T[:3, 3] = random.uniform([-35, -25, 90], [35, 25, 130]) - T[:3, :3] @ middle
         found[f"pose-{number}"] = T
     return found
+
+
+def test_a_rig_that_explains_nothing_is_refused(
+    see: See, pair: Cameras, grid: DotGrid, poses: Poses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("labcal.solve.handheld._MOST_OFF", 1e-9)
+    with pytest.raises(InputError, match=r"No rig explains the dots.*the target 'small'"):
+        calibrate_handheld(see(pair, grid, poses), grid, "brown5", CENTRES)
+
+
+def test_dots_that_scatter_far_beyond_their_noise_are_uneven(
+    see: See, pair: Cameras, grid: DotGrid, poses: Poses
+) -> None:
+    exact = see(pair, grid, poses)
+    sharp = replace(exact, covariance=1e-4 * exact.covariance / exact.covariance[0, 0, 0])
+    off = np.random.default_rng(2).normal(0.0, 0.4, (grid.count, 2))
+    place = exact.index[:, 1] * grid.cols + exact.index[:, 0]
+    printed = replace(sharp, position=sharp.position + off[place])
+    for dots, uneven in ((sharp, False), (printed, True)):
+        fits = calibrate_handheld(dots, grid, "brown5", CENTRES).fits.values()
+        assert {fit.uneven for fit in fits} == {uneven}

@@ -148,3 +148,14 @@ def test_a_rig_that_was_bumped_is_told(see: See, pair: Cameras, grid: DotGrid, p
     assert set(found.points.flag) == {"model-misfit"}
     still = reconstruct_centres(Rig.of(pair), exact, None)
     assert still.miss_px == pytest.approx(0.0, abs=1e-6)
+
+
+def test_another_target_is_told(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
+    exact = see(pair, grid, poses)
+    larger = grid.model_copy(update={"name": "larger", "pitch_x_mm": 40.0, "pitch_y_mm": 40.0})
+    smaller = grid.model_copy(update={"name": "smaller", "cols": 4})
+    for model in (Rig.of(pair), replace(fitted(exact, grid, poses), resected=tuple(pair.values()))):
+        with pytest.raises(InputError, match=r"0\.\d+ times as far apart as the dots of the target 'larger'"):
+            reconstruct_centres(model, exact, larger)
+        with pytest.raises(InputError, match="the target 'smaller' has 4 x"):
+            reconstruct_centres(model, exact, smaller)
