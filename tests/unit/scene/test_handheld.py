@@ -61,14 +61,23 @@ def test_the_first_views_cover_most_and_tests_cover_once_more() -> None:
             assert len(cells) >= 46
 
 
-def test_twenty_views_are_chosen_in_a_second() -> None:
+def yardstick_s() -> float:
+    """Return how long small products take that need 0.2 s where twenty views are chosen in 0.9 s."""
+    p = np.ones((130, 3))
+    began = time.process_time()
+    for _ in range(20000):
+        np.linalg.norm(p @ p[:3].T, axis=1)
+    return time.process_time() - began
+
+
+def test_twenty_views_are_chosen_in_about_a_second() -> None:
     scene = load_scene("webcam-handheld")
-    times = []
+    ratios = []
     for _ in range(3):
         began = time.process_time()
         handheld_poses(scene, 5)
-        times.append(time.process_time() - began)
-    assert min(times) < 1.0  # other tests may slow some down
+        ratios.append((time.process_time() - began) / yardstick_s())
+    assert min(ratios) < 7.0  # 4 to 5; a ratio, since machines and their load differ
 
 
 def test_partial_views_show_as_much_as_is_asked_for() -> None:
