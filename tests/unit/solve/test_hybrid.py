@@ -77,15 +77,15 @@ def waves() -> Simulated:
 
 
 @pytest.fixture(scope="module")
-def hybrid(waves: Simulated) -> Hybrid:
-    return Hybrid("pinhole", SIZES).fit(*waves.training)
+def twin(waves: Simulated) -> Twin:
+    found = twin_of(*waves.training, SIZES, lens="pinhole")
+    assert found is not None
+    return found
 
 
 @pytest.fixture(scope="module")
-def twin(waves: Simulated) -> Twin:
-    found = twin_of(*waves.training, SIZES)
-    assert found is not None
-    return found
+def hybrid(twin: Twin) -> Hybrid:
+    return twin.hybrid
 
 
 def test_waves_are_learned_and_their_uncertainty_known(waves: Simulated, hybrid: Hybrid) -> None:
@@ -153,8 +153,8 @@ def test_what_cannot_be_fitted_is_refused(stereo: View, volume: np.ndarray, plan
 
 
 def test_the_twins_own_method_is_not_fitted_twice(waves: Simulated, twin: Twin) -> None:
-    assert fitted_beside(twin, Hybrid(image_sizes=SIZES), *waves.training) is twin.hybrid
-    for other in (Hybrid("pinhole", SIZES), Bundle("pinhole", SIZES)):
+    assert fitted_beside(twin, Hybrid("pinhole", SIZES), *waves.training) is twin.hybrid
+    for other in (Hybrid("brown-k1k2", SIZES), Bundle("pinhole", SIZES)):
         assert fitted_beside(twin, other, *waves.training) is other
 
 
