@@ -10,8 +10,12 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.correspond.detections import Detections
+    from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.freed_dots import FreedDots
     from labcal.solve.handheld import HandheldSettings
+    from labcal.solve.lens_choice import LensChoice
+    from labcal.targets.catalogue import AnyTarget
 
 DEFAULT_LENS = "brown5"
 AUTO = "auto"
@@ -52,12 +56,11 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import write_rig
-    from labcal.cli.calibrate_result import calibrate_result, calibrate_table, calibration_warnings
+    from labcal.cli.calibrate_result import calibrate_result, calibrate_table
     from labcal.cli.inputs import choose_target, read_or_detect
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing, refuse_homeless
-    from labcal.solve.lens_choice import choose_lens
-    from labcal.workflow import calibrate, epipolar_rms
+    from labcal.workflow import epipolar_rms
 
     outputs = [arguments.output]
     if arguments.free_dots:
@@ -70,22 +73,35 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_existing(path, force=arguments.force)
         refuse_homeless(path)
     settings = _settings(arguments)
-    lens, choice = arguments.lens or _lens_of(settings), None
     target = choose_target(arguments.target, [arguments.source])
     detections = read_or_detect(arguments.source, target, arguments.workers, session)
+    lens = arguments.lens or _lens_of(settings)
+    found, choice = calibrated(detections, target, lens, settings, session)
+    write_rig(arguments.output, found.rig, force=arguments.force)
+    if found.freed is not None:
+        _write_dots(arguments, found.freed)
+    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
+    session.emit(result, calibrate_table(result))
+    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
+
+
+def calibrated(
+    detections: "Detections", target: "AnyTarget", lens: str, settings: "HandheldSettings", session: Session
+) -> "tuple[HandheldCalibration, LensChoice | None]":
+    """Return a rig and, where views held out chose the lens, how; say what is not as it should be."""
+    from labcal.cli.calibrate_result import calibration_warnings
+    from labcal.solve.lens_choice import choose_lens
+    from labcal.workflow import calibrate
+
+    choice = None
     if lens == AUTO:
         with session.progress() as progress:
             choice = choose_lens(detections, target, settings.bias_rounds, progress)
         lens = choice.lens
     found = calibrate(detections, target, lens, settings)
-    write_rig(arguments.output, found.rig, force=arguments.force)
-    if found.freed is not None:
-        _write_dots(arguments, found.freed)
     for warning in calibration_warnings(found, lens, target.name):
         session.warn(warning)
-    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
-    session.emit(result, calibrate_table(result))
-    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
+    return found, choice
 
 
 def _settings(arguments: Namespace) -> "HandheldSettings":
@@ -124,9 +140,8 @@ def _write_dots(arguments: Namespace, freed: "FreedDots") -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
     from labcal.report.displacement_picture import draw_displacements
     from labcal.run.outputs import write_file
-    from labcal.targets.places import DotPlaces, write_places
+    from labcal.targets.places import write_places
 
-    places = DotPlaces.of(freed.target, freed.place, freed.own_covariance, freed.pictures, freed.freed)
-    write_places(_dots_path(arguments.output), places, force=arguments.force)
+    write_places(_dots_path(arguments.output), freed.places(), force=arguments.force)
     if arguments.overlay is not None:
         write_file(arguments.overlay, draw_displacements(freed), force=arguments.force)

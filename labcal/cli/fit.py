@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.calibrate import AUTO
 from labcal.cli.options import add_output, add_seed, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -54,8 +55,9 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--lens",
         metavar="MODEL",
+        default=AUTO,
         help="lens model, or prescription, of bundle and hybrid, and of the adjustment where the target was "
-        "held; without it held-out dots and views choose",
+        f"held; {AUTO}, the default: held-out dots and views choose",
     )
     parser.add_argument(
         "--target", metavar="NAME", help="the target of a table of dots; a shoot tells its own"
@@ -153,10 +155,9 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     if len(set(names)) < len(names):
         raise InputError(f"--method names a method twice: {arguments.method}. Name each once.")
     estimators = [make_estimator(name) for name in names]
-    wanted = {"random_state": arguments.seed}
-    if arguments.lens is not None:
+    if arguments.lens != AUTO:
         camera_of_lens(arguments.lens, (1, 1), None)  # tells now whether there is such a lens
-        wanted["lens"] = arguments.lens
+    wanted = {"random_state": arguments.seed, "lens": arguments.lens}
     for estimator in estimators:
         known = estimator.get_params()
         estimator.set_params(**{key: value for key, value in wanted.items() if key in known})
@@ -168,7 +169,6 @@ def _learned(
 ) -> "list[FittedModel | InputError]":
     """Return what each method learned, or why it cannot."""
     from labcal.errors import InputError
-    from labcal.solve.resection.lens_choice import AUTO
     from labcal.workflow import fit, twin_of
 
     data = training.data
@@ -177,7 +177,7 @@ def _learned(
         progress.start("methods", len(estimators) + 1)
         twin = None
         if not arguments.no_rehearsal:
-            twin = twin_of(data.X, data.Y, data.image_sizes, arguments.seed, arguments.lens or AUTO)
+            twin = twin_of(data.X, data.Y, data.image_sizes, arguments.seed, arguments.lens)
         progress.advance()
         for estimator in estimators:
             try:

@@ -10,7 +10,6 @@ from labcal.cli.session import Session
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
     from labcal.shoot.dataset import Shoot
-    from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centred_training import CentredTraining
     from labcal.targets.catalogue import AnyTarget
 
@@ -94,24 +93,18 @@ def _held(
     arguments: Namespace, detections: "Detections", target: "AnyTarget", session: Session
 ) -> "tuple[CentredTraining, HandheldResult]":
     """Return the training data of a target that was held."""
-    from labcal.cli.calibrate_result import calibration_warnings
+    from labcal.cli.calibrate import calibrated
     from labcal.solve.handheld import HandheldSettings
-    from labcal.solve.lens_choice import choose_lens
-    from labcal.workflow import calibrate, handheld_training
+    from labcal.workflow import handheld_training
 
-    settings, lens = HandheldSettings(free_dots=arguments.free_dots), arguments.lens
-    if lens is None:
-        with session.progress() as progress:
-            lens = choose_lens(detections, target, settings.bias_rounds, progress).lens
-    found = calibrate(detections, target, lens, settings)
-    for warning in calibration_warnings(found, lens, target.name):
-        session.warn(warning)
+    settings = HandheldSettings(free_dots=arguments.free_dots)
+    found, choice = calibrated(detections, target, arguments.lens, settings, session)
     how = HandheldResult(
-        lens, _entered(found), found.skipped, found.rms_px, len(found.outliers), arguments.free_dots
+        lens=choice.lens if choice else arguments.lens,
+        views=len(found.views),
+        left_out=found.skipped,
+        rms_px=found.rms_px,
+        outlier_count=len(found.outliers),
+        free_dots=arguments.free_dots,
     )
     return handheld_training(found, detections, target), how
-
-
-def _entered(found: "HandheldCalibration") -> int:
-    """Return how many views entered with some picture."""
-    return len({view for fit in found.fits.values() for view in fit.views})

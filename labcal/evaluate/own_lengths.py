@@ -52,16 +52,15 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -
     declared = target.target if isinstance(target, DotPlaces) else target
     _require_dots(points, declared)
     places = target.points()
-    number = points.index[:, 1] * declared.cols + points.index[:, 0]
+    numbers = points.index[:, 1] * declared.cols + points.index[:, 0]
     counted = np.isfinite(points.point).all(axis=1)
     if isinstance(target, DotPlaces):
-        counted &= target.freed()[number]
-    solved = points.where(counted)
+        counted &= target.freed()[numbers]
     measured, nominal = [], []
-    for view in dict.fromkeys(solved.view.tolist()):
-        of_view = solved.where(solved.view == view)
-        measured.append(pdist(of_view.point))
-        nominal.append(pdist(places[of_view.index[:, 1] * declared.cols + of_view.index[:, 0]]))
+    for view in dict.fromkeys(points.view[counted].tolist()):
+        rows = counted & (points.view == view)
+        measured.append(pdist(points.point[rows]))
+        nominal.append(pdist(places[numbers[rows]]))
     lengths = np.concatenate(measured) if measured else np.zeros(0)
     if len(lengths) == 0:
         raise InputError(

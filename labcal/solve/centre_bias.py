@@ -5,7 +5,7 @@ the dot's centre. The difference depends on lens, pose and size of the dot, all 
 well enough after a first round, so it is predicted and taken off.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,6 +80,39 @@ def centre_shift(
     return np.where(images.ok[:, None], images.centroid - images.centre, 0.0)
 
 
+def shifts_at_poses(
+    cameras: Sequence[Camera],
+    view: np.ndarray,
+    dots: Int64[np.ndarray, " n"],
+    T_world_target: Mapping[str, Pose],
+    discs: Discs,
+) -> Float64[np.ndarray, "n cameras 2"]:
+    """Return centroid minus centre of dots in several views, px.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+    view : ndarray of str, shape (n,)
+    dots : ndarray of int, shape (n,)
+        Which of the discs.
+    T_world_target : mapping of str to ndarray of shape (4, 4)
+        Pose of the target by view, mm.
+    discs : Discs
+
+    Returns
+    -------
+    ndarray, shape (n, cameras, 2)
+        0 in views without a pose.
+    """
+    shift = np.zeros((len(dots), len(cameras), 2))
+    for name in dict.fromkeys(view.tolist()):
+        if name in T_world_target:
+            rows = np.flatnonzero(view == name)
+            for number, camera in enumerate(cameras):
+                shift[rows, number] = centre_shift(camera, T_world_target[name], discs, dots[rows])
+    return shift
+
+
 def shifts_of_matches(
     cameras: Sequence[Camera], matches: Matches, p: Float64[np.ndarray, "n 3"], target: Target
 ) -> Float64[np.ndarray, "n cameras 2"]:
@@ -106,18 +139,16 @@ def shifts_of_matches(
     """
     discs = Discs.of(target)
     dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
-    shift = np.zeros_like(matches.q)
+    T_world_target: dict[str, Pose] = {}
     for view in dict.fromkeys(matches.view.tolist()):
         rows = np.flatnonzero(matches.view == view)
         known = rows[np.isfinite(p[rows]).all(axis=1)]
         try:
-            T_world_target = rigid_alignment(p[known], discs.centres[dots[known]])
+            T_world_target[view] = rigid_alignment(p[known], discs.centres[dots[known]])
         except InputError:
             continue
         _refuse_other_size(p[known], discs.centres[dots[known]], target)
-        for number, camera in enumerate(cameras):
-            shift[rows, number] = centre_shift(camera, T_world_target, discs, dots[rows])
-    return shift
+    return shifts_at_poses(cameras, matches.view, dots, T_world_target, discs)
 
 
 def _refuse_other_size(

@@ -9,10 +9,11 @@ from labcal.arrays import Pixels, Points, Pose
 from labcal.cameras.camera import Camera
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
-from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, centre_shift
-from labcal.solve.geometry_checks import refuse_one_plane
+from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
+from labcal.solve.geometry_checks import on_one_plane
+from labcal.solve.ray_misses import MOST_PX
 from labcal.solve.resection.lens_choice import camera_of_lens, chosen_camera
-from labcal.solve.resection.resected import resect
+from labcal.solve.resection.resected import ResectedCamera, resect
 from labcal.solve.swapped_pictures import refuse_swapped_training
 from labcal.targets.target import Target
 
@@ -58,39 +59,30 @@ def centred_training(
     InputError
         The pictures of a view are exchanged.
     """
-    refuse_swapped_training(data)
+    if on_one_plane(data.Y):
+        return CentredTraining(data, None, None, _ON_ONE_PLANE)
     q = data.X.reshape(len(data.X), -1, 2)
     discs, dots = Discs.of(target), data.index[:, 1] * target.cols + data.index[:, 0]
     shift = np.zeros_like(q)
-    cameras: list[Camera] = []
-    if _on_one_plane(data):
-        return CentredTraining(data, None, None, _ON_ONE_PLANE)
+    cameras: list[ResectedCamera] = []
     for _ in range(ROUNDS):
         try:
             cameras = [
-                _resected(q[:, number] - shift[:, number], data.Y, size, cameras[number] if cameras else None)
+                _resected(q[:, number] - shift[:, number], data.Y, size, cameras[number : number + 1])
                 for number, size in enumerate(data.image_sizes)
             ]
         except InputError as error:
+            refuse_swapped_training(data)
             return CentredTraining(data, None, None, str(error))
-        for view in dict.fromkeys(data.view.tolist()):
-            rows = data.view == view
-            for number, camera in enumerate(cameras):
-                shift[rows, number] = centre_shift(camera, T_world_target[view], discs, dots[rows])
+        shift = shifts_at_poses([one.camera for one in cameras], data.view, dots, T_world_target, discs)
+    if max(one.sigma_px for one in cameras) > MOST_PX:
+        refuse_swapped_training(data)
     centred = replace(data, X=(q - shift).reshape(data.X.shape))
-    return CentredTraining(centred, tuple(cameras), CentreBias.of(shift), None)
+    return CentredTraining(centred, tuple(one.camera for one in cameras), CentreBias.of(shift), None)
 
 
-def _on_one_plane(data: TrainingData) -> bool:
-    try:
-        refuse_one_plane(_NAME, data.Y)
-    except InputError:
-        return True
-    return False
-
-
-def _resected(q: Pixels, p: Points, size: tuple[int, int], before: Camera | None) -> Camera:
+def _resected(q: Pixels, p: Points, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:
     """Return the camera that saw points (mm) at pixels, with the lens model of the round before."""
-    if before is None:
-        return chosen_camera(_NAME, q, p, size).camera
-    return resect(_NAME, q, p, camera_of_lens(before.lens, size, None)).camera
+    if not before:
+        return chosen_camera(_NAME, q, p, size)
+    return resect(_NAME, q, p, camera_of_lens(before[0].camera.lens, size, None))

@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from labcal.solve.adjustment.dot_freedom import Held
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 
 MIN_PICTURES = 3
 """Pictures that a dot must be in before its place is taken from them: two fix it, the third checks."""
@@ -30,6 +31,10 @@ class FreedDots:
     freed: Bool[np.ndarray, " dots"]
     held: Held
     """What stays as declared for all dots, since the views do not tell it."""
+
+    def places(self) -> DotPlaces:
+        """Return the document of the places."""
+        return DotPlaces.of(self.target, self.place, self.own_covariance, self.pictures, self.freed)
 
     @property
     def displacement(self) -> Float64[np.ndarray, "dots 3"]:

@@ -76,6 +76,12 @@ def refuse_collinear(method: str, points: Float64[np.ndarray, "n dim"]) -> None:
         )
 
 
+def on_one_plane(points: Float64[np.ndarray, "n 3"]) -> bool:
+    """Return whether all points lie on one plane, on one line or in one place."""
+    singular = extents(points)
+    return bool(singular[2] <= FLAT * singular[0])
+
+
 def refuse_one_plane(method: str, points: Float64[np.ndarray, "n 3"]) -> None:
     """Raise where all points lie on one plane.
 
@@ -84,8 +90,7 @@ def refuse_one_plane(method: str, points: Float64[np.ndarray, "n 3"]) -> None:
     InputError
         The third extent is nothing beside the first.
     """
-    singular = extents(points)
-    if singular[2] <= FLAT * singular[0]:
+    if on_one_plane(points):
         raise InputError(
             f"{method}: all {len(points)} dots lie on one plane, on which this method is singular. Train on "
             f"several planes, or use the method 'homography' for this one."

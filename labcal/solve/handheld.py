@@ -29,6 +29,7 @@ from labcal.solve.lens_start import (
 )
 from labcal.solve.lens_support import undetermined
 from labcal.solve.outlying_dots import OutlyingDots
+from labcal.solve.resection.resected import MOST_OFF
 from labcal.solve.rig_start import LoneCamera, rig_start
 from labcal.solve.usable_dots import in_full_pictures, usable_dots
 from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
@@ -36,9 +37,6 @@ from labcal.targets.catalogue import AnyTarget
 
 MIN_VIEWS = 3
 """Views that a camera needs: two fix four intrinsics of a plane target, the third checks them."""
-
-_MOST_OFF = 0.05
-"""RMS residual, as a share of the picture's width, from which on a rig is none."""
 
 require_handheld_lens = require_adjustable
 
@@ -124,7 +122,7 @@ def _refuse_far(whole: _Result, entering: Detections, target: AnyTarget) -> None
     """Raise where the rig's dots are nowhere near where they were measured."""
     rms = whole.adjusted.rms_px(whole.observations)
     widths = [entering.picture_size(name)[0] for name in entering.cameras]
-    if not (rms <= _MOST_OFF * np.array(widths)).all():  # of NaN, too
+    if not (rms <= MOST_OFF * np.array(widths)).all():  # of NaN, too
         raise InputError(
             f"No rig explains the dots: the adjustment left them off by {float(rms.max()):.3g} px. Check "
             f"that pictures show the target '{target.name}', and that those of a view were taken together."

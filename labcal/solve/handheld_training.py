@@ -10,7 +10,7 @@ from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
 from labcal.solve.calibration import HandheldCalibration
-from labcal.solve.centre_bias import CentreBias, Discs, centre_shift
+from labcal.solve.centre_bias import CentreBias, Discs, shifts_at_poses
 from labcal.solve.centred_training import CentredTraining
 from labcal.targets.target import Target
 
@@ -43,12 +43,12 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
         raise InputError(f"No dot was measured by all of the cameras {', '.join(names)} in the same view.")
     discs = Discs.of(target) if found.freed is None else Discs(found.freed.place, Discs.of(target).radii)
     dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
-    p, shift = np.empty((len(matches), 3)), np.empty_like(matches.q)
-    for view, T_world_target in zip(found.views, found.T_world_target, strict=True):
+    T_world_target = dict(zip(found.views, found.T_world_target, strict=True))
+    p = np.empty((len(matches), 3))
+    for view, T in T_world_target.items():
         rows = matches.view == view
-        p[rows] = transform(T_world_target, discs.centres[dots[rows]])
-        for number, camera in enumerate(cameras):
-            shift[rows, number] = centre_shift(camera, T_world_target, discs, dots[rows])
+        p[rows] = transform(T, discs.centres[dots[rows]])
+    shift = shifts_at_poses(cameras, matches.view, dots, T_world_target, discs)
     centred = replace(matches, q=matches.q - shift)
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)

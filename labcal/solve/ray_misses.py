@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64
 from scipy.stats import chi2
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.triangulation import triangulate
+from labcal.cameras.triangulation import TriangulatedPoints, triangulate
 from labcal.correspond.matching import Matches
 
 MOST_PX = 1.0
@@ -30,7 +30,11 @@ class RayMisses:
     @classmethod
     def of(cls, cameras: Sequence[Camera], matches: Matches) -> "RayMisses":
         """Return those of matched dots; cameras in the order of the matches."""
-        found = triangulate(cameras, matches.q, matches.covariance)
+        return cls.at(cameras, matches, triangulate(cameras, matches.q, matches.covariance))
+
+    @classmethod
+    def at(cls, cameras: Sequence[Camera], matches: Matches, found: TriangulatedPoints) -> "RayMisses":
+        """Return those of matched dots that have been triangulated already."""
         px, chi_square = np.full(len(matches), np.inf), np.full(len(matches), np.inf)
         q = np.stack([camera.project(found.point[found.ok]).q for camera in cameras], axis=1)
         off = q - matches.q[found.ok]

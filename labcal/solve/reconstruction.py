@@ -101,7 +101,8 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     refuse_swapped(cameras, matches)
     if target is not None:
         matches, bias = centred(cameras, matches, target)
-    found, misses = triangulate(cameras, matches.q, matches.covariance), RayMisses.of(cameras, matches)
+    found = triangulate(cameras, matches.q, matches.covariance)
+    misses = RayMisses.at(cameras, matches, found)
     moved = misses.typical_px > MOST_PX
     flag = np.where(misses.outlying | moved, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)

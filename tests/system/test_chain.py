@@ -228,6 +228,15 @@ def test_how_a_target_was_placed_is_not_said_twice(
         assert not model.exists()
 
 
+def test_the_choice_of_a_lens_may_be_named(
+    labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path
+) -> None:
+    words = ("fit", stage, "--detections", stage_dots, "--method", "affine")
+    assert labcal(*words, "-o", tmp_path / "unnamed").status == 0
+    assert labcal(*words, "--lens", "auto", "-o", tmp_path / "named").status == 0
+    assert (tmp_path / "named").read_bytes() == (tmp_path / "unnamed").read_bytes()
+
+
 def test_the_same_command_twice_gives_the_same_bytes(
     labcal: Run, stage: Path, stage_dots: Path, tmp_path: Path
 ) -> None:

@@ -57,10 +57,9 @@ def print_and_rig(learned: Detections, target: AnyTarget, lens: str) -> tuple[Ha
         The views determine no rig.
     """
     found = calibrate_handheld(learned, target, lens, HandheldSettings(free_dots=True))
-    freed = found.freed
-    if freed is None:
+    if found.freed is None:
         raise InputError("A calibration with free dots returned none.")
-    return found, DotPlaces.of(target, freed.place, freed.own_covariance, freed.pictures, freed.freed)
+    return found, found.freed.places()
 
 
 def lengths_elsewhere(

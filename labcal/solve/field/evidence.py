@@ -87,13 +87,13 @@ def field_scale(
         likelihood.cost_and_slopes, start, method="L-BFGS-B", jac=True, bounds=_BOUNDS, options=_STEPS
     )
     best = np.asarray(end.x)
-    gain = likelihood.cost(_NOWHERE) - likelihood.cost(best)
+    without, cost = likelihood.cost(_NOWHERE), likelihood.cost(best)
+    gain = without - cost
     if gain < _WORTH:
-        nothing = FieldScale(_kernel(_NOWHERE), 0.0, likelihood.noise(_NOWHERE), 0.0)
-        return nothing, -likelihood.cost(_NOWHERE)
+        return FieldScale(_kernel(_NOWHERE), 0.0, likelihood.noise(_NOWHERE), 0.0), -without
     noise = likelihood.noise(best)
     amplitude = float(np.exp(0.5 * best[0])) * noise
-    return FieldScale(_kernel(best), amplitude, noise, gain), -likelihood.cost(best)
+    return FieldScale(_kernel(best), amplitude, noise, gain), -cost
 
 
 def _kernel(logs: Float64[np.ndarray, "3"]) -> FieldKernel:

@@ -21,8 +21,8 @@ from labcal.solve.resection.whitening import Even, Whitening
 _STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 FAR, NEAR = Damping(ceiling=1e8), Damping(start=1e-6, ceiling=1e8)
 """The first damping, from anywhere and from a camera that is nearly right already."""
-_MOST_OFF = 0.05
-"""RMS residual, as a share of the picture's width, from which on it is not the camera of these points."""
+MOST_OFF = 0.05
+"""RMS residual, as a share of the picture's width, from which on it is not the camera of these dots."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
     ends = [adjusted(PlacedCamera(start, middle), q, p, Even(1.0)) for start in resection_starts(q, p, kinds)]
     best = min(ends, key=lambda end: float((end.residual**2).sum()))
     rms = float(np.sqrt((best.residual**2).sum(axis=1).mean()))
-    if not rms <= _MOST_OFF * kind.size[0]:
+    if not rms <= MOST_OFF * kind.size[0]:
         raise InputError(
             f"{method}: no camera with the lens '{kind.lens}' explains the dots; the best is off by "
             f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."

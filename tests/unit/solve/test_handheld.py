@@ -262,7 +262,7 @@ def near(grid: DotGrid) -> Poses:
 def test_a_rig_that_explains_nothing_is_refused(
     see: See, pair: Cameras, grid: DotGrid, poses: Poses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("labcal.solve.handheld._MOST_OFF", 1e-9)
+    monkeypatch.setattr("labcal.solve.handheld.MOST_OFF", 1e-9)
     with pytest.raises(InputError, match=r"No rig explains the dots.*the target 'small'"):
         calibrate_handheld(see(pair, grid, poses), grid, "brown5", CENTRES)
 
