@@ -12,7 +12,11 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     import numpy as np
 
+    from labcal.targets.catalogue import AnyTarget
+
 DETECTIONS, CORNERS = ".csv", ".vnl"
+_SMALL_MM = 0.01
+"""A dot whose centroid is its centre."""
 _FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, dice"
 
 
@@ -131,10 +135,12 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
     refuse_homeless(output)
     if ends[0] == CORNERS:
         sides = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
-        detections = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))
+        read = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))
+        detections = read.detections
         write_file(output, detections_csv(detections), force=arguments.force)
         ok = int(detections.ok.sum())
-        return ConvertResult("mrcal", "labcal", [str(output)], list(detections.cameras), ok, [])
+        notes = [*read.notes, *_taken_for_centroids(target)]
+        return ConvertResult("mrcal", "labcal", [str(output)], list(detections.cameras), ok, notes)
     detections = read_detections(path)
     if arguments.only:
         detections = detections.where(_of_cameras(detections.camera.tolist(), arguments.only.split(",")))
@@ -150,6 +156,18 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
     if found.left_out:
         notes.append(f"{found.left_out} dots that are no measurements of the grid stand as missing.")
     return ConvertResult("labcal", "mrcal", [str(output)], list(detections.cameras), found.points, notes)
+
+
+def _taken_for_centroids(target: "AnyTarget") -> list[str]:
+    """Return a note where dots are so large that the centroids of their images are off their centres."""
+    largest = float(target.outer_diameters_mm().max())
+    if largest < _SMALL_MM:
+        return []
+    told = (
+        f"x and y are taken for centroids of the dots of '{target.name}', {largest:g} mm wide. If they are "
+        "corners of a chessboard, name a target with a dot_diameter_mm of 0.001."
+    )
+    return [told]
 
 
 def _of_cameras(cameras: "list[str]", wanted: "list[str]") -> "np.ndarray":

@@ -1,11 +1,13 @@
 """mrcal's and mrgingham's ``corners.vnl``: ``# filename x y weight``, a line for every point of a whole grid.
 
-The points of an image stand together, row by row from (0, 0) and along x first, as dots are numbered; ``-``
-where one is missing, and a single line of ``-`` where an image has none. mrcal multiplies a point's error by
-its weight (``--corners-cache-has-weights``). Here that is the median standard deviation of all points over
-the point's own, so that the typical weight is 1 and mrcal's errors stay in pixels; a comment keeps the
-median. In files of mrgingham the column is ``level``: how often the picture was halved to find the point. Its
-weight is 2 to the power of minus that, as mrcal takes it.
+The points of an image stand together as mrgingham lists them: row by row from the top left of the board seen
+upright, so that the first row in the file is labcal's last one, whose rows count upwards. ``-`` stands where
+a point is missing, and a single line of ``-`` where an image has none. mrgingham numbers nothing: of a board
+that is held upside down it lists the other end first. mrcal multiplies a point's error by its weight
+(``--corners-cache-has-weights``). Here that is the median standard deviation of all points over the point's
+own, so that the typical weight is 1 and mrcal's errors stay in pixels; a comment keeps the median. In files
+of mrgingham the column is ``level``: how often the picture was halved to find the point. Its weight is 2 to
+the power of minus that, as mrcal takes it.
 """
 
 import re
@@ -18,7 +20,7 @@ from jaxtyping import Float64
 
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
-from labcal.correspond.sources import loose_source
+from labcal.correspond.sources import Source, loose_source
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
@@ -30,6 +32,8 @@ _MOST_BYTES = 2**28
 _MOST_LEVEL = 30
 _EQUAL_PITCH = 1e-9
 """Relative difference of pitches that are the same but for rounding."""
+_TOP_FIRST = "## rows run from the top of the board"
+"""In labcal's files. One with ``sigma_px`` but without this is older: its first row is row 0."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,15 @@ class CornersText:
     """How many are measured."""
     left_out: int
     """Lines that stand as missing: no measurements of the grid, or at negative pixels."""
+
+
+@dataclass(frozen=True)
+class ReadCorners:
+    """What a ``corners.vnl`` holds."""
+
+    detections: Detections
+    notes: tuple[str, ...] = ()
+    """What its reader should know, for people: what was assumed."""
 
 
 def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
@@ -58,6 +71,7 @@ def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
     InputError
         The target is no square grid, a dot is beyond it, or an image's name cannot stand in such a file.
     """
+    _require_rows_and_columns(target)
     _require_square(target)
     # mrcal takes a negative pixel for a missing point, so such a line would be lost in silence.
     usable = detections.where(detections.ok & (detections.position >= 0.0).all(axis=1))
@@ -66,8 +80,8 @@ def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
     known = sigma[np.isfinite(sigma) & (sigma > 0.0)]
     typical = float(np.median(known)) if len(known) else 1.0
     weight = np.where(np.isfinite(sigma) & (sigma > 0.0), typical / np.where(sigma > 0.0, sigma, 1.0), 1.0)
-    number = usable.index[:, 1] * target.cols + usable.index[:, 0]
-    lines = [f"## sigma_px {typical!r} stands for a weight of 1", "# filename x y weight"]
+    number = (target.rows - 1 - usable.index[:, 1]) * target.cols + usable.index[:, 0]
+    lines = [f"## sigma_px {typical!r} stands for a weight of 1", _TOP_FIRST, "# filename x y weight"]
     for image in dict.fromkeys(detections.image.tolist()):
         _require_plain(image)
         rows = np.flatnonzero(usable.image == image)
@@ -84,7 +98,7 @@ def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
 
 def read_corners(
     path: Path, target: Target, endings: Mapping[str, str], size_of: Callable[[Path], tuple[int, int]]
-) -> Detections:
+) -> ReadCorners:
     """Read a ``corners.vnl``.
 
     Parameters
@@ -99,15 +113,17 @@ def read_corners(
 
     Returns
     -------
-    Detections
-        Covariances are those of the weights times the standard deviation that a file of labcal states, else
-        1 px. A missing point has the flag ``hidden``.
+    ReadCorners
+        Dots row by row from (0, 0). Covariances are those of the weights times the standard deviation that a
+        file of labcal states, else 1 px. A missing point has the flag ``hidden``.
 
     Raises
     ------
     InputError
-        The file cannot be read, is damaged, or an image has another number of points than the target.
+        The file cannot be read, is damaged, an image has another number of points than the target, two images
+        are the same view of the same camera, or the target is no grid of rows and columns.
     """
+    _require_rows_and_columns(target)
     text = _text(path)
     legend = _LEGEND.search(text)
     if legend is None:
@@ -123,14 +139,23 @@ def read_corners(
             images.setdefault(image, []).append(_point(fields, legend[1], path))
     if not images:
         raise InputError(f"{path} lists no image.")
+    notes: tuple[str, ...] = ()
     parts = [_picture(image, np.array(points), target, path) for image, points in images.items()]
-    sources = [loose_source(image, endings) for image in images]
+    if stated and _TOP_FIRST not in text:
+        told = (
+            f"{path} was written by an older labcal, with rows from the bottom of the board, and is read so. "
+            "For other programs write it anew from detections.csv."
+        )
+        notes = (told,)
+    else:
+        parts = [_turned_over(part, target) for part in parts]
+    sources = _sources(list(images), endings, path)
     n = target.count
     xyw = np.concatenate(parts)
     seen = xyw[:, 2] > 0.0
     variance = np.where(seen, (sigma / np.where(seen, xyw[:, 2], 1.0)) ** 2, np.nan)
     sizes = [size_of(Path(image)) for image in images]
-    return Detections(
+    detections = Detections(
         view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), n),
         camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), n),
         image=np.repeat(np.array(list(images), dtype=np.str_), n),
@@ -141,6 +166,43 @@ def read_corners(
         covariance=variance[:, None, None] * np.eye(2),
         flag=np.where(seen, DotFlag.OK.value, DotFlag.HIDDEN.value),
     )
+    return ReadCorners(detections, notes)
+
+
+def _turned_over(points: Float64[np.ndarray, "count 3"], target: Target) -> Float64[np.ndarray, "count 3"]:
+    """Return points of a whole grid with the last row first."""
+    return points.reshape(target.rows, target.cols, 3)[::-1].reshape(-1, 3)
+
+
+def _sources(images: list[str], endings: Mapping[str, str], path: Path) -> list[Source]:
+    """Return what the images' names say about them.
+
+    Raises
+    ------
+    InputError
+        A name fits no ending, or two images are the same view of the same camera.
+    """
+    sources = [loose_source(image, endings) for image in images]
+    first: dict[tuple[str, str], Source] = {}
+    for source in sources:
+        twin = first.setdefault((source.view, source.camera), source)
+        if twin is not source:
+            raise InputError(
+                f"{path}: {twin.image:.80} and {source.image:.80} are both view '{source.view}' of camera "
+                f"'{source.camera}'. Tell cameras by the end of the images' names: --cameras "
+                "'_0=left,_1=right', or give the images different names."
+            )
+    return sources
+
+
+def _require_rows_and_columns(target: AnyTarget | Target) -> None:
+    """Raise where rows do not stand straight above each other, so that no corners.vnl lists them."""
+    places = target.points().reshape(target.rows, target.cols, 3)
+    if np.ptp(places[..., 0], axis=0).max() > _EQUAL_PITCH * np.ptp(places[..., 0]):
+        raise InputError(
+            f"A corners.vnl lists a grid of rows and columns, but the rows of '{target.name}' are shifted "
+            "against each other. Use a target that is not asymmetric."
+        )
 
 
 def _require_square(target: AnyTarget) -> None:
