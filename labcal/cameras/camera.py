@@ -244,6 +244,11 @@ class Camera:
         inside = np.abs(q - 0.5 * np.array([width - 1, height - 1])) <= 0.5 * np.array([width, height])
         return np.asarray(inside.all(axis=-1))
 
+    @cached_property
+    def share_without_rays(self) -> float:
+        """The share of a lattice over the picture whose pixels see no direction: the lens folds there."""
+        return float((~self.rays(np.stack(self._lattice(), axis=-1)).ok).mean())
+
     def require_rays_everywhere(self, name: str) -> None:
         """Raise where the lens model folds, or has no inverse, within the picture.
 

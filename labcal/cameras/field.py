@@ -5,6 +5,7 @@ a ray in the scene. Both maps are closed formulas; the ways back are found by Ne
 """
 
 from dataclasses import dataclass
+from enum import Enum
 
 from labcal.cameras.mathematics import Number
 
@@ -28,3 +29,11 @@ class SceneRay:
     origin: Direction
     direction: Direction
     ok: Number
+
+
+class FallOff(Enum):
+    """How the light that a lens lets through falls off towards the rim of the picture."""
+
+    COS4 = "cos^4 of the angle to the axis"
+    EVEN = "not at all"
+    TRACED = "as the rays through its stop tell"

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.cameras.dual import constants
-from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.mathematics import Mathematics, Number, cosine_and_sinc
+from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.radial import field_over_image, inverse_guess, positive_roots
 
 _POWERS = 4
@@ -39,6 +40,14 @@ class KannalaBrandt:
     name: str
     coefficients = _POWERS
     central = True
+    names = FISHEYE.order
+    opencv = FISHEYE
+    fall_off = FallOff.EVEN
+    rectilinear = False
+
+    def undistorted_radius(self, angle: float) -> float:
+        """Return the angle (rad) itself."""
+        return angle
 
     def formula(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
         """Return what :meth:`image` takes: k1 to k4."""

@@ -2,9 +2,10 @@
 
 from typing import Protocol, runtime_checkable
 
-from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.fisheye import KannalaBrandt
 from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.opencv_model import OpenCVModel
 from labcal.cameras.perspective import Perspective
 from labcal.errors import UnknownNameError
 
@@ -22,6 +23,9 @@ class Lens(Protocol):
 
     Formulas are written on separate components with plain operators. Every method takes the lens's numbers,
     because the renderer passes its own kind of number, and derivatives pass dual ones.
+
+    What others need to know of it, file formats, the renderer and initial values, a lens declares; where it
+    has no answer they refuse it by name and never take it for another one.
     """
 
     @property
@@ -31,6 +35,22 @@ class Lens(Protocol):
     @property
     def coefficients(self) -> int:
         """How many coefficients are free."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the coefficients, in the order of `dist`."""
+
+    @property
+    def opencv(self) -> OpenCVModel | None:
+        """The model of OpenCV whose coefficients these are, by name; None where it is none of OpenCV's."""
+
+    @property
+    def fall_off(self) -> FallOff | None:
+        """How its light falls off; None where that is not known."""
+
+    @property
+    def rectilinear(self) -> bool:
+        """Whether it images straight lines straight without distortion, hence less than 180 degrees."""
 
     @property
     def central(self) -> bool:
@@ -47,6 +67,9 @@ class Lens(Protocol):
 
     def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
         """Return all numbers; `reach` is the largest radius of the picture at unit focal length."""
+
+    def undistorted_radius(self, angle: float) -> float:
+        """Return the radius at which an angle (rad) is imaged without distortion, at unit focal length."""
 
     def image(
         self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number

@@ -10,6 +10,7 @@ import numpy as np
 
 from labcal.arrays import Mask, Matrix3, Pixels, Points, Pose
 from labcal.cameras.camera import Camera
+from labcal.cameras.opencv_model import PERSPECTIVE
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
 
@@ -120,8 +121,11 @@ def paper_camera(camera: Camera, pixel_pitch_mm: float) -> PaperCamera:
         The camera has distortion, fx other than fy, or roll: the paper's model cannot hold it.
     """
     fx, fy, _, _ = camera.intrinsics
-    if np.any(camera.dist != 0.0):
-        raise InputError(f"The paper's camera has no lens distortion, but this one is '{camera.lens}'.")
+    if camera.model.opencv is not PERSPECTIVE or np.any(camera.dist != 0.0) or camera.window is not None:
+        raise InputError(
+            f"The paper's camera has no lens distortion, but this one is '{camera.lens}'"
+            f"{'' if camera.window is None else ' behind a window'}."
+        )
     if fx != fy:
         raise InputError(
             f"The paper's camera has one focal length, but this one has fx = {fx} and fy = {fy} px."

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.cameras.dual import DualMathematics, constants
-from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.newton import solve_two
+from labcal.cameras.opencv_model import PERSPECTIVE
 from labcal.cameras.radial import LENGTH as GUESS_LENGTH
 from labcal.cameras.radial import field_over_image, guess, inverse_guess, positive_roots
 
@@ -54,6 +55,18 @@ class Perspective:
     name: str
     coefficients: int
     central = True
+    opencv = PERSPECTIVE
+    fall_off = FallOff.COS4
+    rectilinear = True
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the coefficients: OpenCV's, in its order."""
+        return PERSPECTIVE.order[: self.coefficients]
+
+    def undistorted_radius(self, angle: float) -> float:
+        """Return the tangent of an angle (rad)."""
+        return float(np.tan(angle))
 
     def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
         """Return what :meth:`image` takes: k1 to s4, and the tilt's matrix where there is one."""

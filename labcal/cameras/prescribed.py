@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
-from labcal.cameras.field import Direction, FieldPoint, SceneRay
+from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.mathematics import NUMPY, Mathematics, Number
 from labcal.cameras.newton import solve_one
 from labcal.cameras.prescription import Paraxial, Prescription, paraxial, paraxial_ray
@@ -38,6 +38,18 @@ class PrescribedLens:
     name = "prescription"
     coefficients = 0
     central = False
+    opencv = None
+    fall_off = FallOff.TRACED
+    rectilinear = True
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the coefficients, of which there are none."""
+        return ()
+
+    def undistorted_radius(self, angle: float) -> float:
+        """Return the tangent of an angle (rad), as near the axis."""
+        return float(np.tan(angle))
 
     @cached_property
     def paraxial(self) -> Paraxial:

@@ -50,6 +50,8 @@ class CameraResult:
     """Of this camera alone: what dots scatter along each axis beyond their covariances."""
     undetermined: list[str]
     """Lens coefficients that the views leave open."""
+    share_without_rays: float
+    """Of the picture, where the lens folds."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,7 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
         ),
         scatter_px=fit.scatter_px,
         undetermined=list(fit.undetermined),
+        share_without_rays=found.rig.camera(name).share_without_rays,
     )  # fmt: skip
 
 
@@ -199,6 +202,7 @@ def _outlier_table(result: CalibrateResult) -> "Table":
 
 def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -> list[str]:
     """Return what is not as it should be, for people; `lens` and `target` are names."""
+    from labcal.cameras.blind_pixels import blind_pixels
     from labcal.optim.solution import StopReason
 
     warnings = [f"left out {reason}" for reason in found.skipped]
@@ -208,6 +212,8 @@ def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -
                 f"the principal point of {name} lies outside its picture: the views do not determine it, or "
                 f"the dots are not those of '{target}'"
             )
+        if blind := blind_pixels(name, found.rig.camera(name)):
+            warnings.append(blind)
         left_open = ", ".join(found.fits[name].undetermined)
         if left_open:
             warnings.append(

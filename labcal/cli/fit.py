@@ -88,6 +88,8 @@ class MethodResult:
     stop_reason: str | None
     lenses: tuple[str, ...] | None
     """Lens models by camera, of methods that have cameras."""
+    share_without_rays: tuple[float, ...] | None
+    """Of each camera's picture, where its lens folds."""
     expected: "Rehearsed | None"
     """What to expect between the trained dots, by a rehearsal with cameras like these; null where the dots
     determine none."""
@@ -135,6 +137,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         else:
             fitted.append((path, model))
             results.append(_fitted(model, training.data, path))
+            for told in _blind(model):
+                session.warn(_named(estimator.method, told))
     _save_all(fitted, force=arguments.force)
     result = FitResult(results, training.bias, training.reason, handheld)
     session.emit(result, _table(result, rehearsed=not arguments.no_rehearsal))
@@ -211,7 +215,7 @@ def _path(output: Path, method: str, *, alone: bool) -> Path:
 
 def _refused(method: str, reason: str) -> MethodResult:
     return MethodResult(
-        method, None, 0, float("nan"), None, None, None, expected=None, misfit=False, error=reason
+        method, None, 0, float("nan"), None, None, None, None, expected=None, misfit=False, error=reason
     )
 
 
@@ -220,6 +224,7 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
     from labcal.solve.camera_estimator import CameraEstimator
 
     estimator = model.estimator
+    cameras = estimator.cameras_ if isinstance(estimator, CameraEstimator) else None
     return MethodResult(
         method=estimator.method,
         file=str(path),
@@ -227,13 +232,23 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
         training_rmse_mm=error_statistics(estimator.predict(data.X), data.Y).rmse_mm,
         epochs=getattr(estimator, "n_iter_", None),
         stop_reason=getattr(estimator, "stop_reason_", None),
-        lenses=tuple(camera.lens for camera in estimator.cameras_)
-        if isinstance(estimator, CameraEstimator)
-        else None,
+        lenses=None if cameras is None else tuple(camera.lens for camera in cameras),
+        share_without_rays=None if cameras is None else tuple(one.share_without_rays for one in cameras),
         expected=model.rehearsed,
         misfit=model.misfit,
         error=None,
     )
+
+
+def _blind(model: "FittedModel") -> list[str]:
+    """Return what pixels of a method's cameras see no direction, for people."""
+    from labcal.cameras.blind_pixels import blind_pixels
+    from labcal.solve.camera_estimator import CameraEstimator
+
+    if not isinstance(model.estimator, CameraEstimator):
+        return []
+    told = map(blind_pixels, model.cameras, model.estimator.cameras_)
+    return [note for note in told if note is not None]
 
 
 def _table(result: FitResult, *, rehearsed: bool) -> object:

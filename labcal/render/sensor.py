@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.cameras.camera import Camera
+from labcal.cameras.field import FallOff
 from labcal.cameras.prescribed import PrescribedLens
 from labcal.cameras.pupil import Pupil, ThinPupil, TracedPupil
+from labcal.errors import InputError
 from labcal.geometry.poses import inverse
 from labcal.render.samples import Samples
 from labcal.render.variant import Jit
@@ -16,7 +18,8 @@ APERTURE = 2
 """Purpose of the samples that choose a point of the aperture."""
 _FALL_OFF_DEGREE = 10
 _FALL_OFF_RADII = 64
-_COS4_LENSES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "tilted14")
+_FALL_OFFS: dict[FallOff | None, tuple[float, ...]] = {FallOff.COS4: (1.0,), FallOff.EVEN: (1.0, 1.0)}
+"""What :func:`_fall_off` returns for lenses that are not traced."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class Shading:
     """How light falls off towards the rim of the picture."""
 
     fall_off: bool = False
-    """The lens's own: cos^4 of the angle to the axis, traced for a prescription, none for a fisheye."""
+    """The lens's own, as it declares it: cos^4 of the angle to the axis, traced, or none."""
     vignetting: float = 0.0
     """Share of the light that is lost in the picture's corner on top, growing with the radius squared."""
 
@@ -137,10 +140,20 @@ def _fall_off(camera: Camera, pupil: Pupil | None) -> tuple[float, ...]:
     """Return what the fall-off takes: nothing but a 1 for cos^4, or a polynomial in the radius squared.
 
     A prescription that is open loses its light on the way; one that is closed, as if it were open.
+
+    Raises
+    ------
+    InputError
+        The lens does not say how its light falls off.
     """
     model, reach = camera.model, camera.reach
     if not isinstance(model, PrescribedLens):
-        return (1.0,) if camera.lens in _COS4_LENSES else (1.0, 1.0)
+        if model.fall_off not in _FALL_OFFS:
+            raise InputError(
+                f"How light falls off behind the lens '{camera.lens}' is not known. Render without: --set "
+                "photometry.fall_off=false, or choose another lens."
+            )
+        return _FALL_OFFS[model.fall_off]
     if pupil is not None:
         return (1.0, 1.0)
     prescription = model.prescription

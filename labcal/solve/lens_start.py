@@ -1,6 +1,8 @@
 """Where the calibration of one camera begins: a first lens and a first pose of the target in every view."""
 
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import or_
 
 import cv2
 import numpy as np
@@ -8,7 +10,8 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Points, Pose
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import FISHEYE, LENGTH, PRESCRIPTION, lens_by_name
+from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
+from labcal.cameras.opencv_model import PERSPECTIVE, from_order, to_order
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.plane_pose import plane_pose
@@ -19,13 +22,16 @@ from labcal.solve.resection.start import camera_with_field
 from labcal.targets.target import Target
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
-_OPENCV_FLAGS = {
-    0: cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3,
-    2: cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3,
-    5: 0,
+_KEPT_AT_0 = {
+    "k1": cv2.CALIB_FIX_K1,
+    "k2": cv2.CALIB_FIX_K2,
+    "p1": cv2.CALIB_ZERO_TANGENT_DIST,
+    "p2": cv2.CALIB_ZERO_TANGENT_DIST,
+    "k3": cv2.CALIB_FIX_K3,
 }
-"""By number of coefficients; lenses with more begin as the last of these."""
+"""OpenCV's flag for what a lens does not have; of those beyond these five none is free at the start."""
 _HALF_FIELDS_DEG = np.geomspace(15.0, 170.0, 30)
+_WIDEST_FLAT_DEG = 75.0
 _SCAN_VIEWS = 12
 
 
@@ -75,7 +81,9 @@ def start_from_pictures(pictures: list[Detections], target: Target, lens: str) -
         The dots determine no camera.
     """
     require_adjustable(lens)
-    return _fisheye(pictures, target) if lens == FISHEYE else _by_opencv(pictures, target, lens)
+    if lens_by_name(lens).opencv is PERSPECTIVE:
+        return _by_opencv(pictures, target, lens)
+    return _by_scan(pictures, target, lens)
 
 
 def start_from_camera(pictures: list[Detections], target: Target, known: Camera) -> LensStart:
@@ -103,22 +111,24 @@ def camera_as_lens(known: Camera, lens: str, name: str) -> Camera:
     require_adjustable(lens)
     if known.lens == lens:
         return known
-    free = lens_by_name(lens).coefficients
-    if FISHEYE in (known.lens, lens) or known.lens == PRESCRIPTION or np.any(known.dist[free:] != 0.0):
+    old, new = known.model, lens_by_name(lens)
+    held = dict(zip(old.names, known.dist.tolist(), strict=False))
+    lost = [name for name, value in held.items() if name not in new.names and value != 0.0]
+    if old.opencv is None or old.opencv is not new.opencv or lost:
         raise InputError(
             f"Camera '{name}' of the rig to start from has the lens '{known.lens}', from which '{lens}' "
             "cannot start. Leave --start out, or name a lens with at least its coefficients."
         )
-    dist = np.zeros(max(LENGTH, free))
-    shared = min(free, len(known.dist))
-    dist[:shared] = known.dist[:shared]
+    values = to_order(old.opencv, old.names, tuple(held.values()))
+    dist = np.zeros(max(LENGTH, new.coefficients))
+    dist[: new.coefficients] = from_order(old.opencv, new.names, values)
     return replace(known, lens=lens, dist=dist)
 
 
 @one_opencv_thread()
 def _by_opencv(pictures: list[Detections], target: Target, lens: str) -> LensStart:
-    """Start a perspective lens by Zhang's method."""
-    free = lens_by_name(lens).coefficients
+    """Start a lens of OpenCV's perspective model by Zhang's method."""
+    names = lens_by_name(lens).names
     size = pictures[0].picture_size(pictures[0].cameras[0])
     try:
         _, K, found, turns, shifts = cv2.calibrateCamera(
@@ -127,7 +137,7 @@ def _by_opencv(pictures: list[Detections], target: Target, lens: str) -> LensSta
             size,
             np.eye(3),
             np.zeros(LENGTH),
-            flags=_OPENCV_FLAGS[min(free, LENGTH)],
+            flags=reduce(or_, (flag for name, flag in _KEPT_AT_0.items() if name not in names), 0),
             criteria=_TERMINATION,
         )
     except cv2.error as error:
@@ -135,8 +145,9 @@ def _by_opencv(pictures: list[Detections], target: Target, lens: str) -> LensSta
             f"The dots of camera '{pictures[0].cameras[0]}' determine no camera ({error.err}). Every view "
             "needs dots of several rows and columns, and the views different tilts."
         ) from error
-    dist = np.zeros(max(LENGTH, free))
-    dist[:LENGTH] = np.asarray(found, dtype=np.float64).ravel()[:LENGTH]
+    values = np.asarray(found, dtype=np.float64).ravel()[:LENGTH].tolist()
+    dist = np.zeros(max(LENGTH, len(names)))
+    dist[: len(names)] = from_order(PERSPECTIVE, names, tuple(values))
     poses = [
         from_rotation_vector(np.asarray(turn, dtype=np.float64).ravel(), np.asarray(shift).ravel())
         for turn, shift in zip(turns, shifts, strict=True)
@@ -152,12 +163,14 @@ def _images_all(camera: Camera, T_cam_target: Pose, dots: Detections, target: Ta
     return bool(camera.project(transform(T_cam_target, target.points(dots.index))).ok.all())
 
 
-def _fisheye(pictures: list[Detections], target: Target) -> LensStart:
-    """Start a fisheye as equidistant, with the focal length at which flat targets look flat."""
+def _by_scan(pictures: list[Detections], target: Target, lens: str) -> LensStart:
+    """Start any lens without distortion, with the focal length at which flat targets look flat."""
     scanned = pictures[:: -(-len(pictures) // _SCAN_VIEWS)]
     size = pictures[0].picture_size(pictures[0].cameras[0])
-    kind = camera_of_lens(FISHEYE, size, None)
-    candidates = [camera_with_field(kind, half_field) for half_field in np.radians(_HALF_FIELDS_DEG)]
+    kind = camera_of_lens(lens, size, None)
+    widest = _WIDEST_FLAT_DEG if kind.model.rectilinear else 180.0
+    half_fields = np.radians([field for field in _HALF_FIELDS_DEG if field < widest])
+    candidates = [camera_with_field(kind, half_field) for half_field in half_fields]
     misses = [_miss(camera, scanned, target) for camera in candidates]
     if not np.isfinite(misses).any():
         raise InputError(

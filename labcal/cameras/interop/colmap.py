@@ -14,16 +14,16 @@ from scipy.spatial.transform import Rotation
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE_COEFFICIENTS,
     camera_record,
+    fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
+    opencv_model,
     perspective_lens,
-    require_plain,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import rig_of
-from labcal.cameras.lens import FISHEYE
+from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -162,9 +162,8 @@ def _camera(words: Sequence[str], T_cam_world: Pose, path: Path) -> CameraRecord
 
 def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
     """Return COLMAP's model and its coefficients."""
-    if record.lens == FISHEYE:
-        require_plain(name, record, _HOLDER)
-        return "OPENCV_FISHEYE", record.dist[:FISHEYE_COEFFICIENTS]
+    if opencv_model(name, record, _HOLDER) is FISHEYE:
+        return "OPENCV_FISHEYE", fisheye_coefficients(record)
     held = held_coefficients(name, record, 8, f"{_HOLDER} (FULL_OPENCV)")
     if not any(held):
         return "PINHOLE", ()

@@ -15,12 +15,12 @@ import numpy as np
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE_COEFFICIENTS,
     camera_record,
+    fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
+    opencv_model,
     perspective_lens,
-    require_plain,
 )
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import (
@@ -32,7 +32,7 @@ from labcal.cameras.interop.placement import (
     steps_along,
 )
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
-from labcal.cameras.lens import FISHEYE
+from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -116,9 +116,8 @@ def _list(values: Sequence[float]) -> str:
 
 def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
     """Return Kalibr's distortion model and its coefficients."""
-    if record.lens == FISHEYE:
-        require_plain(name, record, _HOLDER)
-        return "equidistant", record.dist[:FISHEYE_COEFFICIENTS]
+    if opencv_model(name, record, _HOLDER) is FISHEYE:
+        return "equidistant", fisheye_coefficients(record)
     return "radtan", held_coefficients(name, record, _RADTAN, f"{_HOLDER} (radtan)")
 
 

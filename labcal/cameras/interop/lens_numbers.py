@@ -1,4 +1,4 @@
-"""Lenses as lists of OpenCV's coefficients, which most formats share."""
+"""Lenses as lists of OpenCV's coefficients, which most formats share; others are refused by name."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,7 +7,9 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import FISHEYE, LENGTH, LENSES
+from labcal.cameras.lens import FISHEYE as FISHEYE_LENS
+from labcal.cameras.lens import LENGTH, LENSES, lens_by_name
+from labcal.cameras.opencv_model import FISHEYE, PERSPECTIVE, OpenCVModel, to_order
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 
@@ -39,11 +41,48 @@ def perspective_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, .
 
 def fisheye_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]:
     """Return the fisheye with k1 to k4, and its `dist`, padded with zeros."""
-    return FISHEYE, (*coefficients, *(0.0,) * LENGTH)[:LENGTH]
+    return FISHEYE_LENS, (*coefficients, *(0.0,) * LENGTH)[:LENGTH]
+
+
+def opencv_model(name: str, record: CameraRecord, holder: str) -> OpenCVModel:
+    """Return the model of OpenCV that a camera's lens is.
+
+    Parameters
+    ----------
+    name : str
+        The camera's, for messages.
+    record : CameraRecord
+    holder : str
+        The format as messages name it.
+
+    Raises
+    ------
+    InputError
+        The lens is none of OpenCV's, or the camera has what only labcal can hold: a lens prescription, or a
+        window in front of the lens.
+    """
+    for what, has_it in (("lens prescription", record.prescription), ("window", record.window)):
+        if has_it is not None:
+            raise InputError(
+                f"{holder} cannot hold the {what} of camera '{name}'. Calibrate with one of the lens models "
+                f"{_written_lenses()}, or keep rig.json."
+            )
+    model = lens_by_name(record.lens).opencv
+    if model is None:
+        raise InputError(
+            f"{holder} cannot hold the lens '{record.lens}' of camera '{name}': its coefficients are none of "
+            f"OpenCV's. Calibrate with one of the lens models {_written_lenses()}, or keep rig.json."
+        )
+    return model
+
+
+def fisheye_coefficients(record: CameraRecord) -> tuple[float, ...]:
+    """Return k1 to k4 of a lens that is OpenCV's fisheye."""
+    return (*_in_order(record, FISHEYE), *(0.0,) * FISHEYE_COEFFICIENTS)[:FISHEYE_COEFFICIENTS]
 
 
 def held_coefficients(name: str, record: CameraRecord, most: int, holder: str) -> tuple[float, ...]:
-    """Return the coefficients of a perspective lens, exactly `most` of them, for a format.
+    """Return the coefficients of OpenCV's perspective model, exactly `most` of them, for a format.
 
     Parameters
     ----------
@@ -60,35 +99,34 @@ def held_coefficients(name: str, record: CameraRecord, most: int, holder: str) -
     InputError
         The format cannot hold the camera; the message says what, and what to do instead.
     """
-    require_plain(name, record, holder)
-    if record.lens == FISHEYE:
+    if opencv_model(name, record, holder) is not PERSPECTIVE:
         raise InputError(
-            f"{holder} has no lens like '{FISHEYE}' of camera '{name}'. Choose a format that has it (opencv, "
-            "kalibr, ros, colmap), or calibrate with a perspective lens model."
+            f"{holder} has no lens like '{record.lens}' of camera '{name}'. Choose a format that has it "
+            "(opencv, kalibr, ros, colmap), or calibrate with a perspective lens model."
         )
-    surplus = [f"{value:g}" for value in record.dist[most:] if value != 0.0]
+    held = _in_order(record, PERSPECTIVE)
+    surplus = [f"{value:g}" for value in held[most:] if value != 0.0]
     if surplus:
         raise InputError(
             f"{holder} holds {most} coefficients of a lens, but '{record.lens}' of camera '{name}' has more "
             f"({', '.join(surplus)}). Calibrate with a simpler lens model, or choose another format."
         )
-    return (*record.dist, *(0.0,) * most)[:most]
+    return (*held, *(0.0,) * most)[:most]
 
 
-def require_plain(name: str, record: CameraRecord, holder: str) -> None:
-    """Raise where a camera has what only labcal can hold.
+def coefficient_count(record: CameraRecord) -> int:
+    """Return up to which of OpenCV's coefficients the lens of a camera has any."""
+    model = lens_by_name(record.lens).opencv
+    return 0 if model is None else len(_in_order(record, model))
 
-    Raises
-    ------
-    InputError
-        It has a lens prescription, or a window in front of the lens.
-    """
-    for what, has_it in (("lens prescription", record.prescription), ("window", record.window)):
-        if has_it is not None:
-            raise InputError(
-                f"{holder} cannot hold the {what} of camera '{name}'. Calibrate with one of the lens models "
-                f"{', '.join(LENSES)}, or keep rig.json."
-            )
+
+def _in_order(record: CameraRecord, model: OpenCVModel) -> tuple[float, ...]:
+    return to_order(model, lens_by_name(record.lens).names, record.dist)
+
+
+def _written_lenses() -> str:
+    """Return the names of the lens models that OpenCV has, for a message."""
+    return ", ".join(name for name, lens in LENSES.items() if lens.opencv is not None)
 
 
 def camera_record(

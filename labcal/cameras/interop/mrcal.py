@@ -13,7 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
-from labcal.cameras.interop.lens_numbers import camera_record, held_coefficients, perspective_lens
+from labcal.cameras.interop.lens_numbers import (
+    camera_record,
+    coefficient_count,
+    held_coefficients,
+    perspective_lens,
+)
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import MM_IN_M, rig_of
 from labcal.cameras.record import CameraRecord
@@ -28,12 +33,6 @@ _COEFFICIENTS = {
     "LENSMODEL_OPENCV5": 5,
     "LENSMODEL_OPENCV8": 8,
     "LENSMODEL_OPENCV12": 12,
-}
-_MODELS = {
-    "pinhole": "LENSMODEL_PINHOLE",
-    "brown-k1k2": "LENSMODEL_OPENCV4",
-    "brown5": "LENSMODEL_OPENCV5",
-    "rational8": "LENSMODEL_OPENCV8",
 }
 _LARGEST = "LENSMODEL_OPENCV12"
 _POSE_KEYS = ("extrinsics", "rt_cam_ref")
@@ -75,7 +74,8 @@ def write_mrcal(rig: Rig, _suffix: str) -> RigTexts:
 
 def _text(name: str, record: CameraRecord) -> str:
     """Return the file of one camera."""
-    model = _MODELS.get(record.lens, _LARGEST)
+    count = coefficient_count(record)
+    model = next((model for model, most in _COEFFICIENTS.items() if count <= most), _LARGEST)
     held = held_coefficients(name, record, _COEFFICIENTS[model], f"{_HOLDER} ({model})")
     (fx, _, cx), (_, fy, cy), _ = record.K
     T_cam_world = np.array(record.T_cam_world)

@@ -15,16 +15,19 @@ from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat
 from labcal.cameras.interop.lens_numbers import (
     FISHEYE_COEFFICIENTS,
     camera_record,
+    coefficient_count,
+    fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
     intrinsics_of,
+    opencv_model,
     perspective_lens,
-    require_plain,
 )
 from labcal.cameras.interop.numbers_text import finite_number, picture_size
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.placement import poses_from_first, rig_of, rounded_pose
-from labcal.cameras.lens import FISHEYE
+from labcal.cameras.lens import LENGTH
+from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -89,7 +92,7 @@ def write_opencv(rig: Rig, suffix: str) -> RigTexts:
             "camera_name": name,
             "image_width": record.size[0],
             "image_height": record.size[1],
-            "fisheye_model": int(record.lens == FISHEYE),
+            "fisheye_model": int(_is_fisheye(name, record)),
             "camera_matrix": np.array(record.K),
             "distortion_coefficients": _coefficients(name, record),
             "R": T_cam_world[:3, :3],
@@ -104,7 +107,7 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
     (left, first), (right, second) = rig.cameras.items()
     for what, a, b in (
         ("size of the pictures", first.size, second.size),
-        ("kind of lens", first.lens == FISHEYE, second.lens == FISHEYE),
+        ("kind of lens", _is_fisheye(left, first), _is_fisheye(right, second)),
     ):
         if a != b:
             raise InputError(
@@ -117,7 +120,7 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
         "camera_name2": right,
         "image_width": first.size[0],
         "image_height": first.size[1],
-        "fisheye_model": int(first.lens == FISHEYE),
+        "fisheye_model": int(_is_fisheye(left, first)),
         "M1": np.array(first.K),
         "D1": _coefficients(left, first),
         "M2": np.array(second.K),
@@ -178,11 +181,17 @@ def _pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:
 
 
 def _coefficients(name: str, record: CameraRecord) -> np.ndarray:
-    """Return a lens's coefficients as one row."""
-    if record.lens == FISHEYE:
-        require_plain(name, record, _HOLDER)
-        return np.array(record.dist[:FISHEYE_COEFFICIENTS])[None]
-    return np.array(held_coefficients(name, record, max(_COUNTS), _HOLDER)[: len(record.dist)])[None]
+    """Return a lens's coefficients as one row, as many as OpenCV takes."""
+    if _is_fisheye(name, record):
+        return np.array(fisheye_coefficients(record))[None]
+    held = held_coefficients(name, record, max(_COUNTS), _HOLDER)
+    count = min(count for count in _COUNTS if count >= max(LENGTH, coefficient_count(record)))
+    return np.array(held[:count])[None]
+
+
+def _is_fisheye(name: str, record: CameraRecord) -> bool:
+    """Tell whether a camera's lens is OpenCV's fisheye; raise where it is none of OpenCV's."""
+    return opencv_model(name, record, _HOLDER) is FISHEYE
 
 
 OPENCV = RigFormat(

@@ -19,16 +19,17 @@ from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat
 from labcal.cameras.interop.lens_numbers import (
     FISHEYE_COEFFICIENTS,
     camera_record,
+    fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
     intrinsics_of,
+    opencv_model,
     perspective_lens,
-    require_plain,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import MM_IN_M, poses_from_first, rig_of, rounded_pose
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
-from labcal.cameras.lens import FISHEYE
+from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -182,9 +183,8 @@ def _pair_pose(contents: Sequence[dict[str, Any]], paths: Sequence[Path]) -> tup
 
 def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
     """Return ROS's distortion model and its coefficients."""
-    if record.lens == FISHEYE:
-        require_plain(name, record, _HOLDER)
-        return "equidistant", record.dist[:FISHEYE_COEFFICIENTS]
+    if opencv_model(name, record, _HOLDER) is FISHEYE:
+        return "equidistant", fisheye_coefficients(record)
     held = held_coefficients(name, record, _RATIONAL, f"{_HOLDER} (rational_polynomial)")
     return ("rational_polynomial", held) if any(held[_PLUMB_BOB:]) else ("plumb_bob", held[:_PLUMB_BOB])
 

@@ -5,6 +5,7 @@ import numpy as np
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENSES
+from labcal.cameras.opencv_model import FISHEYE, to_order
 from labcal.experiments.bench_render.optics import OPTICS, description
 from labcal.geometry.poses import rotation_vector
 from labcal.render.samples import Samples
@@ -52,7 +53,9 @@ def _worst_miss(camera: Camera, random: np.random.Generator) -> float:
 def opencv_checks(seed: int) -> list[Check]:
     """Return how far projections differ from OpenCV's, for the models that it has."""
     checks = []
-    for name in LENSES:
+    for name, lens in LENSES.items():
+        if lens.opencv is None:
+            continue
         camera = description(name, SIZES["1.2 megapixels"], PLACE).camera()
         random = generator(seed, "bench OpenCV", name)
         q = random.uniform([0, 0], [camera.size[0] - 1, camera.size[1] - 1], (RAYS // 10, 2))
@@ -60,10 +63,13 @@ def opencv_checks(seed: int) -> list[Check]:
         front = rays.direction @ camera.T_cam_world[2, :3] > 0.1  # noqa: PLR2004 -- OpenCV divides by z
         p = (rays.origin + random.uniform(300.0, 3000.0, (len(q), 1)) * rays.direction)[front]
         rvec, tvec = rotation_vector(camera.T_cam_world), camera.T_cam_world[:3, 3]
-        if name.startswith("fisheye"):
-            expected, _ = cv2.fisheye.projectPoints(p[:, None], rvec, tvec, camera.K, camera.dist[:4])
+        dist = np.zeros(len(lens.opencv.order))
+        held = to_order(lens.opencv, lens.names, tuple(camera.dist.tolist()))
+        dist[: len(held)] = held
+        if lens.opencv is FISHEYE:
+            expected, _ = cv2.fisheye.projectPoints(p[:, None], rvec, tvec, camera.K, dist)
         else:
-            expected, _ = cv2.projectPoints(p, rvec, tvec, camera.K, camera.dist)
+            expected, _ = cv2.projectPoints(p, rvec, tvec, camera.K, dist)
         difference = np.abs(camera.project(p).q - np.asarray(expected).reshape(-1, 2)).max()
         checks.append(
             at_most(f"projection of {name} against OpenCV's, px", float(difference), OPENCV_LIMIT_PX)

@@ -1,11 +1,4 @@
-"""What is known of lens coefficients beforehand: that none of them bends the picture by its own width.
-
-In models with many coefficients some stand in for each other (k1 and k4 of the rational model do at first
-order), and steps along such a direction end at a pole of the formula. This holds them, and weighs nothing
-beside what dots tell: a dot's noise is a ten-thousandth of a picture's width or less. The coefficients beyond
-Brown's five are held tighter: else noise in the training views sets them, and the pole may come to lie
-just outside the dots.
-"""
+"""The prior of lens coefficients (:mod:`labcal.solve.lens_prior`) as a part of an adjustment."""
 
 from dataclasses import dataclass
 
@@ -17,12 +10,7 @@ from labcal.cameras.optics import INTRINSICS
 from labcal.solve.adjustment.blocks import Blocks, Slopes
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.state import Layout, Lenses, RigState
-
-_SHARE = 1.0
-"""One standard deviation of a coefficient's effect on the outermost dot, over the picture's width."""
-_SHARE_BEYOND = 0.01
-"""The same for those beyond Brown's five, which stand in for these where dots do not tell them apart."""
-_BROWN = 5
+from labcal.solve.lens_prior import PriorWidth, coefficient_weights
 
 
 @dataclass(frozen=True)
@@ -32,7 +20,9 @@ class LensPrior:
     weight: tuple[Float64[np.ndarray, " coefficients"], ...] = ()
 
     @classmethod
-    def of(cls, state: RigState, observations: Observations, lenses: Lenses) -> "LensPrior":
+    def of(
+        cls, state: RigState, observations: Observations, lenses: Lenses, width: PriorWidth
+    ) -> "LensPrior":
         """Return the prior of the lenses of a state, for the dots that they image."""
         if lenses is Lenses.FIXED:
             return cls()
@@ -42,10 +32,8 @@ class LensPrior:
             by_camera = projection_derivatives(state.cameras[run.camera], p.T).by_camera
             here = np.abs(by_camera[:, :, INTRINSICS:]).max(axis=(0, 1))
             effect[run.camera] = np.maximum(effect[run.camera], here)
-        pairs = zip(effect, state.cameras, strict=True)
-        return cls(
-            tuple((largest / (_shares(len(largest)) * camera.size[0])) ** 2 for largest, camera in pairs)
-        )
+        pairs = zip(state.cameras, effect, strict=True)
+        return cls(tuple(coefficient_weights(camera, largest, width) for camera, largest in pairs))
 
     def cost(self, state: RigState) -> float:
         """Return what the coefficients of a state cost."""
@@ -62,11 +50,6 @@ class LensPrior:
             shared[at, at] += weight
             gradient[at] += weight * layout.state.cameras[number].dist[: len(weight)]
         return Blocks(shared, blocks.cross, blocks.view, Slopes(gradient, blocks.gradient.view))
-
-
-def _shares(coefficients: int) -> Float64[np.ndarray, " coefficients"]:
-    """Return one standard deviation of each coefficient's effect, as a share of the picture's width."""
-    return np.where(np.arange(coefficients) < _BROWN, _SHARE, _SHARE_BEYOND)
 
 
 NO_PRIOR = LensPrior()

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from labcal.cameras.optics import INTRINSICS
 from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
@@ -15,8 +16,9 @@ from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.outliers import outliers
 from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.scatter import Scatter
-from labcal.solve.adjustment.state import POSE, Freedom, Layout, RigState
+from labcal.solve.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
 from labcal.solve.centre_bias import Discs, centre_shift
+from labcal.solve.lens_prior import FoundLens, PriorWidth, narrow_is_better
 
 STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 """Within a thousandth of a standard deviation of the minimum."""
@@ -46,6 +48,22 @@ class Adjusted:
     scatter_px: float
     """What dots scatter (per axis) beyond their covariances."""
     reason: StopReason
+    prior_width: PriorWidth
+    """How tightly what the dots leave open of the lenses was held."""
+
+    @property
+    def typical_px(self) -> float:
+        """Root mean square 2-D distance of all dots but outliers."""
+        return float(np.sqrt((self.residual[~self.outlier] ** 2).sum(axis=1).mean()))
+
+    @property
+    def lenses(self) -> list[FoundLens]:
+        """The cameras with the covariances of their coefficients, where these are free."""
+        found = []
+        for camera, own in zip(self.state.cameras, self.layout.lens, strict=True):
+            at = slice(own.start + INTRINSICS, own.stop)
+            found.append(FoundLens(camera, self.covariance[at, at]))
+        return found
 
     def rms_px(self, observations: Observations) -> Float64[np.ndarray, " cameras"]:
         """Return OpenCV's figure by camera, without outliers: the root mean square of the 2-D distance."""
@@ -62,6 +80,8 @@ def adjust_in_rounds(
     bias_rounds: int,
 ) -> Adjusted:
     """Adjust, and repeat with what the adjustment tells of bias, scatter and outliers.
+
+    Where the dots leave a lens open up to folds inside the picture, its coefficients are held tighter.
 
     Parameters
     ----------
@@ -85,34 +105,57 @@ def adjust_in_rounds(
             "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
             "is the one in the pictures, choose a lens model that suits the lens, or give a rig with --start."
         )
-    prior = LensPrior.of(start, observations, freedom.lenses)
-    now = _Standing.of(start, observations, np.zeros_like(observations.q), freedom)
-    # The start may be drawn towards outliers: at first they are only held back.
-    loss: Loss = Huber() if now.aside.any() else SQUARES
-    entering = np.full(len(observations), fill_value=True)
-    for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
-        if 0 < number <= bias_rounds:
-            now = now.shifted(predicted_shift(now.state, observations, radii))
+    rounds = _Rounds(start, observations, freedom, radii, bias_rounds)
+    wide = rounds.adjusted(PriorWidth.WIDE)
+    if freedom.lenses is Lenses.FIXED or not any(found.is_open for found in wide.lenses):
+        return wide
+    narrow = rounds.adjusted(PriorWidth.NARROW)
+    ratio = narrow.typical_px / max(wide.typical_px, np.finfo(np.float64).tiny)
+    return narrow if narrow_is_better(wide.state.cameras, narrow.state.cameras, ratio) else wide
+
+
+@dataclass(frozen=True)
+class _Rounds:
+    """What :func:`adjust_in_rounds` is given."""
+
+    start: RigState
+    observations: Observations
+    freedom: Freedom
+    radii: Float64[np.ndarray, " dots"]
+    bias_rounds: int
+
+    def adjusted(self, width: PriorWidth) -> Adjusted:
+        """Adjust in rounds with a prior of the lenses' coefficients."""
+        observations, freedom, bias_rounds = self.observations, self.freedom, self.bias_rounds
+        prior = LensPrior.of(self.start, observations, freedom.lenses, width)
+        now = _Standing.of(self.start, observations, np.zeros_like(observations.q), freedom)
+        # The start may be drawn towards outliers: at first they are only held back.
+        loss: Loss = Huber() if now.aside.any() else SQUARES
+        entering = np.full(len(observations), fill_value=True)
+        for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
+            if 0 < number <= bias_rounds:
+                now = now.shifted(predicted_shift(now.state, observations, self.radii))
+            dots = now.measured.where(entering).scattered(now.extra)
+            problem = AdjustmentProblem(dots, freedom, loss, prior)
+            solution = minimize(problem, now.state, STOPPING, DAMPING)
+            now = _Standing.of(solution.parameters, observations, now.shift, freedom)
+            settled = bool((entering == ~now.aside).all())
+            entering, loss = ~now.aside, SQUARES
+            if settled and number >= max(bias_rounds, 1):
+                break
         dots = now.measured.where(entering).scattered(now.extra)
-        problem = AdjustmentProblem(dots, freedom, loss, prior)
-        solution = minimize(problem, now.state, STOPPING, DAMPING)
-        now = _Standing.of(solution.parameters, observations, now.shift, freedom)
-        settled = bool((entering == ~now.aside).all())
-        entering, loss = ~now.aside, SQUARES
-        if settled and number >= max(bias_rounds, 1):
-            break
-    dots = now.measured.where(entering).scattered(now.extra)
-    end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)
-    return Adjusted(
-        state=now.state,
-        layout=end.layout,
-        covariance=end.shared_covariance(),
-        residual=now.state.residuals(now.measured),
-        shift=now.shift,
-        outlier=now.aside,
-        scatter_px=float(np.sqrt(now.extra)),
-        reason=solution.reason,
-    )
+        end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)
+        return Adjusted(
+            state=now.state,
+            layout=end.layout,
+            covariance=end.shared_covariance(),
+            residual=now.state.residuals(now.measured),
+            shift=now.shift,
+            outlier=now.aside,
+            scatter_px=float(np.sqrt(now.extra)),
+            reason=solution.reason,
+            prior_width=width,
+        )
 
 
 @dataclass(frozen=True)

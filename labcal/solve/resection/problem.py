@@ -10,12 +10,9 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Points
 from labcal.errors import InputError
 from labcal.solve.adjustment.state import POSE
-from labcal.solve.resection.placed import PlacedCamera, SeenPoints
+from labcal.solve.lens_prior import PriorWidth, coefficient_weights
+from labcal.solve.resection.placed import PlacedCamera
 from labcal.solve.resection.whitening import Whitening
-
-_SHARE = 1.0
-"""One standard deviation of a coefficient's effect on the outermost point, over the picture's width: what is
-known of lens coefficients beforehand (see ``adjustment.lens_prior``)."""
 
 
 @dataclass(frozen=True)
@@ -104,18 +101,19 @@ class ResectionEquations:
         return np.asarray(scipy.linalg.cho_solve(factor, self.gradient / self.scale) / self.scale)
 
 
-def lens_prior(at: PlacedCamera, seen: SeenPoints) -> Float64[np.ndarray, " free"]:
-    """Return inverse variances that hold lens coefficients which the points do not tell.
+def lens_prior(at: PlacedCamera, p: Points, width: PriorWidth) -> Float64[np.ndarray, " free"]:
+    """Return the inverse variances of a camera's pose and free numbers about 0: those of its lens.
 
     Parameters
     ----------
     at : PlacedCamera
-    seen : SeenPoints
-        The points through it.
+    p : ndarray, shape (n, 3)
+        World points that it sees, mm.
+    width : PriorWidth
     """
     prior = np.zeros(at.count)
     own = at.numbers.coefficients
     where = slice(POSE + own.start, POSE + own.stop)
-    effect = np.abs(seen.by_camera[:, :, where]).max(axis=(0, 1), initial=0.0)
-    prior[where] = (effect / (_SHARE * at.camera.size[0])) ** 2
+    effect = np.abs(at.seen(p).by_camera[:, :, where]).max(axis=(0, 1), initial=0.0)
+    prior[where] = coefficient_weights(at.camera, effect, width)
     return prior

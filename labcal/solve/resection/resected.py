@@ -11,8 +11,10 @@ from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping
+from labcal.solve.adjustment.state import POSE
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.geometry_checks import refuse_collinear, refuse_few, refuse_one_plane
+from labcal.solve.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.solve.resection.placed import PlacedCamera
 from labcal.solve.resection.problem import ResectionProblem, lens_prior
 from labcal.solve.resection.start import resection_starts
@@ -49,6 +51,14 @@ class ResectedCamera:
     def camera(self) -> Camera:
         """The camera."""
         return self.placed.camera
+
+    def lens(self, whitening: Whitening) -> FoundLens:
+        """Return the camera with the covariance of its coefficients, by the scatter of its residuals."""
+        own = self.placed.numbers.coefficients
+        at = slice(POSE + own.start, POSE + own.stop)
+        freedom = max(1, self.residual.size - self.placed.count)
+        scatter = float((whitening.white(self.residual) ** 2).sum()) / freedom
+        return FoundLens(self.camera, scatter * self.covariance[at, at])
 
 
 @one_blas_thread()
@@ -94,6 +104,8 @@ def adjusted(
 ) -> ResectedCamera:
     """Return the camera nearest to pixels, from a start that images all points.
 
+    Where the points leave the lens open up to folds inside the picture, its coefficients are held tighter.
+
     Parameters
     ----------
     start : PlacedCamera
@@ -104,7 +116,18 @@ def adjusted(
     damping : Damping
         :data:`FAR` or :data:`NEAR`.
     """
-    problem = ResectionProblem(q, p, whitening, lens_prior(start, start.seen(p)))
+    wide = _adjusted(start, ResectionProblem(q, p, whitening, lens_prior(start, p, PriorWidth.WIDE)), damping)
+    if not wide.lens(whitening).is_open:
+        return wide
+    held = ResectionProblem(q, p, whitening, lens_prior(start, p, PriorWidth.NARROW))
+    narrow = _adjusted(start, held, damping)
+    ratio = narrow.sigma_px / max(wide.sigma_px, np.finfo(np.float64).tiny)
+    return narrow if narrow_is_better([wide.camera], [narrow.camera], ratio) else wide
+
+
+def _adjusted(start: PlacedCamera, problem: ResectionProblem, damping: Damping) -> ResectedCamera:
+    """Return the camera that solves a problem."""
+    q, p = problem.q, problem.p
     placed = minimize(problem, start, _STOPPING, damping).parameters
     residual = placed.camera.project(p).q - q
     freedom = max(1, residual.size - placed.count)

@@ -8,7 +8,7 @@ import scipy.linalg
 
 from labcal.arrays import Pixels, Points
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import FISHEYE, LENGTH
+from labcal.cameras.lens import LENGTH
 from labcal.errors import InputError
 from labcal.geometry.pose_from_rays import pose_from_rays
 from labcal.geometry.poses import pose
@@ -45,7 +45,7 @@ def resection_starts(q: Pixels, p: Points, kinds: Sequence[Camera]) -> list[Came
     candidates: list[Camera | None] = []
     for kind in kinds:
         candidates += [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
-        if kind.lens != FISHEYE:
+        if kind.model.rectilinear:
             candidates.append(_linear(q, p, kind))
     kept = _KEPT if len(kinds) == 1 else _KEPT_OF_SEVERAL
     misses = [np.inf if camera is None else _miss(camera, q, p) for camera in candidates]
@@ -61,7 +61,7 @@ def resection_starts(q: Pixels, p: Points, kinds: Sequence[Camera]) -> list[Came
 
 def _fields(kind: Camera) -> list[float]:
     """Return the angles (rad) from the axis at which the picture's corners are tried."""
-    widest = 180.0 if kind.lens == FISHEYE else _WIDEST_FLAT_DEG
+    widest = _WIDEST_FLAT_DEG if kind.model.rectilinear else 180.0
     return [float(np.radians(field)) for field in _HALF_FIELDS_DEG if field <= widest]
 
 
@@ -73,11 +73,11 @@ def camera_with_field(kind: Camera, field: float) -> Camera:
     kind : Camera
         Size, lens, prescription and window; its other numbers do not matter.
     field : float
-        Below a right angle for all but a fisheye, which begins as equidistant.
+        Below a right angle for a rectilinear lens.
     """
     width, height = kind.size
     corner = 0.5 * float(np.hypot(width, height))
-    f = corner / (field if kind.lens == FISHEYE else float(np.tan(field)))
+    f = corner / kind.model.undistorted_radius(field)
     K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
     return replace(kind, K=K, dist=np.zeros(max(LENGTH, len(kind.dist))), T_cam_world=np.eye(4))
 

@@ -270,7 +270,8 @@ def test_mrcal_calibrates_what_is_exported(
     (tmp_path / "corners.vnl").write_text(corners_text(see(pair, square, poses), square).text)
     words = [
         program("mrcal-calibrate-cameras"), "--corners-cache", "corners.vnl", "--corners-cache-has-weights",
-        "--lensmodel", "LENSMODEL_OPENCV5", "--imagersize", "640", "480", "--object-spacing", repr(square.pitch_x_mm / 1000.0),
+        "--lensmodel", "LENSMODEL_OPENCV5", "--imagersize", "640", "480",
+        "--object-spacing", repr(square.pitch_x_mm / 1000.0),
         "--object-width-n", str(square.cols), "--object-height-n", str(square.rows), "--focal", "700",
         "--skip-calobject-warp-solve", "--outdir", ".", "*_left.png", "*_right.png",
     ]  # fmt: skip

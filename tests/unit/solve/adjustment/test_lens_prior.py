@@ -18,6 +18,7 @@ from labcal.solve.adjustment.observations import Observations, observations_of
 from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.state import Freedom, Lenses, RigState
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
+from labcal.solve.lens_prior import PriorWidth
 from labcal.targets.grid import DotGrid
 
 See = Callable[..., Detections]
@@ -46,7 +47,7 @@ def test_it_is_part_of_cost_gradient_and_curvature(case: Case) -> None:
 
 def test_it_weighs_nothing_beside_the_dots(case: Case) -> None:
     observations, state, freedom = case
-    prior = LensPrior.of(state, observations, freedom.lenses)
+    prior = LensPrior.of(state, observations, freedom.lenses, PriorWidth.WIDE)
     sigmas = []
     for given in (NO_PRIOR, prior):
         end = AdjustmentProblem(observations, freedom, prior=given).linearize(state)
@@ -58,11 +59,11 @@ def test_it_bounds_what_dots_leave_open(case: Case) -> None:
     observations, state, freedom = case
     cameras = tuple(replace(c, lens="rational8", dist=np.append(c.dist, np.zeros(3))) for c in state.cameras)
     state = replace(state, cameras=cameras)
-    prior = LensPrior.of(state, observations, freedom.lenses)
+    prior = LensPrior.of(state, observations, freedom.lenses, PriorWidth.WIDE)
     covariance = AdjustmentProblem(observations, freedom, prior=prior).linearize(state).shared_covariance()
     sigma = np.sqrt(np.diagonal(covariance))[4:12]
     assert (sigma <= 1.001 / np.sqrt(prior.weight[0])).all()
-    assert LensPrior.of(state, observations, Lenses.FIXED) == NO_PRIOR
+    assert LensPrior.of(state, observations, Lenses.FIXED, PriorWidth.WIDE) == NO_PRIOR
 
 
 def test_noise_puts_no_pole_beside_the_dots() -> None:
