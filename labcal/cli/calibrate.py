@@ -57,7 +57,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import write_rig
     from labcal.cli.calibrate_result import calibrate_result, calibrate_table
-    from labcal.cli.inputs import choose_target, read_or_detect
+    from labcal.cli.inputs import choose_target, read_or_detect, refuse_idle_workers
     from labcal.errors import InputError
     from labcal.run.outputs import refuse_existing, refuse_homeless
     from labcal.workflow import epipolar_rms
@@ -73,6 +73,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_existing(path, force=arguments.force)
         refuse_homeless(path)
     settings = _settings(arguments)
+    refuse_idle_workers(arguments)
     target = choose_target(arguments.target, [arguments.source])
     detections = read_or_detect(arguments.source, target, arguments.workers, session)
     lens = arguments.lens or _lens_of(settings)

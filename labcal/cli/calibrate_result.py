@@ -50,6 +50,8 @@ class CameraResult:
     """Of this camera alone: what dots scatter along each axis beyond their covariances."""
     undetermined: list[str]
     """Lens coefficients that the views leave open."""
+    open_lens: bool
+    """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
     share_without_rays: float
     """Of the picture, where the lens folds."""
 
@@ -131,6 +133,7 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
         ),
         scatter_px=fit.scatter_px,
         undetermined=list(fit.undetermined),
+        open_lens=fit.open_lens,
         share_without_rays=found.rig.camera(name).share_without_rays,
     )  # fmt: skip
 
@@ -211,6 +214,11 @@ def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -
             warnings.append(
                 f"the principal point of {name} lies outside its picture: the views do not determine it, or "
                 f"the dots are not those of '{target}'"
+            )
+        if found.fits[name].open_lens:
+            warnings.append(
+                f"the dots of {name} leave its lens open towards the picture's border, where only an "
+                "assumption holds it: trust the rig where dots were, or take views with dots in the corners"
             )
         if blind := blind_pixels(name, found.rig.camera(name)):
             warnings.append(blind)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.options import refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -57,7 +58,18 @@ def add_parser(commands: CommandGroup) -> None:
         "--size",
         type=picture_size,
         metavar="WxH",
-        help="from corners.vnl: where the pictures are not at hand",
+        help="of the pictures: for corners.vnl where they are not at hand, for files of OpenCV and VIC-3D "
+        "that do not say it",
+    )
+    parser.add_argument(
+        "--unit",
+        choices=["mm", "m"],
+        help="what lengths in the files that are read are in, where it is not what their format has",
+    )
+    parser.add_argument(
+        "--lens",
+        metavar="MODEL",
+        help="of OpenCV's files with four coefficients that do not say it: brown5 or fisheye-kb4",
     )
 
 
@@ -81,6 +93,10 @@ class ConvertResult:
     cameras: list[str]
     points: int | None
     """Of detections; null for cameras."""
+    unit: str | None
+    """What lengths in the files of cameras that were read were taken for; labcal's own are in mm."""
+    baseline_mm: float | None
+    """From the first camera to the second, of those that were read; null for one camera and detections."""
     notes: list[str]
     """What the reader of the files should know."""
 
@@ -92,24 +108,47 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     result = convert(arguments)
     for note in result.notes:
         session.warn(note)
+    if result.unit is not None:
+        apart = "one camera"
+        if result.baseline_mm is not None:
+            apart = f"the first two cameras are {result.baseline_mm:.6g} mm apart"
+        session.say(f"lengths of '{result.source}' were taken for {result.unit}: {apart}")
     of = f"{len(result.cameras)} cameras" if result.points is None else f"{result.points} points"
     session.emit(result, f"{', '.join(result.files)}: {of} ({', '.join(result.cameras)}), {result.wanted}.")
     return ExitStatus.DONE
 
 
 def _convert_cameras(arguments: Namespace) -> ConvertResult:
+    from labcal.cameras.blind_pixels import blind_pixels
+    from labcal.cameras.interop.exchange import ReadOptions, Unit
     from labcal.cameras.interop.registry import format_by_name, format_to_write
-    from labcal.cameras.interop.rig_files import chosen_cameras, read_rig_files, write_rig_files
+    from labcal.cameras.interop.rig_files import (
+        baseline_mm,
+        chosen_cameras,
+        read_rig_files,
+        read_unit,
+        write_rig_files,
+    )
 
+    for option in ("target", "cameras"):
+        refuse_option(arguments, option, "goes with detections (.csv, corners.vnl), not with cameras")
     output = arguments.output
     wanted = format_by_name(arguments.wanted) if arguments.wanted else format_to_write(output)
-    source, read = read_rig_files(arguments.inputs, arguments.source)
+    given = ReadOptions(arguments.size, Unit(arguments.unit) if arguments.unit else None, arguments.lens)
+    source, read = read_rig_files(arguments.inputs, arguments.source, given)
     rig = chosen_cameras(read.rig, arguments.only.split(",")) if arguments.only else read.rig
     texts = wanted.write(rig, output.suffix)
     files = write_rig_files(output, wanted, texts, force=arguments.force)
-    notes = [*read.notes, *texts.notes]
+    blind = [blind_pixels(name, rig.camera(name)) for name in rig.cameras]
     return ConvertResult(
-        source.name, wanted.name, [str(file) for file in files], list(rig.cameras), None, notes
+        source=source.name,
+        wanted=wanted.name,
+        files=[str(file) for file in files],
+        cameras=list(rig.cameras),
+        points=None,
+        unit=read_unit(source, given).value,
+        baseline_mm=baseline_mm(read.rig),
+        notes=[*read.notes, *texts.notes, *(note for note in blind if note is not None)],
     )
 
 
@@ -127,6 +166,10 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
             "Detections are converted from one detections.csv to a corners.vnl, or back. Name both with "
             "these endings."
         )
+    for option in ("source", "wanted", "unit", "lens"):
+        refuse_option(arguments, option, "goes with cameras, not with detections")
+    for option in ("cameras", "size") if ends[0] == DETECTIONS else ("only",):
+        refuse_option(arguments, option, f"does not apply to {ends[0]} as input")
     if arguments.target is None:
         raise InputError("Say whose dots these are: --target NAME ('labcal target list' shows the names).")
     target = load_target(arguments.target)
@@ -140,7 +183,7 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
         write_file(output, detections_csv(detections), force=arguments.force)
         ok = int(detections.ok.sum())
         notes = [*read.notes, *_taken_for_centroids(target)]
-        return ConvertResult("mrcal", "labcal", [str(output)], list(detections.cameras), ok, notes)
+        return _converted(("mrcal", "labcal"), output, detections.cameras, ok, notes)
     detections = read_detections(path)
     if arguments.only:
         detections = detections.where(_of_cameras(detections.camera.tolist(), arguments.only.split(",")))
@@ -155,7 +198,15 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
     notes = [told]
     if found.left_out:
         notes.append(f"{found.left_out} dots that are no measurements of the grid stand as missing.")
-    return ConvertResult("labcal", "mrcal", [str(output)], list(detections.cameras), found.points, notes)
+    return _converted(("labcal", "mrcal"), output, detections.cameras, found.points, notes)
+
+
+def _converted(
+    formats: tuple[str, str], output: Path, cameras: tuple[str, ...], points: int, notes: list[str]
+) -> ConvertResult:
+    """Return what became of detections; `formats` are those that were read and written."""
+    source, wanted = formats
+    return ConvertResult(source, wanted, [str(output)], list(cameras), points, None, None, notes)
 
 
 def _taken_for_centroids(target: "AnyTarget") -> list[str]:

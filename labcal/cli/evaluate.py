@@ -5,6 +5,7 @@ from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.options import refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -53,6 +54,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.evaluate.against_truth import TruthErrors
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.shoot.dataset import open_shoot
+    from labcal.shoot.truth import has_truth
     from labcal.targets.catalogue import load_target
     from labcal.targets.places import read_places
     from labcal.workflow import evaluate
@@ -63,6 +65,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             "--target NAME or --dots RIG-dots.json: one of the three."
         )
     points = read_points(arguments.points)
+    if arguments.shoot is None or not has_truth(arguments.shoot):
+        for option in ("detections", "alignment"):
+            refuse_option(
+                arguments, option, "goes with the truth of a rendered shoot, which is not given here"
+            )
     if arguments.shoot is None:
         printed = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
         lengths = errors_of_lengths(points, printed)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.calibrate import AUTO
-from labcal.cli.options import add_output, add_seed, add_workers
+from labcal.cli.options import add_output, add_seed, add_workers, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -161,6 +161,8 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     estimators = [make_estimator(name) for name in names]
     if arguments.lens != AUTO:
         camera_of_lens(arguments.lens, (1, 1), None)  # tells now whether there is such a lens
+    if arguments.no_rehearsal and not any("random_state" in one.get_params() for one in estimators):
+        refuse_option(arguments, "seed", f"means nothing to {arguments.method}, in which nothing is random")
     wanted = {"random_state": arguments.seed, "lens": arguments.lens}
     for estimator in estimators:
         known = estimator.get_params()

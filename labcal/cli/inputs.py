@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.options import refuse_option
 from labcal.cli.session import Session
 
 if TYPE_CHECKING:
@@ -76,8 +77,35 @@ def pictures_and_target(arguments: Namespace) -> "tuple[list[Source], AnyTarget]
     """
     from labcal.correspond.sources import find_sources, parse_camera_endings
 
+    refuse_endings_of_shoot(arguments)
     endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     return find_sources(arguments.pictures, endings), choose_target(arguments.target, arguments.pictures)
+
+
+def refuse_endings_of_shoot(arguments: Namespace) -> None:
+    """Raise where ``--cameras`` is given for a shoot.
+
+    Raises
+    ------
+    InputError
+        It is.
+    """
+    from labcal.shoot.dataset import is_shoot
+
+    if len(arguments.pictures) == 1 and is_shoot(Path(arguments.pictures[0])):
+        refuse_option(arguments, "cameras", "is for loose pictures; a shoot says which camera took which")
+
+
+def refuse_idle_workers(arguments: Namespace) -> None:
+    """Raise where ``--workers`` is given and no dots are to be found.
+
+    Raises
+    ------
+    InputError
+        It is.
+    """
+    if Path(arguments.source).is_file() or getattr(arguments, "detections", None) is not None:
+        refuse_option(arguments, "workers", "is for finding dots in pictures; a table holds them")
 
 
 def choose_target(name: str | None, pictures: Sequence[str]) -> "AnyTarget":

@@ -3,7 +3,11 @@
 import argparse
 from pathlib import Path
 
+from labcal.errors import InputError
 from labcal.run.machine import usable_cores
+
+_OTHER_NAMES = {"source": "from", "wanted": "to"}
+"""Of options, by where `labcal convert` keeps their values."""
 
 
 def add_output(parser: argparse.ArgumentParser, metavar: str, help_text: str) -> None:
@@ -25,17 +29,61 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     )
 
 
+class _Noted(argparse.Action):
+    """Stores a value and, as ``NAME_given``, that a person gave it: the default does for every case."""
+
+    def __call__(
+        self,
+        _parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        _option: str | None = None,
+    ) -> None:
+        setattr(namespace, self.dest, values)
+        setattr(namespace, f"{self.dest}_given", True)
+
+
+def refuse_option(arguments: argparse.Namespace, name: str, why: str) -> None:
+    """Raise where an option is given that would be dropped.
+
+    Parameters
+    ----------
+    arguments : Namespace
+    name : str
+        Where its value stands among the arguments.
+    why : str
+        What it goes with instead, for people; begins with a verb.
+
+    Raises
+    ------
+    InputError
+        It is given.
+    """
+    given = getattr(arguments, f"{name}_given", getattr(arguments, name) not in (None, False))
+    if given:
+        option = _OTHER_NAMES.get(name, name).replace("_", "-")
+        raise InputError(f"--{option} {why}. Leave it out.")
+
+
 def add_seed(parser: argparse.ArgumentParser) -> None:
     """Add ``--seed``, 0 where not given."""
+    parser.set_defaults(seed_given=False)
     parser.add_argument(
-        "--seed", type=whole_number, default=0, metavar="S", help="seed of all random numbers (default 0)"
+        "--seed",
+        action=_Noted,
+        type=whole_number,
+        default=0,
+        metavar="S",
+        help="seed of all random numbers (default 0)",
     )
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """Add ``--workers``, all cores this process may use where not given."""
+    parser.set_defaults(workers_given=False)
     parser.add_argument(
         "--workers",
+        action=_Noted,
         type=positive_number,
         default=usable_cores(),
         metavar="N",

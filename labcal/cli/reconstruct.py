@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, add_workers
+from labcal.cli.options import add_output, add_workers, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -52,7 +52,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from collections import Counter
 
     from labcal.cameras.rig import Rig
-    from labcal.cli.inputs import read_or_detect
+    from labcal.cli.inputs import read_or_detect, refuse_idle_workers
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
     from labcal.solve.fitted_model import FittedModel
@@ -61,7 +61,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     refuse_existing(arguments.output, force=arguments.force)
     refuse_homeless(arguments.output)
+    refuse_idle_workers(arguments)
     model = load_reconstructor(arguments.model)
+    if isinstance(model, FittedModel) and model.resected is None:
+        refuse_option(
+            arguments, "target", "is for correcting centroids, which this method learned as they are"
+        )
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
     target = _target(arguments)
     found = reconstruct_centres(model, detections, target)

@@ -49,7 +49,12 @@ def read_training(arguments: Namespace, session: Session) -> "tuple[CentredTrain
     """
     import numpy as np
 
-    from labcal.cli.inputs import choose_target, read_or_detect, require_shoot_or_table
+    from labcal.cli.inputs import (
+        choose_target,
+        read_or_detect,
+        refuse_idle_workers,
+        require_shoot_or_table,
+    )
     from labcal.correspond.detections import read_detections
     from labcal.errors import InputError
     from labcal.shoot.dataset import is_shoot, open_shoot
@@ -57,6 +62,7 @@ def read_training(arguments: Namespace, session: Session) -> "tuple[CentredTrain
     from labcal.workflow import centred_training, training_data
 
     require_shoot_or_table(arguments.source)
+    refuse_idle_workers(arguments)
     shoot = open_shoot(Path(arguments.source)) if is_shoot(Path(arguments.source)) else None
     if shoot is None and arguments.detections is not None:
         raise InputError("--detections goes with the folder of a shoot. Give the table alone.")

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output
+from labcal.cli.inputs import refuse_endings_of_shoot
+from labcal.cli.options import add_output, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -91,8 +92,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     refuse_existing(arguments.output, force=arguments.force)
     refuse_homeless(arguments.output)
     rig = read_rig(arguments.model)
+    refuse_endings_of_shoot(arguments)
+    if arguments.rectify:
+        refuse_option(arguments, "whole", "is what --rectify does anyway")
     endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     sources = [_with_camera(source, rig) for source in find_sources(arguments.pictures, endings)]
+    if all(rig.camera(source.camera).optics.central for source in sources):
+        refuse_option(
+            arguments, "distance_mm", "is for a lens prescription or a flat window, which no camera has"
+        )
     ideals = _ideal_cameras(arguments, rig, list(dict.fromkeys(source.camera for source in sources)))
     how = (arguments.rectify, arguments.whole, arguments.distance_mm)
     command = f"undistort {rig.model_dump_json()} {[source.image for source in sources]} {how}"

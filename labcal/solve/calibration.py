@@ -59,6 +59,8 @@ class CameraFit:
     """The dots as this camera alone finds them."""
     undetermined: tuple[str, ...]
     """Names of lens coefficients that its views leave open."""
+    open_lens: bool
+    """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
     noise_px: float
     """Of the dots, along each axis, by their covariances; the median."""
 

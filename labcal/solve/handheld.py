@@ -20,6 +20,7 @@ from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.solve.centre_bias import ROUNDS, CentreBias
 from labcal.solve.freed_dots import FreedDots
+from labcal.solve.lens_prior import PriorWidth
 from labcal.solve.lens_start import (
     LensStart,
     camera_as_lens,
@@ -219,6 +220,7 @@ def _assemble(
             scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
             undetermined=undetermined(result.adjusted, result.observations),
+            open_lens=result.adjusted.prior_width is PriorWidth.NARROW,
             noise_px=float(np.sqrt(np.median(np.trace(alone.dots.covariance, axis1=1, axis2=2)) / 2.0)),
         )
     names = tuple(alone.name for alone in found)

@@ -27,9 +27,9 @@ from labcal.cameras.optics import INTRINSICS
 
 _BEYOND_BROWN = PERSPECTIVE.order[5:]
 """These stand in for the first five where dots do not tell them apart."""
-_OPEN = 0.02
-"""Standard deviation at the picture's border, over its width, from which on dots leave a lens open. Where
-they cover the picture, it is a thousandth or less."""
+_OPEN = 0.1
+"""Standard deviation at the picture's border, over its width, from which on dots leave a lens open. It is
+0.04 or less where dots reach half of the way to the corners or farther, 0.13 or more where they do not."""
 _AS_WELL = 1.05
 """Ratio of RMS residuals up to which dots are explained as well, with fewer coefficients that are free."""
 

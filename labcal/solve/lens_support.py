@@ -6,6 +6,7 @@ from labcal.solve.adjustment.lens_prior import LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.rounds import Adjusted
 from labcal.solve.adjustment.state import Lenses
+from labcal.solve.lens_prior import PriorWidth
 
 MOST_OPEN = 0.1
 """Standard deviation of a coefficient, over the one that is assumed beforehand, from which on the assumption
@@ -31,7 +32,7 @@ def undetermined(adjusted: Adjusted, observations: Observations) -> tuple[str, .
     free = camera.model.coefficients
     if own.stop == own.start or free == 0:
         return ()
-    (weight, *_) = LensPrior.of(adjusted.state, observations, Lenses.FREE, adjusted.prior_width).weight
+    (weight, *_) = LensPrior.of(adjusted.state, observations, Lenses.FREE, PriorWidth.WIDE).weight
     variance = np.diagonal(adjusted.covariance)[own][-free:]
     open_ = ~(weight * variance < MOST_OPEN**2)  # true for NaN
     return tuple(name for name, is_open in zip(camera.model.names, open_, strict=True) if is_open)

@@ -5,6 +5,7 @@ shifted here and nowhere else. An image's quaternion (w x y z) and translation m
 are labcal's. COLMAP has no units; labcal writes millimetres and takes a model for millimetres.
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,7 +13,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+)
 from labcal.cameras.interop.lens_numbers import (
     camera_record,
     fisheye_coefficients,
@@ -43,16 +53,17 @@ _PERSPECTIVE = {
 """By model: how many focal lengths, and how many of OpenCV's coefficients follow the principal point."""
 _FISHEYE = {"SIMPLE_RADIAL_FISHEYE": (1, 1), "RADIAL_FISHEYE": (1, 2), "OPENCV_FISHEYE": (2, 4)}
 _MODELS = _PERSPECTIVE | _FISHEYE
+_CAMERA_LINE = rf"^\d+ ({'|'.join(_MODELS)}|FOV|THIN_PRISM_FISHEYE) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HEIGHT"
 _CAMERA_WORDS = 4
 _IMAGE_WORDS = 10
 
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a list of cameras."""
-    return "CAMERA_ID, MODEL, WIDTH, HEIGHT" in text
+    return re.search(_CAMERA_LINE, text, re.MULTILINE) is not None
 
 
-def read_colmap(sources: Sequence[SourceText]) -> ReadRig:
+def read_colmap(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read the texts of one folder; each camera must have taken one image, which tells where it is.
 
     Raises
@@ -66,9 +77,15 @@ def read_colmap(sources: Sequence[SourceText]) -> ReadRig:
     images = _images(by_name[_IMAGES])
     cameras = _lines(by_name[_CAMERAS])
     names, records = [], []
-    for line in filter(None, cameras):
+    notes: tuple[str, ...] = ()
+    listed = [line for line in cameras if line]
+    for line in listed:
         words = line.split()
         taken = [image for image in images if image[0] == words[0]]
+        if len(listed) == 1 and len(taken) != 1:
+            note = f"Camera {words[0]:.20} took {len(taken)} images: its lens is read, no place of it."
+            notes += (note,)
+            taken = [(words[0], f"camera-{words[0]}", np.eye(4))]
         if len(taken) != 1:
             raise InputError(
                 f"{by_name[_IMAGES].path}: camera {words[0]:.20} took {len(taken)} images. A rig's camera "
@@ -79,8 +96,7 @@ def read_colmap(sources: Sequence[SourceText]) -> ReadRig:
         records.append(_camera(words, T_cam_world, by_name[_CAMERAS].path))
     if not records:
         raise InputError(f"{by_name[_CAMERAS].path} lists no camera.")
-    note = "COLMAP's units are taken for millimetres."
-    return ReadRig(rig_of(names, records), (note,))
+    return ReadRig(rig_of(names, records), notes)
 
 
 def write_colmap(rig: Rig, _suffix: str) -> RigTexts:

@@ -15,7 +15,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+)
 from labcal.cameras.interop.lens_numbers import camera_record, held_coefficients, perspective_lens
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import rig_of, rounded_pose
@@ -41,7 +50,7 @@ def recognises(text: str) -> bool:
     return _FORMAT[1] in text or ("<project" in text and "<camera" in text)
 
 
-def read_dice(sources: Sequence[SourceText]) -> ReadRig:
+def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read one file.
 
     Raises
@@ -54,7 +63,7 @@ def read_dice(sources: Sequence[SourceText]) -> ReadRig:
     path = sources[0].path
     root = read_xml_tree(sources[0].text, path)
     if root.tag == PROJECT:
-        return read_project(root, path)
+        return read_project(root, path, given.size)
     values = _values(root)
     if values.get(_FORMAT[0]) != _FORMAT[1]:
         raise InputError(
@@ -170,4 +179,6 @@ def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
     )
 
 
-DICE = RigFormat("dice", (".xml",), Home.FILE, 2**24, recognises, read_dice, write_dice)
+DICE = RigFormat(
+    "dice", (".xml",), Home.FILE, 2**24, recognises, read_dice, write_dice, options=("unit", "size")
+)

@@ -16,9 +16,40 @@ class SourceText:
     text: str
 
 
+class Unit(Enum):
+    """What lengths in a file are."""
+
+    MILLIMETRES = "mm"
+    METRES = "m"
+
+    @property
+    def mm(self) -> float:
+        """One of them in millimetres."""
+        return 1000.0 if self is Unit.METRES else 1.0
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a person says about files that do not say it themselves."""
+
+    size: tuple[int, int] | None = None
+    """Width and height of the pictures, px."""
+    unit: Unit | None = None
+    lens: str | None = None
+    """A lens model of labcal."""
+
+    @property
+    def named(self) -> list[str]:
+        """The names of those that are given."""
+        return [name for name in ("size", "unit", "lens") if getattr(self, name) is not None]
+
+
+NOTHING_GIVEN = ReadOptions()
+
+
 @dataclass(frozen=True)
 class ReadRig:
-    """A rig from another system's files."""
+    """A rig from another system's files, in millimetres."""
 
     rig: Rig
     notes: tuple[str, ...] = ()
@@ -67,6 +98,11 @@ class RigFormat:
     """A larger file is not read."""
     recognises: Callable[[str], bool]
     """Tells by a file's text whether it is of this format."""
-    read: Callable[[Sequence[SourceText]], ReadRig]
+    read: Callable[[Sequence[SourceText], ReadOptions], ReadRig]
+    """Lengths are taken for `unit`."""
     write: Callable[[Rig, str], RigTexts]
     """Takes the rig and the ending of the file to write."""
+    unit: Unit = Unit.MILLIMETRES
+    """What lengths are in its files, where nothing else is known."""
+    options: tuple[str, ...] = ("unit",)
+    """Which of :class:`ReadOptions` reading can make use of."""

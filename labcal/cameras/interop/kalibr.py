@@ -13,7 +13,17 @@ from typing import Any
 import numpy as np
 
 from labcal.arrays import Pose
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+    Unit,
+)
 from labcal.cameras.interop.lens_numbers import (
     camera_record,
     fisheye_coefficients,
@@ -36,6 +46,7 @@ from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
+from labcal.geometry.poses import inverse
 
 _HOLDER = "Kalibr"
 _RADTAN = 4
@@ -48,10 +59,10 @@ _LENSES = {
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a camera chain."""
-    return "cam0:" in text and "distortion_model:" in text
+    return "cam0:" in text and "distortion_model:" in text  # of a camera chain, also on an IMU
 
 
-def read_kalibr(sources: Sequence[SourceText]) -> ReadRig:
+def read_kalibr(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read one chain; the first camera is the world.
 
     Raises
@@ -69,7 +80,7 @@ def read_kalibr(sources: Sequence[SourceText]) -> ReadRig:
     if not chain:
         raise InputError(f"{path} is no camera chain of Kalibr: it has no camera 'cam0'.")
     _require_neighbours(chain, path)
-    found = [_step(camera, number, path) for number, camera in enumerate(chain) if number > 0]
+    found = [_step(chain, number, path) for number in range(1, len(chain))]
     notes = tuple(note for _, mended in found for note in mended)
     poses = poses_along([step for step, _ in found])
     records = [_camera(camera, T, path) for camera, T in zip(chain, poses, strict=True)]
@@ -121,10 +132,20 @@ def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]
     return "radtan", held_coefficients(name, record, _RADTAN, f"{_HOLDER} (radtan)")
 
 
-def _step(camera: dict[str, Any], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
-    """Return ``T_cam_before``, mm."""
-    rows = camera.get("T_cn_cnm1")
-    what = f"T_cn_cnm1 of cam{number}"
+def _step(chain: Sequence[dict[str, Any]], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
+    """Return ``T_cam_before``, mm, from the chain or, where it has none, from the places on an IMU."""
+    before, camera = chain[number - 1], chain[number]
+    if "T_cn_cnm1" in camera or not ("T_cam_imu" in camera and "T_cam_imu" in before):
+        return _matrix(camera, "T_cn_cnm1", number, path)
+    T_before_imu, note_before = _matrix(before, "T_cam_imu", number - 1, path)
+    T_cam_imu, note = _matrix(camera, "T_cam_imu", number, path)
+    return T_cam_imu @ inverse(T_before_imu), note_before + note
+
+
+def _matrix(camera: dict[str, Any], key: str, number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
+    """Return a pose, mm."""
+    rows = camera.get(key)
+    what = f"{key} of cam{number}"
     if not isinstance(rows, list) or len(rows) != 4:  # noqa: PLR2004 -- a 4x4 matrix
         raise InputError(f"{path}: {what} should be 4 rows of 4 numbers.")
     matrix = np.array([finite_numbers(row, (4,), what, path) for row in rows])
@@ -170,4 +191,6 @@ def _names(chain: Sequence[dict[str, Any]]) -> list[str]:
     return [f"cam{number}" for number in range(len(chain))]
 
 
-KALIBR = RigFormat("kalibr", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_kalibr, write_kalibr)
+KALIBR = RigFormat(
+    "kalibr", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_kalibr, write_kalibr, Unit.METRES
+)

@@ -4,7 +4,16 @@ from collections.abc import Sequence
 
 from pydantic import ValidationError
 
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+)
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.run.descriptions import explain_validation
@@ -15,7 +24,7 @@ def recognises(text: str) -> bool:
     return '"cameras"' in text and '"T_cam_world"' in text
 
 
-def read_labcal(sources: Sequence[SourceText]) -> ReadRig:
+def read_labcal(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read one ``rig.json``.
 
     Raises
@@ -39,4 +48,4 @@ def write_labcal(rig: Rig, _suffix: str) -> RigTexts:
     return RigTexts((OutputText("", rig.model_dump_json(indent=2) + "\n"),))
 
 
-LABCAL = RigFormat("labcal", (".json",), Home.FILE, 2**24, recognises, read_labcal, write_labcal)
+LABCAL = RigFormat("labcal", (".json",), Home.FILE, 2**24, recognises, read_labcal, write_labcal, options=())

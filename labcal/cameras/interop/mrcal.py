@@ -12,7 +12,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+    Unit,
+)
 from labcal.cameras.interop.lens_numbers import (
     camera_record,
     coefficient_count,
@@ -47,7 +57,7 @@ def recognises(text: str) -> bool:
     return "LENSMODEL_" in text and "'lensmodel'" in text.replace('"', "'")
 
 
-def read_mrcal(sources: Sequence[SourceText]) -> ReadRig:
+def read_mrcal(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read one camera from each file; the world is mrcal's reference.
 
     Raises
@@ -135,4 +145,6 @@ def _camera(source: SourceText) -> CameraRecord:
     )
 
 
-MRCAL = RigFormat("mrcal", (".cameramodel",), Home.FILE, 2**26, recognises, read_mrcal, write_mrcal)
+MRCAL = RigFormat(
+    "mrcal", (".cameramodel",), Home.FILE, 2**26, recognises, read_mrcal, write_mrcal, Unit.METRES
+)

@@ -6,26 +6,38 @@ camera). Two cameras: ``M1 D1 M2 D2 R T`` as stereoCalibrate returns them (first
 Millimetres. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification) is neither written nor read.
 """
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 
-from labcal.arrays import Pose
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+)
 from labcal.cameras.interop.lens_numbers import (
-    FISHEYE_COEFFICIENTS,
-    camera_record,
     coefficient_count,
     fisheye_coefficients,
-    fisheye_lens,
     held_coefficients,
-    intrinsics_of,
     opencv_model,
-    perspective_lens,
 )
-from labcal.cameras.interop.numbers_text import finite_number, picture_size
+from labcal.cameras.interop.opencv_camera import (
+    COUNTS,
+    MATRIX,
+    SIDES,
+    is_posed,
+    read_camera,
+    read_pose,
+    sides_of,
+)
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
-from labcal.cameras.interop.placement import poses_from_first, rig_of, rounded_pose
+from labcal.cameras.interop.placement import poses_from_first, rig_of
 from labcal.cameras.lens import LENGTH
 from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
@@ -33,43 +45,42 @@ from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 
 _HOLDER = "OpenCV"
-_COUNTS = (0, 4, 5, 8, 12, 14)
-_MATRIX = ("camera_matrix", "cameraMatrix", "K", "M")
-_DIST = ("distortion_coefficients", "distCoeffs", "dist_coeffs", "D")
-_PAIR_MATRIX = ("M{}", "K{}", "cameraMatrix{}", "camera_matrix{}")
-_PAIR_DIST = ("D{}", "distCoeffs{}", "dist_coeffs{}")
 _PAIR = 2
 
 
 def recognises(text: str) -> bool:
-    """Tell whether a text is a FileStorage with a camera in it."""
-    ours = "<opencv_storage>" in text or "opencv-matrix" in text
-    return ours and any(key in text for key in ("camera_matrix", "cameraMatrix", "K:", "M1", "K1", "<K>"))
+    """Tell whether a text is a FileStorage with a camera, or with the pose of a pair, in it."""
+    ours = "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text
+    keys = [f"{key}{side}" for key in MATRIX for side in ("", *(side for sides in SIDES for side in sides))]
+    return ours and any(re.search(rf"^\s*<?{key}[ :>]", text, re.MULTILINE) for key in (*keys, "R"))
 
 
-def read_opencv(sources: Sequence[SourceText]) -> ReadRig:
-    """Read one pair, or one camera from each file.
+def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
+    """Read one pair, also from a file of intrinsics and one of extrinsics, or one camera from each file.
 
     Raises
     ------
     InputError
-        A file is damaged, has no camera, or several cameras have no poses.
+        A file is damaged, has no camera, does not tell its lens or its picture size, or several cameras have
+        no poses.
     """
     stores = [read_storage(source) for source in sources]
-    if len(stores) == 1 and stores[0].first(_pair_keys(_PAIR_MATRIX, 1)) is not None:
-        return _read_pair(stores[0])
+    paired = [storage for storage in stores if sides_of(storage) is not None]
+    if paired:
+        others = [storage for storage in stores if storage is not paired[0]]
+        return _read_pair(paired[0], others, given)
     names, records = [], []
     notes: tuple[str, ...] = ()
     for storage in stores:
-        posed = storage.first(("R",)) is not None and storage.first(("T",)) is not None
+        posed = is_posed(storage)
         if len(stores) > 1 and not posed:
             raise InputError(
                 f"{storage.path} holds a camera without its pose (R and T), so several cameras cannot be "
                 "placed in one world. Convert each file alone, or a stereo file (M1 D1 M2 D2 R T)."
             )
-        T_cam_world, mended = _pose(storage) if posed else (np.eye(4), ())
+        T_cam_world, mended = read_pose(storage) if posed else (np.eye(4), ())
         names.append(storage.text("camera_name") or storage.path.stem)
-        records.append(_camera(storage, _MATRIX, _DIST, T_cam_world))
+        records.append(read_camera(storage, "", T_cam_world, given))
         notes += mended
     return ReadRig(rig_of(names, records), notes)
 
@@ -131,61 +142,30 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
     return RigTexts((OutputText("", storage_text(content, suffix)),), notes)
 
 
-def _read_pair(storage: Storage) -> ReadRig:
-    """Return the rig of a stereo file."""
-    T_right_left, notes = _pose(storage)
+def _read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) -> ReadRig:
+    """Return the rig of a stereo file; R and T may be in another one, as OpenCV's stereo sample has it."""
+    placing = [one for one in (storage, *others) if is_posed(one)]
+    if len(placing) != 1 or len(others) > 1 or (others and placing != list(others)):
+        raise InputError(
+            f"{storage.path} holds two cameras, but {'several poses' if placing else 'no pose'} R, T of the "
+            "second one. Give it together with the one file that has it: labcal convert "
+            "intrinsics.yml extrinsics.yml rig.json."
+        )
+    T_right_left, notes = read_pose(placing[0])
+    sides = sides_of(storage) or SIDES[0]
     records = [
-        _camera(storage, _pair_keys(_PAIR_MATRIX, number), _pair_keys(_PAIR_DIST, number), T)
-        for number, T in ((1, np.eye(4)), (2, T_right_left))
+        read_camera(storage, side, T, given) for side, T in zip(sides, (np.eye(4), T_right_left), strict=True)
     ]
     names = [storage.text("camera_name1") or "left", storage.text("camera_name2") or "right"]
     return ReadRig(rig_of(names, records), notes)
-
-
-def _pair_keys(keys: tuple[str, ...], number: int) -> tuple[str, ...]:
-    return tuple(key.format(number) for key in keys)
-
-
-def _camera(
-    storage: Storage, matrix: tuple[str, ...], dist: tuple[str, ...], T_cam_world: Pose
-) -> CameraRecord:
-    """Return the camera whose matrix and coefficients have one of these keys."""
-    path = storage.path
-    numbers = intrinsics_of(storage.matrix(matrix, (9,)), path)
-    size = _size(storage)
-    coefficients = storage.matrix(dist, _COUNTS)
-    fisheye = storage.first(("fisheye_model",))
-    if fisheye is not None and finite_number(fisheye, "fisheye_model", path) != 0.0:
-        if len(coefficients) != FISHEYE_COEFFICIENTS:
-            raise InputError(f"{path}: a fisheye has 4 coefficients, but there are {len(coefficients)}.")
-        return camera_record(numbers, fisheye_lens(coefficients), T_cam_world, size, path)
-    return camera_record(numbers, perspective_lens(coefficients), T_cam_world, size, path)
-
-
-def _size(storage: Storage) -> tuple[int, int]:
-    """Return the size of the pictures."""
-    width, height = storage.first(("image_width", "width")), storage.first(("image_height", "height"))
-    listed = storage.first(("image_size", "imageSize", "img_size"))
-    if width is None and height is None and listed is None:
-        raise InputError(
-            f"{storage.path} does not say how large the pictures are. Add the keys image_width and "
-            f"image_height."
-        )
-    return picture_size(listed if width is None and height is None else [width, height], storage.path)
-
-
-def _pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:
-    """Return what R and T say."""
-    R = np.array(storage.matrix(("R",), (9,))).reshape(3, 3)
-    return rounded_pose(R, np.array(storage.matrix(("T",), (3,))), storage.path)
 
 
 def _coefficients(name: str, record: CameraRecord) -> np.ndarray:
     """Return a lens's coefficients as one row, as many as OpenCV takes."""
     if _is_fisheye(name, record):
         return np.array(fisheye_coefficients(record))[None]
-    held = held_coefficients(name, record, max(_COUNTS), _HOLDER)
-    count = min(count for count in _COUNTS if count >= max(LENGTH, coefficient_count(record)))
+    held = held_coefficients(name, record, max(COUNTS), _HOLDER)
+    count = min(count for count in COUNTS if count >= max(LENGTH, coefficient_count(record)))
     return np.array(held[:count])[None]
 
 
@@ -195,5 +175,12 @@ def _is_fisheye(name: str, record: CameraRecord) -> bool:
 
 
 OPENCV = RigFormat(
-    "opencv", (".yml", ".yaml", ".xml"), Home.FILE, 2**18, recognises, read_opencv, write_opencv
+    "opencv",
+    (".yml", ".yaml", ".xml"),
+    Home.FILE,
+    2**18,
+    recognises,
+    read_opencv,
+    write_opencv,
+    options=("unit", "size", "lens"),
 )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from labcal.cameras.interop.colmap import COLMAP
 from labcal.cameras.interop.dice import DICE
-from labcal.cameras.interop.exchange import Home, RigFormat
+from labcal.cameras.interop.exchange import Home, RigFormat, SourceText
 from labcal.cameras.interop.kalibr import KALIBR
 from labcal.cameras.interop.labcal_rig import LABCAL
 from labcal.cameras.interop.mrcal import MRCAL
@@ -39,6 +39,8 @@ def format_to_write(path: Path) -> RigFormat:
     fitting = [
         one for one in FORMATS.values() if one.home is Home.FILE and path.suffix.lower() in one.suffixes
     ]
+    if LABCAL in fitting:
+        return LABCAL  # others that end so are named with --to
     if len(fitting) == 1:
         return fitting[0]
     names = ", ".join(one.name for one in fitting or FORMATS.values())
@@ -47,7 +49,18 @@ def format_to_write(path: Path) -> RigFormat:
     )
 
 
-def recognised_format(text: str) -> RigFormat | None:
-    """Return the format of a text, None where none or several take it for theirs."""
-    fitting = [one for one in FORMATS.values() if one.recognises(text)]
-    return fitting[0] if len(fitting) == 1 else None
+def recognised_format(source: SourceText) -> RigFormat | None:
+    """Return the format that a file's content is of, whatever its name; None where it is of none.
+
+    Raises
+    ------
+    InputError
+        Several formats take it for theirs.
+    """
+    fitting = [one for one in FORMATS.values() if one.recognises(source.text)]
+    if len(fitting) > 1:
+        raise InputError(
+            f"{source.path} could be of several formats: {', '.join(one.name for one in fitting)}. Say "
+            "which: --from FORMAT."
+        )
+    return fitting[0] if fitting else None

@@ -1,20 +1,39 @@
 """Rigs in files of any format: reading one file, several or a folder, and writing them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from labcal.cameras.interop.exchange import Home, ReadRig, RigFormat, RigTexts, SourceText
+import numpy as np
+
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+    Unit,
+)
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
+from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
+from labcal.geometry.poses import inverse
 from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder, write_file
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
 _MOST_TOGETHER = 4 * _MOST_BYTES
 _MOST_FILES = 100
+_BINARY = "cameras.bin"
+_LIKELY_MM = (1.0, 1e5)
+"""Distances of two cameras that are taken for what they say."""
 
 
-def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigFormat, ReadRig]:
+def read_rig_files(
+    paths: Sequence[Path], format_name: str | None, given: ReadOptions = NOTHING_GIVEN
+) -> tuple[RigFormat, ReadRig]:
     """Read a rig from one file, several, or a folder.
 
     Parameters
@@ -23,20 +42,28 @@ def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigF
         A folder stands for the files in it that are of the format.
     format_name : str, optional
         Found by what the files hold where not given.
+    given : ReadOptions
+        What the files do not say themselves.
+
+    Returns
+    -------
+    RigFormat, ReadRig
 
     Raises
     ------
     UnknownNameError
         There is no such format.
     InputError
-        A file cannot be read, is of no format, of two, or of another one than the rest; or it is damaged.
+        A file cannot be read, is of no format, of two, or of another one than the rest; it is damaged; what
+        is given does not apply to its format; or cameras are so near to each other or so far apart that
+        lengths are hardly in the unit that they are taken for.
     """
     wanted = None if format_name is None else format_by_name(format_name)
     files = _files(paths)
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
-    given = [_source(path, wanted) for path in files]
-    found = [(source, wanted or recognised_format(source.text)) for source in given]
+    sources = [_source(path, wanted) for path in files]
+    found = [(source, wanted or recognised_format(source)) for source in sources]
     in_folder = any(path.is_dir() for path in paths)
     known = [(source, one) for source, one in found if one is not None]
     strange = [source.path for source, one in found if one is None]
@@ -49,10 +76,63 @@ def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigF
     if len(kinds) != 1:
         raise InputError(f"These files are of several formats: {', '.join(kinds)}. Name one: --from FORMAT.")
     (chosen,) = kinds.values()
-    sources = given if chosen.home is Home.FOLDER else [source for source, _ in known]
+    if chosen.home is not Home.FOLDER:
+        sources = [source for source, _ in known]
     for source in sources:
         _require_size(source.path, len(source.text), chosen.most_bytes)
-    return chosen, chosen.read(sources)
+    _require_options(chosen, given)
+    read = chosen.read(sources, given)
+    return chosen, replace(read, rig=_in_unit(read.rig, chosen, given))
+
+
+def read_unit(chosen: RigFormat, given: ReadOptions) -> Unit:
+    """Return what lengths in the files of a format were taken for."""
+    return given.unit or chosen.unit
+
+
+def baseline_mm(rig: Rig) -> float | None:
+    """Return the distance of the first two cameras, mm; None where there is one."""
+    centres = [inverse(np.array(record.T_cam_world))[:3, 3] for record in rig.cameras.values()]
+    return float(np.linalg.norm(centres[1] - centres[0])) if len(centres) > 1 else None
+
+
+def _require_options(chosen: RigFormat, given: ReadOptions) -> None:
+    """Raise where something is given that the files of a format say themselves."""
+    for name in given.named:
+        if name not in chosen.options:
+            raise InputError(
+                f"--{name} does not apply to files of the format '{chosen.name}', which say it themselves. "
+                "Leave it out."
+            )
+
+
+def _in_unit(rig: Rig, chosen: RigFormat, given: ReadOptions) -> Rig:
+    """Return a rig whose lengths were taken for the format's own unit in the unit that is given.
+
+    Raises
+    ------
+    InputError
+        Nothing is given, and the distance of the cameras speaks for another unit.
+    """
+    unit = read_unit(chosen, given)
+    scale = unit.mm / chosen.unit.mm
+    if scale != 1.0:
+        records = {}
+        for name, record in rig.cameras.items():
+            camera = record.camera()
+            T = camera.T_cam_world.copy()
+            T[:3, 3] *= scale
+            records[name] = CameraRecord.of(replace(camera, T_cam_world=T))
+        rig = Rig(cameras=records)
+    baseline = baseline_mm(rig)
+    if given.unit is None and "unit" in chosen.options and baseline is not None:
+        low, high = _LIKELY_MM
+        if not low <= baseline <= high:
+            raise InputError(
+                f"The first two cameras would be {baseline:.4g} mm apart, if lengths are in {unit.value} as "
+                f"in most files of the format '{chosen.name}'. Say what they are in: --unit mm or --unit m."
+            )
+    return rig
 
 
 def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bool) -> list[Path]:
@@ -120,6 +200,13 @@ def _files(paths: Sequence[Path]) -> list[Path]:
             files += sorted(entry for entry in path.iterdir() if entry.suffix.lower() in endings)
         else:
             files.append(path)
+    binary = [path / _BINARY if path.is_dir() else path for path in paths]
+    if len(files) <= 1 and binary[0].name == _BINARY and binary[0].is_file():
+        raise InputError(
+            f"{binary[0]} is COLMAP's binary model, which is not read here. Turn it into text: colmap "
+            f"model_converter --input_path {binary[0].parent} --output_path TEXT --output_type TXT, and give "
+            "that folder."
+        )
     if not files:
         raise InputError(f"There is no file of any format in {', '.join(map(str, paths))}.")
     if len(files) > _MOST_FILES:

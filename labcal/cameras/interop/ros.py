@@ -6,6 +6,7 @@
 undistort --rectify`` does it.
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,17 @@ import numpy as np
 from labcal.arrays import Matrix3, Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.ideal import rectified_pair
-from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+    Unit,
+)
 from labcal.cameras.interop.lens_numbers import (
     FISHEYE_COEFFICIENTS,
     camera_record,
@@ -38,9 +49,18 @@ from labcal.geometry.poses import pose
 _HOLDER = "ROS"
 _PAIR = 2
 _PLUMB_BOB, _RATIONAL = 5, 8
+_MESSAGE_KEYS = {
+    "camera_matrix": "k",
+    "distortion_coefficients": "d",
+    "rectification_matrix": "r",
+    "projection_matrix": "p",
+}
+"""The keys of a message (sensor_msgs/CameraInfo) by those of a file."""
+_COUNTS = (0, 4, _PLUMB_BOB, _RATIONAL, 12, 14)
+"""OpenCV undistorts with whatever stands in the file, whichever of both names is beside it."""
 _LENSES = {
-    "plumb_bob": (perspective_lens, (0, 4, _PLUMB_BOB)),
-    "rational_polynomial": (perspective_lens, (_RATIONAL,)),
+    "plumb_bob": (perspective_lens, _COUNTS),
+    "rational_polynomial": (perspective_lens, _COUNTS),
     "equidistant": (fisheye_lens, (FISHEYE_COEFFICIENTS,)),
     "fisheye": (fisheye_lens, (FISHEYE_COEFFICIENTS,)),
 }
@@ -48,10 +68,15 @@ _LENSES = {
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a camera_info."""
-    return "distortion_model:" in text and "projection_matrix:" in text
+    return "distortion_model:" in text and ("projection_matrix:" in text or _is_message(text))
 
 
-def read_ros(sources: Sequence[SourceText]) -> ReadRig:
+def _is_message(text: str) -> bool:
+    """Tell whether a text is a message as ``ros2 topic echo`` prints it."""
+    return all(re.search(rf"^{key}:", text, re.MULTILINE | re.IGNORECASE) for key in "dkrp")
+
+
+def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read one camera, or a rectified pair; the first camera is the world.
 
     Raises
@@ -59,7 +84,7 @@ def read_ros(sources: Sequence[SourceText]) -> ReadRig:
     InputError
         A file is damaged, there are more than two, or nothing tells where the second camera is.
     """
-    contents = [read_yaml_tree(source.text, source.path) for source in sources]
+    contents = [_content(source) for source in sources]
     paths = [source.path for source in sources]
     poses = [np.eye(4)]
     notes: tuple[str, ...] = ()
@@ -134,6 +159,23 @@ def _matrix(values: np.ndarray) -> str:
     return f"  rows: {values.shape[0]}\n  cols: {values.shape[1]}\n  data: [{data}]\n"
 
 
+def _content(source: SourceText) -> dict[str, Any]:
+    """Return what a file holds, with the keys of camera_info files; of printed messages, the first one."""
+    if not _is_message(source.text):
+        return read_yaml_tree(source.text, source.path)
+    first = re.split(r"^---\s*$", source.text.removeprefix("---"), maxsplit=1, flags=re.MULTILINE)[0]
+    content = {str(key).lower(): value for key, value in read_yaml_tree(first, source.path).items()}
+    header = content.get("header")
+    name = header.get("frame_id") if isinstance(header, dict) else None
+    matrices = {file_key: {"data": content.get(key)} for file_key, key in _MESSAGE_KEYS.items()}
+    return matrices | {
+        "camera_name": name,
+        "image_width": content.get("width"),
+        "image_height": content.get("height"),
+        "distortion_model": content.get("distortion_model"),
+    }
+
+
 def _data(content: dict[str, Any], key: str, counts: Sequence[int], path: Path) -> tuple[float, ...]:
     """Return the numbers of a matrix."""
     matrix = content.get(key)
@@ -189,4 +231,4 @@ def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]
     return ("rational_polynomial", held) if any(held[_PLUMB_BOB:]) else ("plumb_bob", held[:_PLUMB_BOB])
 
 
-ROS = RigFormat("ros", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_ros, write_ros)
+ROS = RigFormat("ros", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_ros, write_ros, Unit.METRES)

@@ -25,8 +25,8 @@ PROJECT = "project"
 _NUMBERS, _ORIENTATION = 8, 6
 
 
-def read_project(root: Element, path: Path) -> ReadRig:
-    """Return the cameras of a project.
+def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> ReadRig:
+    """Return the cameras of a project; `stated` is the size of the pictures where the project has none, px.
 
     Raises
     ------
@@ -37,12 +37,14 @@ def read_project(root: Element, path: Path) -> ReadRig:
     mask = next(root.iter("polygonmask"), None)
     if not cameras:
         raise InputError(f"{path} is a project of VIC-3D without a calibration.")
-    if mask is None:
+    if mask is None and stated is None:
         raise InputError(
             f"{path} does not say how large the pictures are: the project has no area of interest. Draw one, "
-            "save, and convert again."
+            "save, and convert again, or say it: --size 1280x960."
         )
-    size = picture_size([mask.get("width"), mask.get("height")], path)
+    size = stated if mask is None else picture_size([mask.get("width"), mask.get("height")], path)
+    if size is None or stated not in (None, size):
+        raise InputError(f"{path} states another size of the pictures than --size. Leave --size out.")
     names: list[str] = []
     records: list[CameraRecord] = []
     for camera in cameras:

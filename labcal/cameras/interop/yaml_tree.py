@@ -7,7 +7,7 @@ import yaml
 
 from labcal.errors import InputError
 
-_MATRIX_TAG = "tag:yaml.org,2002:opencv-matrix"
+_MATRIX_TAGS = ("tag:yaml.org,2002:opencv-matrix", "tag:yaml.org,2002:opencv-nd-matrix")
 
 
 class _Loader(yaml.SafeLoader):
@@ -24,7 +24,8 @@ def _plain_mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any,
     return loader.construct_mapping(node, deep=True)
 
 
-_Loader.add_constructor(_MATRIX_TAG, _plain_mapping)
+for _tag in _MATRIX_TAGS:
+    _Loader.add_constructor(_tag, _plain_mapping)
 
 
 def read_yaml_tree(text: str, source: Path) -> dict[str, Any]:

@@ -56,7 +56,7 @@ PROJECT = """<?xml version="1.0" encoding="ISO-8859-1"?>
 
 
 def read(text: str) -> ReadRig:
-    assert recognised_format(text) is not None
+    assert recognised_format(SourceText(Path("cal.xml"), text)) is not None
     return read_dice([SourceText(Path("cal.xml"), text)])
 
 

@@ -1,0 +1,150 @@
+"""One camera of OpenCV's FileStorage: under which keys it stands, and which lens its coefficients are.
+
+OpenCV's functions take matrices and leave it to their users to name them in a file; these are the names of
+its own programs, old and new, and the most usual ones of others.
+"""
+
+import numpy as np
+
+from labcal.arrays import Pose
+from labcal.cameras.interop.exchange import ReadOptions
+from labcal.cameras.interop.lens_numbers import (
+    FISHEYE_COEFFICIENTS,
+    camera_record,
+    fisheye_lens,
+    intrinsics_of,
+    perspective_lens,
+)
+from labcal.cameras.interop.numbers_text import finite_number, picture_size
+from labcal.cameras.interop.opencv_storage import Storage
+from labcal.cameras.interop.placement import rounded_pose
+from labcal.cameras.lens import FISHEYE, LENSES
+from labcal.cameras.opencv_model import FISHEYE as CV_FISHEYE
+from labcal.cameras.record import CameraRecord
+from labcal.errors import InputError
+
+COUNTS = (0, 4, 5, 8, 12, 14)
+"""Of coefficients that OpenCV takes."""
+MATRIX = ("camera_matrix", "cameraMatrix", "Camera_Matrix", "CameraMatrix", "K", "M")
+DIST = (
+    "distortion_coefficients", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "DistCoeffs", "D",
+)  # fmt: skip
+SIDES = (("1", "2"), ("L", "R"), ("_left", "_right"), ("Left", "Right"), ("_l", "_r"))
+"""What stands behind these names for the first and the second camera of a pair."""
+_WIDTH = ("image_width", "image_Width", "width")
+_HEIGHT = ("image_height", "image_Height", "height")
+_SIZE = ("image_size", "imageSize", "img_size")
+_KIND = ("distortion_model", "camera_model", "model_type", "lens_model")
+_FISHEYE_WORDS = {"fisheye", "equidistant", "kannala_brandt", "kannala-brandt", "kb4"}
+_PERSPECTIVE_WORDS = {"plumb_bob", "radtan", "brown", "rational_polynomial", "perspective", "pinhole"}
+_AMBIGUOUS = 4
+
+
+def side_keys(keys: tuple[str, ...], side: str) -> tuple[str, ...]:
+    """Return the keys of one camera of a pair."""
+    return tuple(f"{key}{side}" for key in keys)
+
+
+def sides_of(storage: Storage) -> tuple[str, str] | None:
+    """Return how a file names the two cameras of a pair; None where it holds none."""
+    return next((sides for sides in SIDES if storage.first(side_keys(MATRIX, sides[0])) is not None), None)
+
+
+def is_posed(storage: Storage) -> bool:
+    """Tell whether a file has R and T."""
+    return storage.first(("R",)) is not None and storage.first(("T",)) is not None
+
+
+def read_pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:
+    """Return what R and T say, and a note where a rounded rotation was mended."""
+    R = np.array(storage.matrix(("R",), (9,))).reshape(3, 3)
+    return rounded_pose(R, np.array(storage.matrix(("T",), (3,))), storage.path)
+
+
+def read_camera(storage: Storage, side: str, T_cam_world: Pose, given: ReadOptions) -> CameraRecord:
+    """Return the camera whose keys end in `side`.
+
+    Raises
+    ------
+    InputError
+        The file has no such camera, it is damaged, or nothing tells its picture size or its lens.
+    """
+    matrix, dist = side_keys(MATRIX, side), side_keys(DIST, side)
+    for keys in (matrix, dist):
+        if storage.first(keys) is None:
+            raise InputError(
+                f"{storage.path} has no {keys[0]} (a matrix of OpenCV). Its keys are "
+                f"{', '.join(map(str, storage.content))[:300]}; rename those of a pair to M1 D1 M2 D2 R T, "
+                "those of one camera to camera_matrix and distortion_coefficients."
+            )
+    numbers = intrinsics_of(storage.matrix(matrix, (9,)), storage.path)
+    coefficients = storage.matrix(dist, COUNTS)
+    lens = _lens(storage, coefficients, given)
+    return camera_record(numbers, lens, T_cam_world, _size(storage, given), storage.path)
+
+
+def _lens(
+    storage: Storage, coefficients: tuple[float, ...], given: ReadOptions
+) -> tuple[str, tuple[float, ...]]:
+    """Return the lens: what the file says, else what is given, else what the number of coefficients tells."""
+    path = storage.path
+    said, told = _said_to_be_fisheye(storage), _given_fisheye(given)
+    if said is not None and told is not None and said != told:
+        raise InputError(
+            f"{path} says that its lens is {'a' if said else 'no'} fisheye, but --lens {given.lens} says "
+            "otherwise. Leave --lens out."
+        )
+    fisheye = told if said is None else said
+    if fisheye is None and len(coefficients) == _AMBIGUOUS:
+        raise InputError(
+            f"{path} has four coefficients, which are k1 k2 p1 p2 of Brown's model (cv2.calibrateCamera) or "
+            "k1 to k4 of the fisheye's (cv2.fisheye.calibrate), and does not say which. Say it: --lens "
+            f"brown5 or --lens {FISHEYE}."
+        )
+    if not fisheye:
+        return perspective_lens(coefficients)
+    if len(coefficients) != FISHEYE_COEFFICIENTS:
+        raise InputError(f"{path}: a fisheye has 4 coefficients, but there are {len(coefficients)}.")
+    return fisheye_lens(coefficients)
+
+
+def _said_to_be_fisheye(storage: Storage) -> bool | None:
+    """Return whether a file says that its lens is a fisheye; None where it says nothing."""
+    flag = storage.first(("fisheye_model", "fisheye"))
+    if flag is not None:
+        return finite_number(flag, "fisheye_model", storage.path) != 0.0
+    words = {str(storage.content.get(key, "")).lower() for key in _KIND}
+    if words & _FISHEYE_WORDS:
+        return True
+    return False if words & _PERSPECTIVE_WORDS else None
+
+
+def _given_fisheye(given: ReadOptions) -> bool | None:
+    """Return whether the lens that was named is a fisheye; None where none was."""
+    if given.lens is None:
+        return None
+    model = LENSES[given.lens].opencv if given.lens in LENSES else None
+    if model is None:
+        raise InputError(
+            f"--lens {given.lens} is no lens model of OpenCV. Say brown5, for k1 k2 p1 p2, or {FISHEYE}."
+        )
+    return model is CV_FISHEYE
+
+
+def _size(storage: Storage, given: ReadOptions) -> tuple[int, int]:
+    """Return the size of the pictures, which the file states or a person does."""
+    width, height, listed = (storage.first(keys) for keys in (_WIDTH, _HEIGHT, _SIZE))
+    if width is None and height is None and listed is None:
+        if given.size is not None:
+            return given.size
+        raise InputError(
+            f"{storage.path} does not say how large the pictures are. Say it: --size 1280x960. Or add "
+            "the keys image_width and image_height."
+        )
+    size = picture_size(listed if width is None and height is None else [width, height], storage.path)
+    if given.size not in (None, size):
+        raise InputError(
+            f"{storage.path} states a picture size of {size[0]}x{size[1]}, which --size contradicts. Leave "
+            "--size out."
+        )
+    return size
