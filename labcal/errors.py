@@ -32,6 +32,23 @@ class DeviceError(LabcalError, RuntimeError):
     """A device or a library of this machine that failed or is missing."""
 
 
+class WorkerError(DeviceError):
+    """A case that ends each worker process that tries it, the last one alone; no fault of other cases.
+
+    Parameters
+    ----------
+    how : str
+        How the last process ended, for example ``"crashed with SIGSEGV"``.
+    """
+
+    def __init__(self, how: str) -> None:
+        super().__init__(how)
+        self.how = how
+
+    def __str__(self) -> str:
+        return f"Each worker process that tried this case ended, the last one alone: {self.how}."
+
+
 class UnknownNameError(InputError):
     """A name that is not among those known; the message offers the nearest one.
 
@@ -50,3 +67,8 @@ class UnknownNameError(InputError):
         nearest = get_close_matches(given, names, n=1, cutoff=0.5)
         hint = f" Did you mean '{nearest[0]}'?" if nearest else ""
         super().__init__(f"There is no {kind} named '{given}'.{hint} Known: {', '.join(names)}.")
+        self._parts = (kind, given, tuple(names))
+
+    def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
+        """Let it be pickled, so that a worker process can hand it on."""
+        return type(self), self._parts

@@ -37,6 +37,7 @@ from labcal.cli.parser import CommandGroup, Parser, UsageError
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.cli.streams import result_stream
+from labcal.cli.termination import orderly_termination
 
 VERBS = {
     "doctor": "what works on this machine, and what to install for the rest",
@@ -87,7 +88,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         0 done; 1 done in part; 2 wrong use, or nothing usable given; 3 a device or the program itself
-        failed; 130 interrupted; 141 nobody reads the output any more.
+        failed; 130 interrupted; 141 nobody reads the output any more; 143 terminated.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     # Known before the arguments are understood, since wrong ones are reported in JSON, too.
@@ -101,7 +102,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return stop.code if isinstance(stop.code, int) else ExitStatus.DONE
     except UsageError as error:
         return report_failure(error, Session(sys.stdout, json=json, quiet=quiet))
-    with result_stream() as stream:
+    with orderly_termination(), result_stream() as stream:
         session = Session(stream, json=json, quiet=quiet)
         try:
             return int(arguments.run(arguments, session))

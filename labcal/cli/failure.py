@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.cli.termination import Terminated
 from labcal.errors import DeviceError, DiskFullError, LabcalError
 
 TRACEBACK_VARIABLE = "LABCAL_TRACEBACK"
@@ -47,6 +48,9 @@ def explain(error: BaseException) -> Failure:
     """Return what to tell about an error."""
     kind = type(error).__name__
     match error:
+        case Terminated():
+            message = "Terminated. The same command again resumes where its output allows it."
+            status = ExitStatus.TERMINATED
         case KeyboardInterrupt():
             message = "Interrupted. The same command again resumes where its output allows it."
             status = ExitStatus.INTERRUPTED

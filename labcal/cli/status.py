@@ -17,3 +17,5 @@ class ExitStatus(IntEnum):
     """Ctrl-C (128 + SIGINT)."""
     NOBODY_READS = 141
     """The reader of stdout went away (128 + SIGPIPE)."""
+    TERMINATED = 143
+    """128 + SIGTERM."""

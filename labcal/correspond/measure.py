@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from itertools import repeat
 
 import cv2
 
@@ -13,7 +12,8 @@ from labcal.correspond.way_up import settle_way_up
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
-from labcal.errors import InputError, InputTypeError
+from labcal.errors import InputError, InputTypeError, WorkerError
+from labcal.run.executor import finished
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
 from labcal.targets.catalogue import AnyTarget
@@ -65,6 +65,13 @@ def _too_large(source: Source) -> str:
     return f"The picture {source.image} takes more memory than there is. Scale it down."
 
 
+def _crashed(source: Source, error: WorkerError) -> str:
+    return (
+        f"The picture {source.image} ended each process that measured it, the last one with no other beside "
+        f"it ({error.how}). Leave it out, or scale it down."
+    )
+
+
 def measure_pictures(
     sources: Sequence[Source],
     target: AnyTarget,
@@ -74,14 +81,21 @@ def measure_pictures(
 ) -> list[Measurement]:
     """Measure pictures, in the order of `sources` whatever the order of work.
 
+    A picture that ends each worker process that measures it (it makes a library crash, or takes all memory)
+    is a result with a reason, as one that cannot be read: the other pictures are as good as without it.
     The tone curve is undone first; linear: the values are taken for light as they are.
     Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.way_up`).
     """
     progress.start("detecting dots", len(sources))
-    found = []
-    for measurement in executor.map(measure_picture, sources, repeat(target), repeat(tone_curve)):
-        found.append(measurement)
+    cases = [(source, target, tone_curve) for source in sources]
+    measured: dict[int, Measurement] = {}
+    for number, future in finished(executor, measure_picture, cases):
+        try:
+            measured[number] = future.result()
+        except WorkerError as error:
+            measured[number] = Measurement(sources[number], None, _crashed(sources[number], error))
         progress.advance()
+    found = [measured[number] for number in range(len(sources))]
     readable = [measurement for measurement in found if measurement.dots is not None]
     pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
     settled = iter(settle_way_up([measurement.source for measurement in readable], pictures, target))

@@ -2,17 +2,17 @@
 
 import json
 import time
-from concurrent.futures import BrokenExecutor, as_completed
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 from labcal.cameras.record import CameraRecord, matrix4_record
-from labcal.errors import DeviceError, InputError
+from labcal.errors import InputError, WorkerError
 from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
-from labcal.run.executor import open_executor
+from labcal.run.executor import finished, open_executor
+from labcal.run.given_up import refuse_given_up
 from labcal.run.machine import package_version
 from labcal.run.outputs import unfinished_folder, write_file
 from labcal.run.progress import Progress
@@ -28,6 +28,7 @@ from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
 from labcal.shoot.truth import FOLDER, Truth, write_truth
 
+_ADVICE = "Free memory, render smaller pictures (or fewer at a time: --workers), or leave those views out."
 PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headless")
 
 
@@ -74,7 +75,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
     OutputError
         The folder exists already, or the disk refuses.
     DeviceError
-        There is no LLVM library for the renderer, or a worker process died.
+        There is no LLVM library for the renderer, or a picture ends each worker process that renders it.
     """
     if settings.spp is not None:
         scene = scene.with_spp(settings.spp)
@@ -108,18 +109,18 @@ def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, floa
     missing = [job for job in jobs if not job.path.exists()]
     progress.start("render", len(jobs))
     progress.advance(len(jobs) - len(missing))
-    seconds = {}
-    try:
-        with open_executor(min(workers, max(1, len(missing)))) as pool:
-            futures = {pool.submit(render_picture, job): job for job in missing}
-            for future in as_completed(futures):
-                seconds[futures[future].path.name] = future.result()
+    seconds: dict[str, float] = {}
+    given_up: dict[str, WorkerError] = {}
+    with open_executor(min(workers, max(1, len(missing)))) as pool:
+        for number, future in finished(pool, render_picture, [(job,) for job in missing]):
+            name = missing[number].path.name
+            try:
+                seconds[name] = future.result()
+            except WorkerError as error:
+                given_up[name] = error
+            else:
                 progress.advance()
-    except BrokenExecutor as error:
-        raise DeviceError(
-            "A process that was rendering ended without a word, perhaps for want of memory. Use fewer "
-            "workers; the same command goes on where this one stopped."
-        ) from error
+    refuse_given_up(given_up, len(jobs), "pictures", _ADVICE)
     return dict(sorted(seconds.items()))
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from labcal.errors import DeviceError
 from labcal.render.llvm import ensure_llvm, install_advice
+from labcal.run.tied_program import tied
 
 _SECONDS = 300.0
 _SIDE = 8
@@ -25,7 +26,7 @@ def try_render() -> str:
         It does not work; the message says what to install.
     """
     ensure_llvm()
-    command = [sys.executable, "-m", "labcal.render.trial"]
+    command = tied([sys.executable, "-m", "labcal.render.trial"])
     try:
         # The command is this module in this interpreter; nothing of it comes from outside.
         done = subprocess.run(  # noqa: S603

@@ -1,12 +1,16 @@
 """Many independent cases, one result file each, so that an interrupted run goes on where it stopped."""
 
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from collections import Counter
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
+from labcal.errors import InputError, WorkerError
+from labcal.run.executor import finished
+from labcal.run.given_up import refuse_given_up
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 
@@ -49,25 +53,43 @@ def run_cases(
 
     Raises
     ------
+    InputError
+        Two cases have one key.
     OutputError
         A result cannot be written.
+    DeviceError
+        A case ends each worker process that tries it; it is named when all others are done and kept.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = {case.key: folder / f"{case.key}.json" for case in cases}
-    missing = [case for case in cases if not files[case.key].exists()]
+    if len(files) < len(cases):
+        twice = next(key for key, count in Counter(case.key for case in cases).items() if count > 1)
+        raise InputError(f"Two cases are named '{twice}', and each result needs a file of its own.")
+    results = {case.key: _kept_result(files[case.key], result_type) for case in cases}
+    missing = [case for case in cases if results[case.key] is None]
     progress.start("cases", len(cases))
     progress.advance(len(cases) - len(missing))
-    pending: dict[Future[R], C] = {}
-
-    def keep(done: Iterable[Future[R]]) -> None:
-        for future in done:
+    given_up: dict[str, WorkerError] = {}
+    for number, future in finished(executor, work, [(case,) for case in missing]):
+        key = missing[number].key
+        try:
             text = future.result().model_dump_json(indent=2) + "\n"
-            write_file(files[pending.pop(future).key], text, force=True)
-            progress.advance()
+        except WorkerError as error:
+            given_up[key] = error
+            continue
+        write_file(files[key], text, force=True)
+        results[key] = result_type.model_validate_json(text)  # as it will be read
+        progress.advance()
+    refuse_given_up(given_up, len(cases), "cases", "Free memory, or use fewer workers.")
+    return [result for case in cases if (result := results[case.key]) is not None]
 
-    for case in missing:
-        pending[executor.submit(work, case)] = case
-        keep(wait(pending, timeout=0).done)  # an executor without processes has finished it already
-    while pending:
-        keep(wait(pending, return_when=FIRST_COMPLETED).done)
-    return [result_type.model_validate_json(files[case.key].read_bytes()) for case in cases]
+
+def _kept_result(file: Path, result_type: type[R]) -> R | None:
+    """Return a result that an earlier run has left; None where there is none, or not a whole one.
+
+    A file that a power cut has cut short, or that another version wrote, is made anew.
+    """
+    try:
+        return result_type.model_validate_json(file.read_bytes())
+    except (FileNotFoundError, ValidationError):
+        return None

@@ -1,12 +1,13 @@
 """How independent cases are spread, serially or over processes: the standard library's own interface."""
 
-import multiprocessing
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, as_completed
 from contextlib import contextmanager
 from typing import ParamSpec, TypeVar
 
 from labcal.errors import InputError
+from labcal.run.main_guard import end_unguarded_worker, refuse_unguarded
+from labcal.run.pool import WorkerPool
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -31,25 +32,65 @@ class SerialExecutor(Executor):
 def open_executor(workers: int) -> Iterator[Executor]:
     """Give an executor, and end it with what it has not begun when the caller fails.
 
-    Processes are started afresh (*spawn*), so that none inherits the state of a renderer or of threads. A
-    program that asks for more than one must therefore keep its start under ``if __name__ == "__main__"``.
+    Worker processes are started afresh (*spawn*), so that none inherits the state of a renderer or of
+    threads. A program that asks for more than one must therefore keep its start under
+    ``if __name__ == "__main__"``. They end when this process ends, whatever ends it; one that ends before its
+    time is replaced (see `WorkerPool`).
 
     Parameters
     ----------
     workers : int
-        1 runs everything in this process.
+        1 runs everything in this process. There are never more processes than cases.
 
     Raises
     ------
     InputError
-        There are no workers.
+        There are no workers, or the program lacks that guard.
     """
     if workers < 1:
         raise InputError(f"The number of workers must be at least 1, but is {workers}.")
-    pool: Executor = SerialExecutor()
-    if workers > 1:
-        pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    if workers == 1:
+        end_unguarded_worker()
+        yield SerialExecutor()
+        return
+    with open_pool(workers) as pool:
+        yield pool
+
+
+@contextmanager
+def open_pool(workers: int) -> Iterator[WorkerPool]:
+    """Give a pool of processes, be it of one; see :func:`open_executor`."""
+    refuse_unguarded()
+    pool = WorkerPool(workers)
     try:
         yield pool
+    except BaseException as error:
+        if not isinstance(error, Exception):  # interrupted: what is begun is not waited for
+            pool.kill()
+        raise
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        pool.shutdown(cancel_futures=True)
+
+
+def finished(
+    executor: Executor, work: Callable[..., Result], cases: Sequence[tuple[object, ...]]
+) -> Iterator[tuple[int, Future[Result]]]:
+    """Submit cases and give each one's number with its future, as soon as that is finished.
+
+    Parameters
+    ----------
+    executor : Executor
+    work : callable
+        A function of the module level, so that other processes find it.
+    cases : sequence of tuple
+        The arguments of each case.
+    """
+    pending = {}
+    for number, arguments in enumerate(cases):
+        future = executor.submit(work, *arguments)
+        if future.done():  # an executor without processes
+            yield number, future
+        else:
+            pending[future] = number
+    for future in as_completed(pending):
+        yield pending[future], future

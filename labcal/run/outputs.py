@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 from labcal.errors import DiskFullError, OutputError
+from labcal.run.main_guard import end_unguarded_worker
 
 
 def refuse_existing(path: Path, *, force: bool) -> None:
@@ -104,7 +105,7 @@ def _command_in(folder: Path) -> str | None:
 
 
 def _remove_scraps(working: Path) -> None:
-    """Remove files that were being written when an earlier run was killed."""
+    """Remove files that were being written when a run, or one of its workers, was killed."""
     for path in working.rglob(".*"):
         if path.is_file() and path.name != MARK:
             path.unlink()
@@ -146,6 +147,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     OutputError
         `path` exists, another command's unfinished output is in the way, or the disk refuses.
     """
+    end_unguarded_worker()
     working = path.with_name(path.name + ".unfinished")
     try:
         if not working.exists() and _command_in(path) == command:
@@ -161,6 +163,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
             scrap.write_text(command, encoding="utf-8")
             scrap.replace(working / MARK)  # the mark is there whole or not at all
         yield working
+        _remove_scraps(working)
         if path.exists():
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         working.replace(path)

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from labcal.run.parent_watch import end_with_parent
 from labcal.targets.grid import DotGrid
 
 Ending = Literal["result", "reason", "error", "crash", "hang", "memory"]
@@ -113,6 +114,7 @@ def _work(pipe: Connection, target: DotGrid, first: np.ndarray, memory_bytes: in
     from labcal.correspond.sources import Source  # noqa: PLC0415
     from labcal.detect.detector import detect_dots  # noqa: PLC0415
 
+    end_with_parent()
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # the decoders' own words about damaged files
     cv2.setNumThreads(1)
     detect_dots(first, target)

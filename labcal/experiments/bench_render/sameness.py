@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
 from labcal.run.progress import Progress
+from labcal.run.tied_program import tied
 
 SCENE = "still-volume"
 SPP = 4
@@ -53,7 +54,7 @@ def sameness_checks(seed: int, progress: Progress) -> list[Check]:
 def _command(folder: Path, workers: int) -> list[str]:
     """Return the command that renders the shoot."""
     options = ["--spp", str(SPP), "--workers", str(workers), "--quiet"]
-    return [sys.executable, "-m", "labcal", "render", SCENE, "-o", str(folder), *options]
+    return tied([sys.executable, "-m", "labcal", "render", SCENE, "-o", str(folder), *options])
 
 
 def _render(folder: Path, workers: int) -> None:

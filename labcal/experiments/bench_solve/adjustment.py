@@ -1,10 +1,8 @@
 """How long the bundle adjustment takes beside ``cv2.stereoCalibrate``, and how that grows."""
 
-import multiprocessing
 import resource
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -17,6 +15,7 @@ from labcal.experiments.bench_solve.spoilt import spoilt_checks
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Solution
 from labcal.report.bench import Check, Figure, at_most
+from labcal.run.executor import open_pool
 from labcal.solve.adjustment.problem import AdjustmentProblem
 from labcal.solve.adjustment.rounds import DAMPING, STOPPING
 from labcal.solve.adjustment.state import Freedom, Lenses, RigState
@@ -48,7 +47,7 @@ def adjustment_findings(bench: Bench) -> Findings:
     checks, beside = _beside_opencv(bench.seed, QUICK_ROUNDS if bench.quick else ROUNDS)
     bench.progress.advance()
     # In a process of its own, so that its memory is nobody else's.
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as child:
+    with open_pool(1) as child:
         growth = child.submit(measured_growth, sizes, bench.seed).result()
     bench.progress.advance()
     name = "adjustment: time with {} views over that with {}"

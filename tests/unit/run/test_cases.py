@@ -1,9 +1,11 @@
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from pydantic import BaseModel
 
+from labcal.errors import DeviceError, InputError
 from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress
@@ -29,6 +31,12 @@ def square(case: Square) -> Result:
 def square_below_three(case: Square) -> Result:
     if case.number >= 3:
         raise ValueError(f"{case} is too large")
+    return square(case)
+
+
+def square_or_crash(case: Square) -> Result:
+    if case.number == 1:
+        os._exit(9)
     return square(case)
 
 
@@ -60,3 +68,28 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
     with open_executor(1) as executor:
         results = run_cases([Square(1), Square(2)], square, Result, tmp_path, executor, NoProgress())
     assert [result.value for result in results] == [-1, 4]
+
+
+def test_a_case_that_ends_its_processes_is_named_and_the_others_are_kept(tmp_path: Path) -> None:
+    cases = [Square(n) for n in (1, 2, 3)]
+    with pytest.raises(DeviceError, match=r"1 of 3 cases .*square-1 \(with exit status 9\)"):  # noqa: SIM117
+        with open_executor(2) as executor:
+            run_cases(cases, square_or_crash, Result, tmp_path, executor, NoProgress())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["square-2.json", "square-3.json"]
+    with open_executor(1) as executor:
+        results = run_cases(cases, square, Result, tmp_path, executor, NoProgress())
+    assert [result.value for result in results] == [1, 4, 9]
+
+
+@pytest.mark.parametrize("left", [b"", b'{"value": 1', b'{"value": "many"}', b"{}", b"\xff\xfe"])
+def test_a_result_that_is_not_whole_is_made_anew(tmp_path: Path, left: bytes) -> None:
+    (tmp_path / "square-2.json").write_bytes(left)
+    with open_executor(1) as executor:
+        results = run_cases([Square(2)], square, Result, tmp_path, executor, NoProgress())
+    assert [result.value for result in results] == [4]
+    assert Result.model_validate_json((tmp_path / "square-2.json").read_bytes()) == Result(value=4)
+
+
+def test_two_cases_of_one_name_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="Two cases are named 'square-2'"), open_executor(1) as executor:
+        run_cases([Square(1), Square(2), Square(2)], square, Result, tmp_path, executor, NoProgress())

@@ -140,3 +140,12 @@ def test_a_full_disk_in_the_work_is_told_as_such(tmp_path: Path) -> None:
     with pytest.raises(DiskFullError), unfinished_folder(tmp_path / "shoot", "c", force=False):
         raise OSError(errno.ENOSPC, "No space left on device")
     assert not (tmp_path / "shoot").exists()
+
+
+def test_what_a_killed_worker_was_writing_is_not_in_the_result(tmp_path: Path) -> None:
+    target = tmp_path / "shoot"
+    with unfinished_folder(target, "render", force=False) as working:
+        (working / "images").mkdir()
+        (working / "images" / ".a.png.k3j2").write_text("half")
+        (working / "images" / "a.png").write_text("whole")
+    assert entries(target / "images") == ["a.png"]

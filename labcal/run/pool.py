@@ -1,0 +1,142 @@
+"""A pool of worker processes that goes on when one of them is killed."""
+
+import contextlib
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from copy import copy
+from functools import partial
+from queue import LifoQueue
+from threading import Lock
+from typing import Any, ParamSpec, TypeVar
+
+from labcal.errors import DeviceError, LabcalError, WorkerError
+from labcal.run.endings import ending_in_words, may_be_foreign
+from labcal.run.worker import ProcessEndedError, Worker
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+TRIES_BESIDE_OTHERS = 2
+"""How often a case is tried beside others; then it is tried alone, since others may have taken the memory."""
+TRIES_ALONE = 3
+"""How often then, where the process was killed, as somebody may have done; where it crashed, once."""
+MOST_IN_VAIN = 5
+"""So many cases given up and not one done: then it is not the cases that end the processes."""
+
+
+class WorkerPool(Executor):
+    """Spreads cases over processes, each of which is a `ProcessPoolExecutor` of its own.
+
+    A thread drives each of them, so a process that ends takes no case with it but the one it had. That one is
+    tried again in a new process, first beside others, at last with no other process there. Only where it
+    ends that one, too, is it given up: its future raises `WorkerError`, and the other cases go on.
+
+    Parameters
+    ----------
+    workers : int
+        The most processes; they are started as cases come in.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = [Worker() for _ in range(workers)]
+        self._idle: LifoQueue[Worker] = LifoQueue()
+        for worker in self._workers:
+            self._idle.put(worker)
+        self._threads = ThreadPoolExecutor(workers, "labcal-worker")
+        self._one_alone = Lock()
+        self._any_done = False
+        self._given_up = 0
+        self._failure: LabcalError | None = None
+        """Why no further case is tried."""
+
+    def submit(
+        self, fn: Callable[Arguments, Result], /, *args: Arguments.args, **kwargs: Arguments.kwargs
+    ) -> Future[Result]:
+        """Let the next process that is free run a case, and return its future.
+
+        The future raises what `fn` raises; `WorkerError` where the case ends every process that tries it;
+        `InputError` or `DeviceError` where processes cannot be started, or end whatever they try.
+        """
+        return self._threads.submit(self._result_of, partial(fn, *args, **kwargs))
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 -- the base class's
+        """End the processes when the cases that are begun are done; see :meth:`Executor.shutdown`."""
+        try:
+            self._threads.shutdown(wait=wait, cancel_futures=cancel_futures)
+            if wait:
+                _close(self._workers)
+        except BaseException:  # interrupted while it waits
+            self.kill()
+            raise
+
+    def kill(self) -> None:
+        """End the processes at once: what is begun is lost, and what is not begun is not done."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for worker in self._workers:
+            worker.kill()
+
+    def _result_of(self, case: Callable[[], Result]) -> Result:
+        """Return the result of a case; runs in a thread of the pool."""
+        pickled = pickle.dumps(case)
+        for _ in range(TRIES_BESIDE_OTHERS):
+            with self._borrowed(1) as (worker,), contextlib.suppress(ProcessEndedError):
+                result: Result = self._tried(worker, pickled)
+                return result
+        # Two that wait for all workers, each with some of them, would wait for ever.
+        with self._one_alone, self._borrowed(len(self._workers)) as workers:
+            _close(workers)
+            tries = 0
+            while True:
+                tries += 1
+                try:
+                    result = self._tried(workers[0], pickled)
+                except ProcessEndedError as ended:
+                    if tries == TRIES_ALONE or not may_be_foreign(ended.status):
+                        raise self._told(ending_in_words(ended.status)) from ended
+                else:
+                    return result
+
+    def _tried(self, worker: Worker, case: bytes) -> Any:  # noqa: ANN401 -- whatever the case returns
+        """Return the result of a pickled case from one process."""
+        if self._failure is not None:
+            raise copy(self._failure)  # for each future one of its own
+        try:
+            worker.open()
+        except LabcalError as error:
+            self._failure = error
+            raise
+        answer = worker.call(case)
+        self._any_done = True
+        return pickle.loads(answer)  # noqa: S301 -- from a process of this pool
+
+    def _told(self, how: str) -> WorkerError:
+        """Return the error of a case that is given up; note where all are in vain."""
+        self._given_up += 1  # by one thread at a time: no case but this one is tried now
+        if self._given_up >= MOST_IN_VAIN and not self._any_done:
+            self._failure = DeviceError(
+                f"Worker processes end whatever they try: the first {self._given_up} cases ended each "
+                f"process that tried them, the last one {how}. See with 'labcal doctor' whether the "
+                "libraries work on this machine, and whether there is enough memory."
+            )
+        return WorkerError(how)
+
+    @contextlib.contextmanager
+    def _borrowed(self, count: int) -> Iterator[Sequence[Worker]]:
+        """Give so many workers that do nothing else; wait until they are free."""
+        workers: list[Worker] = []
+        try:
+            while len(workers) < count:
+                workers.append(self._idle.get())
+            yield workers
+        finally:
+            for worker in workers:
+                self._idle.put(worker)
+
+
+def _close(workers: Sequence[Worker]) -> None:
+    """End processes that do nothing, all at a time, and wait for it."""
+    for worker in workers:
+        worker.dismiss()
+    for worker in workers:
+        worker.join()

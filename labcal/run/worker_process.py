@@ -1,0 +1,44 @@
+"""What runs in a worker process: how it is made ready, and one case."""
+
+import pickle
+import signal
+
+from labcal.run.parent_watch import end_with_parent
+
+
+def prepare() -> None:
+    """Make a process ready: it ends with its parent, which alone answers to Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
+
+
+def perform(case: bytes) -> bytes:
+    """Perform a pickled case and return its pickled result.
+
+    Parameters
+    ----------
+    case : bytes
+        A pickled function without arguments. It comes as bytes, as its result goes, since the pool breaks on
+        what it cannot unpickle.
+
+    Raises
+    ------
+    Exception
+        What the function raises; as a `RuntimeError` where it cannot be sent to the parent.
+    """
+    work = pickle.loads(case)  # noqa: S301 -- from the parent
+    try:
+        return pickle.dumps(work())
+    except Exception as error:
+        if _is_sendable(error):
+            raise
+        raise RuntimeError(f"{type(error).__name__}: {error}") from error
+
+
+def _is_sendable(error: Exception) -> bool:
+    """Tell whether an exception can be pickled and unpickled."""
+    try:
+        pickle.loads(pickle.dumps(error))  # noqa: S301 -- made here
+    except Exception:  # noqa: BLE001 -- whatever its class does
+        return False
+    return True
