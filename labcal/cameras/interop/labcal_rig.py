@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 
-from pydantic import ValidationError
-
 from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.json_reading import read_json
 
 
 def recognises(text: str) -> bool:
@@ -25,13 +23,7 @@ def read_labcal(sources: Sequence[SourceText]) -> ReadRig:
     """
     if len(sources) != 1:
         raise InputError("A rig.json holds a whole rig. Give one of them.")
-    try:
-        rig = Rig.model_validate_json(sources[0].text)
-    except ValidationError as error:
-        raise InputError(f"{sources[0].path} is not a rig: {explain_validation(error)}.") from error
-    for name in rig.cameras:
-        rig.camera(name)  # raises for an impossible camera
-    return ReadRig(rig)
+    return ReadRig(read_json(Rig, sources[0].text, f"{sources[0].path} is not a rig: it"))
 
 
 def write_labcal(rig: Rig, _suffix: str) -> RigTexts:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from labcal.errors import InputError
+from labcal.wording import shown
 
 _MOST_PIXELS = 2**26
 """As many as a picture may have."""
@@ -70,6 +71,5 @@ def picture_size(values: object, source: Path) -> tuple[int, int]:
 
 def _shown(value: object) -> str:
     """Return a value for a message, not too much of it."""
-    text = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
-    most = 40
-    return text if len(text) <= most else f"{text[:most]}..."
+    known = isinstance(value, (str, int, float, type(None)))
+    return shown(value, 40) if known else f"a {type(value).__name__}"

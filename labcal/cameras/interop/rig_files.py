@@ -5,8 +5,9 @@ from pathlib import Path
 
 from labcal.cameras.interop.exchange import Home, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
-from labcal.cameras.rig import Rig
+from labcal.cameras.rig import Rig, checked_rig
 from labcal.errors import InputError
+from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder, write_file
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
@@ -52,7 +53,9 @@ def read_rig_files(paths: Sequence[Path], format_name: str | None) -> tuple[RigF
     sources = given if chosen.home is Home.FOLDER else [source for source, _ in known]
     for source in sources:
         _require_size(source.path, len(source.text), chosen.most_bytes)
-    return chosen, chosen.read(sources)
+    read = chosen.read(sources)
+    checked_rig(read.rig, str(sources[0].path))
+    return chosen, read
 
 
 def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bool) -> list[Path]:
@@ -132,13 +135,7 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 def _source(path: Path, wanted: RigFormat | None) -> SourceText:
     """Read a text file of sensible size."""
     most = _MOST_BYTES if wanted is None else wanted.most_bytes
-    try:
-        if path.exists() and not path.is_file():
-            raise InputError(f"{path} cannot be read: it is no file.")
-        _require_size(path, path.stat().st_size, most)
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    data = read_bytes(path, "file", most)
     try:
         return SourceText(path, data.decode("utf-8-sig"))
     except UnicodeDecodeError:

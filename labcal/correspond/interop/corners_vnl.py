@@ -21,12 +21,13 @@ from labcal.correspond.matching import require_on_target
 from labcal.correspond.sources import loose_source
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.file_reading import read_text
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 
 _SIGMA = re.compile(r"^## sigma_px (\S+)", re.MULTILINE)
 _LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULTILINE)
-_MOST_BYTES = 2**28
+_MOST_BYTES = 2**27
 _MOST_LEVEL = 30
 _EQUAL_PITCH = 1e-9
 """Relative difference of pitches that are the same but for rounding."""
@@ -166,16 +167,7 @@ def _require_plain(image: str) -> None:
 
 
 def _text(path: Path) -> str:
-    try:
-        if path.exists() and not path.is_file():
-            raise InputError(f"The corners {path} cannot be read: it is no file.")
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path} is not read: it has more than {_MOST_BYTES} bytes.")
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"The corners {path} cannot be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is no text file.") from error
+    return read_text(path, "corners", _MOST_BYTES)
 
 
 def _positive(word: str, path: Path) -> float:

@@ -44,7 +44,12 @@ def test_a_table_reads_back_exactly(tmp_path: Path, exact: Detections) -> None:
         exact,
         position=exact.position + rng.normal(size=(n, 2)) / 3,
         covariance=root @ np.swapaxes(root, 1, 2) * 1e-7,
-        image=np.array([f"a folder, with 'comma' and \"quotes\"/{i}.png" for i in range(n)]),
+        image=np.array(
+            [
+                f"a folder, with 'comma' and \"quotes\"/{view}_{camera}.png"
+                for view, camera in zip(exact.view, exact.camera, strict=True)
+            ]
+        ),
     )
     table.position[5] = table.covariance[5] = np.nan
     table.has_id[5] = False

@@ -10,7 +10,7 @@ from labcal.correspond.points import ReconstructedPoints, points_csv, read_point
 from labcal.errors import InputError
 
 HEADER = "view,col,row,X_mm,Y_mm,Z_mm,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,flag"
-LINE = "a,1,2,10.5,20.25,-30.0,1.0,2.0,3.0,4.0,5.0,6.0,ok"
+LINE = "a,1,2,10.5,20.25,-30.0,9.0,2.0,3.0,8.0,5.0,7.0,ok"
 
 
 def table(n: int = 20) -> ReconstructedPoints:
@@ -39,7 +39,7 @@ def test_a_table_reads_back_exactly(tmp_path: Path) -> None:
 def test_the_covariance_is_symmetric_in_the_order_of_the_header(tmp_path: Path) -> None:
     (tmp_path / "p.csv").write_text(f"{HEADER}\n{LINE}\n")
     back = read_points(tmp_path / "p.csv")
-    assert back.covariance[0].tolist() == [[1, 2, 3], [2, 4, 5], [3, 5, 6]]
+    assert back.covariance[0].tolist() == [[9, 2, 3], [2, 8, 5], [3, 5, 7]]
     assert back.point[0].tolist() == [10.5, 20.25, -30.0]
     assert back.index[0].tolist() == [1, 2]
 

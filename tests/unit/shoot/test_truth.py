@@ -73,7 +73,7 @@ def test_the_files_have_the_form_that_others_rely_on(tmp_path: Path, pair: dict[
 
 def test_a_mistake_and_pictures_of_their_own_are_told(tmp_path: Path, pair: dict[str, Camera]) -> None:
     plain = truth(pair)
-    own = TruePicture(taken_by="left", T_cam_world=matrix4_record(2.0 * np.eye(4)))
+    own = TruePicture(taken_by="left", T_cam_world=matrix4_record(np.diag([-1.0, -1.0, 1.0, 1.0])))
     mistaken = plain.model_copy(
         update={
             "views": {"one": plain.views["one"].model_copy(update={"cameras": {"right": own}})},
