@@ -34,12 +34,11 @@ def require_file(path: Path, what: str, most: int) -> None:
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
-            why = os.strerror(errno.EISDIR) if stat.S_ISDIR(status.st_mode) else "it is no file"
-            raise InputError(f"The {what} {path} cannot be read: {why}.")
+            folder = f"{os.strerror(errno.EISDIR)}, so " if stat.S_ISDIR(status.st_mode) else ""
+            raise InputError(f"The {what} {path} cannot be read: {folder}it is no file.")
         if status.st_size > most:
             raise InputError(
-                f"The {what} {path} is not read: its {status.st_size} bytes are more than {most}, and no "
-                f"{what} has so many."
+                f"The {what} {path} is not read: it has {status.st_size} bytes, which is more than {most} bytes."
             )
         with path.open("rb"):
             pass

@@ -17,7 +17,7 @@ from labcal.run.json_reading import json_content, read_json
 from labcal.run.outputs import write_file
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
-from labcal.solve.model_header import VERSION, ModelHeader
+from labcal.solve.model_header import VERSION, ModelHeader, Value
 from labcal.solve.registry import make_estimator
 from labcal.solve.rehearsal import Rehearsed
 
@@ -201,7 +201,7 @@ def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -
     return estimator
 
 
-def _like(value: object, default: object) -> bool:
+def _like(value: Value, default: object) -> bool:
     """Tell whether a parameter is of its default's kind, and not beyond all bounds."""
     match default:
         case bool() | str():
@@ -209,13 +209,14 @@ def _like(value: object, default: object) -> bool:
         case int():
             return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= _MOST_COUNT
         case float():
-            sound = isinstance(value, int | float) and not isinstance(value, bool)
-            return sound and 0.0 <= value <= MOST_WEIGHT
-        case _:  # widths of layers, picture sizes, or nothing
-            counts = [value] if value is None else np.ravel(np.array(value, dtype=object)).tolist()
-            return all(
-                count is None or (type(count) is int and 1 <= count <= _MOST_COUNT) for count in counts
+            return (
+                isinstance(value, int | float)
+                and not isinstance(value, bool)
+                and 0.0 <= float(value) <= MOST_WEIGHT
             )
+        case _:  # widths of layers, picture sizes, or nothing
+            counts = [] if value is None else np.ravel(np.array(value, dtype=object)).tolist()
+            return all(type(count) is int and 1 <= count <= _MOST_COUNT for count in counts)
 
 
 def _figures(rehearsed: Rehearsed) -> dict[str, float | None]:

@@ -26,8 +26,8 @@ def predicted(
             return estimator.predict_with_covariance(matches.X, matches.covariance)
     except (np.linalg.LinAlgError, ArithmeticError, RuntimeError) as error:
         raise InputError(
-            f"The model of the method '{estimator.method}' gives no points ({error}): its numbers are damaged. "
-            "Fit it again."
+            f"The model of the method '{estimator.method}' gives no points ({error}): its numbers are "
+            "damaged. Fit it again."
         ) from error
 
 
