@@ -16,6 +16,7 @@ from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.run.names import is_name
 from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
+from labcal.wording import has_control
 
 HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
@@ -192,13 +193,14 @@ def read_detections(path: Path) -> Detections:
     has_id = np.zeros(len(lines), dtype=bool)
     for i, line in enumerate(lines):
         try:
-            _, camera, _, width, height, col, row, x, y, xx, xy, yy, flag = line
+            view, camera, image, width, height, col, row, x, y, xx, xy, yy, flag = line
             has_id[i] = col != "" and row != ""
             size, index = (int(width), int(height)), (int(col or 0), int(row or 0))
             values = [float(v) for v in (x, y, xx, xy, yy)]
             sound = (
                 flag in flags
                 and is_name(camera)
+                and not (has_control(view) or has_control(image))
                 and 1 <= min(size) <= max(size) <= LONGEST_SIDE_PX
                 and max(map(abs, index)) <= MOST_INDEX
             )

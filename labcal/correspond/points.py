@@ -11,6 +11,7 @@ from labcal.arrays import PointCovariances, Points
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.geometry.covariances import stated_soundly
 from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
+from labcal.wording import has_control
 
 HEADER = (
     "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
@@ -84,10 +85,10 @@ def read_points(path: Path) -> ReconstructedPoints:
     figures = np.full((len(lines), 9), np.nan)
     for i, line in enumerate(lines):
         try:
-            _, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
+            view, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
             index[i] = [int(col), int(row)]
             figures[i] = [float(v) for v in (X, Y, Z, xx, xy, xz, yy, yz, zz)]
-            sound = flag in flags and np.abs(index[i]).max() <= MOST_INDEX
+            sound = flag in flags and not has_control(view) and np.abs(index[i]).max() <= MOST_INDEX
         except (ValueError, OverflowError):
             sound = False
         place = figures[i, :3]

@@ -7,6 +7,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from pydantic import BaseModel
 
+from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 
@@ -51,6 +52,8 @@ def run_cases(
     ------
     OutputError
         A result cannot be written.
+    InputError
+        The file of a result that was there already is damaged; without it the case is worked on again.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = {case.key: folder / f"{case.key}.json" for case in cases}
@@ -70,4 +73,4 @@ def run_cases(
         keep(wait(pending, timeout=0).done)  # an executor without processes has finished it already
     while pending:
         keep(wait(pending, return_when=FIRST_COMPLETED).done)
-    return [result_type.model_validate_json(files[case.key].read_bytes()) for case in cases]
+    return [read_document(result_type, "result of a case", files[case.key]) for case in cases]

@@ -38,7 +38,7 @@ def require_file(path: Path, what: str, most: int) -> None:
             raise InputError(f"The {what} {path} cannot be read: {folder}it is no file.")
         if status.st_size > most:
             raise InputError(
-                f"The {what} {path} is not read: it has {status.st_size} bytes, which is more than {most} bytes."
+                f"The {what} {path} is not read: it has {status.st_size} bytes, more than {most} bytes."
             )
         with path.open("rb"):
             pass

@@ -6,7 +6,7 @@ from jaxtyping import Float64
 from labcal.bounds import MOST_MM
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import PointFlag, ReconstructedPoints
-from labcal.errors import InputError
+from labcal.errors import InputError, LabcalError
 from labcal.geometry.covariances import stated_soundly
 from labcal.solve.estimator import PointEstimator
 
@@ -24,7 +24,9 @@ def predicted(
     try:
         with np.errstate(all="ignore"):
             return estimator.predict_with_covariance(matches.X, matches.covariance)
-    except (np.linalg.LinAlgError, ArithmeticError, RuntimeError) as error:
+    except LabcalError:
+        raise
+    except (ValueError, ArithmeticError, RuntimeError) as error:  # LinAlgError is a ValueError
         raise InputError(
             f"The model of the method '{estimator.method}' gives no points ({error}): its numbers are "
             "damaged. Fit it again."

@@ -26,6 +26,8 @@ def main() -> int:
         for outcome in run(seeds, Path(folder) / "home", arguments.seed, arguments.count, arguments.first):
             counts[f"status {outcome.status}"] += 1
             slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.peak_bytes / 2**20)
+            if (outcome.number - arguments.first) % 1000 == 999:
+                print(f"{outcome.number + 1} in {time.monotonic() - started:.0f} s", flush=True)
             if outcome.faults:
                 counts["faults"] += 1
                 print(

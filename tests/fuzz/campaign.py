@@ -7,7 +7,7 @@ import shutil
 import sys
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -20,7 +20,7 @@ from fuzz.mutators import Mutant, of_kind
 MOST_SECONDS = 5.0
 MOST_BYTES = 2**30
 _PATIENCE_S = 30.0
-"""After which a worker is ended; what took longer than `MOST_SECONDS` is a fault in any case."""
+"""After which a worker is ended, since it may wait; `MOST_SECONDS` are of its processor's time."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,8 @@ def run(seeds: Path, home: Path, seed: int, count: int, first: int = 0) -> Itera
         A folder to work in.
     """
     worker = _Worker(seeds, home)
-    bag = [job for job in JOBS for _ in range(job.weight)]
     try:
-        for number in range(first, first + count):
-            rng = Random(f"{seed}-{number}")  # noqa: S311 -- mutations are no secrets
-            job = bag[rng.randrange(len(bag))]
-            mutant = of_kind(job.kind)((seeds / job.file).read_bytes(), rng)
+        for number, job, mutant in mutants(seeds, seed, count, first):
             outcome = worker.outcome(number, job, mutant)
             if outcome.status is None:
                 worker.end()
@@ -60,6 +56,15 @@ def run(seeds: Path, home: Path, seed: int, count: int, first: int = 0) -> Itera
             yield outcome
     finally:
         worker.end()
+
+
+def mutants(seeds: Path, seed: int, count: int, first: int = 0) -> Iterator[tuple[int, Job, Mutant]]:
+    """Yield the mutants of a seed by number, each with what reads it."""
+    bag = [job for job in JOBS for _ in range(job.weight)]
+    for number in range(first, first + count):
+        rng = Random(f"{seed}-{number}")  # noqa: S311 -- mutations are no secrets
+        job = bag[rng.randrange(len(bag))]
+        yield number, job, of_kind(job.kind)((seeds / job.file).read_bytes(), rng)
 
 
 class _Worker:
@@ -112,24 +117,33 @@ def _work(pipe: Connection, seeds: Path, home: Path) -> None:
     pipe.send("ready")
     while True:
         name, mutant = pipe.recv()
-        job = jobs[name]
-        shutil.rmtree(home / "work", ignore_errors=True)
-        work = home / "work"
-        work.mkdir()
-        os.chdir(work)
-        argv = _prepared(job, mutant, seeds, work)
-        _reset_peak()
-        started = time.monotonic()
-        status, result, said = _captured(main, argv, home)
-        seconds, peak = time.monotonic() - started, _peak_bytes()
-        faults = faults_of_ending(status, said, result)
-        if status <= PARTIAL and mutant.must_refuse and not _harmless(job, mutant):
-            faults.append("accepted")
-        if status <= PARTIAL and job.output:
-            faults += faults_of_output(work / job.output, result, job.output)
-        if status == UNUSABLE and (work / job.output).is_file():
-            faults.append("refused, and written all the same")
-        pipe.send((status, seconds, peak, faults))
+        pipe.send(judged(main, jobs[name], mutant, seeds, home))
+
+
+Main = Callable[[list[str]], int]
+
+
+def judged(
+    main: Main, job: Job, mutant: Mutant, seeds: Path, home: Path
+) -> tuple[int, float, int, list[str]]:
+    """Run the command of a mutant here: its status, seconds, greatest memory in bytes, and faults."""
+    shutil.rmtree(home / "work", ignore_errors=True)
+    work = home / "work"
+    work.mkdir(parents=True)
+    os.chdir(work)
+    argv = _prepared(job, mutant, seeds, work)
+    _reset_peak()
+    started = time.process_time()  # other processes are not charged to the mutant
+    status, result, said = _captured(main, argv, home)
+    seconds, peak = time.process_time() - started, _peak_bytes()
+    faults = faults_of_ending(status, said, result)
+    if status <= PARTIAL and mutant.must_refuse and not _harmless(job, mutant):
+        faults.append("accepted")
+    if status <= PARTIAL and job.output:
+        faults += faults_of_output(work / job.output, result, job.output)
+    if status == UNUSABLE and (work / job.output).is_file():
+        faults.append("refused, and written all the same")
+    return status, seconds, peak, faults
 
 
 _HARMLESS = re.compile(
@@ -182,7 +196,7 @@ def _warm(seeds: Path) -> list[list[str]]:
     ]
 
 
-def _captured(main: object, argv: list[str], home: Path) -> tuple[int, str, str]:
+def _captured(main: Main, argv: list[str], home: Path) -> tuple[int, str, str]:
     """Run a command with both streams in files, as a shell would."""
     kept = [os.dup(1), os.dup(2)]
     streams = sys.stdout, sys.stderr

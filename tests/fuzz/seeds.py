@@ -20,7 +20,7 @@ from labcal.run.json_text import to_json
 from labcal.shoot.dataset import write_manifest
 from labcal.shoot.exr import write_exr
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
-from labcal.shoot.truth import TrueDots, Truth, TrueView, write_truth
+from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
 from labcal.solve.camera_estimator import CameraEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
 from labcal.solve.mlp import Mlp
