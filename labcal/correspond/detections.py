@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.bounds import LEAST_VARIANCE_PX2, LONGEST_SIDE_PX, MARGIN_SIDES, MOST_INDEX
+from labcal.bounds import LONGEST_SIDE_PX, MOST_INDEX
+from labcal.correspond.sense import measured_soundly, refuse_contradictions
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.run.names import is_name
-from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
+from labcal.run.tables import damaged_line, read_table, table_text
 from labcal.wording import has_control
 
 HEADER = (
@@ -207,7 +208,7 @@ def read_detections(path: Path) -> Detections:
             whole[i], figures[i] = (*size, *index), values
         except (ValueError, OverflowError):
             sound = False
-        measured = sound and _measured(size, values)
+        measured = sound and measured_soundly(size, values)
         missing = sound and all(map(isnan, values))
         if (
             not sound
@@ -215,7 +216,7 @@ def read_detections(path: Path) -> Detections:
             or (flag == DotFlag.OK.value and not (measured and has_id[i]))
         ):
             raise damaged_line(path, i, line)
-    _refuse_contradictions(path, lines, whole, has_id)
+    refuse_contradictions(path, lines, whole, has_id)
     names = np.array([line[:3] for line in lines], dtype=np.str_).reshape(-1, 3)
     return Detections(
         view=names[:, 0],
@@ -228,33 +229,3 @@ def read_detections(path: Path) -> Detections:
         covariance=figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
         flag=np.array([line[-1] for line in lines], dtype=np.str_),
     )
-
-
-def _measured(size: tuple[int, int], figures: Sequence[float]) -> bool:
-    """Tell whether a line has a position near its picture, and a covariance that can be one, or none."""
-    x, y, xx, xy, yy = figures
-    margins = [MARGIN_SIDES * side for side in size]
-    if not all(-m <= at <= side + m for at, side, m in zip((x, y), size, margins, strict=True)):
-        return False
-    if isnan(xx) and isnan(xy) and isnan(yy):
-        return True
-    most = float(size[0] ** 2 + size[1] ** 2)
-    return LEAST_VARIANCE_PX2 <= min(xx, yy) <= max(xx, yy) <= most and xy * xy < xx * yy
-
-
-def _refuse_contradictions(
-    path: Path, lines: Sequence[Sequence[str]], whole: Int64[np.ndarray, "n 4"], has_id: np.ndarray
-) -> None:
-    """Raise where a dot is listed twice for a picture, or a picture has two names or sizes."""
-    wanted = np.flatnonzero(has_id).tolist()
-    keys: list[object] = list(range(len(lines)))
-    for number in wanted:
-        keys[number] = (*lines[number][:2], int(whole[number, 2]), int(whole[number, 3]))
-    refuse_twice(path, keys, "dot of a picture")
-    pictures: dict[tuple[str, str], tuple[str, int, int]] = {}
-    for number, (view, camera, image, *_) in enumerate(lines):
-        about = (image, int(whole[number, 0]), int(whole[number, 1]))
-        if pictures.setdefault((view, camera), about) != about:
-            raise damaged_line(
-                path, number, lines[number], "this view of this camera has another picture in a line before"
-            )

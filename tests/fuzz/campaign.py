@@ -211,7 +211,7 @@ def _captured(main: Main, argv: list[str], home: Path) -> tuple[int, str, str]:
         try:
             status = int(main(argv))
         except BaseException as error:  # noqa: BLE001 -- that is what is looked for
-            print(f"Traceback: {type(error).__name__}: {error}", file=sys.stderr)  # noqa: T201
+            print(f"Traceback: {type(error).__name__}: {error}", file=sys.stderr)
             status = 99
         sys.stdout.close()
         sys.stderr.close()

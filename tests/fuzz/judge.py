@@ -83,20 +83,22 @@ def _camera(name: str, camera: dict[str, Any]) -> list[str]:
         faults.append(f"{name}: focal lengths of {fx} and {fy}")
     if skew or zero or last != [0.0, 0.0, 1.0] or max(abs(cx), abs(cy)) > 50 * max(width, height):
         faults.append(f"{name}: no camera matrix")
-    T = camera["T_cam_world"]
+    if max(map(abs, camera["dist"])) > 1e20:
+        faults.append(f"{name}: coefficients of {max(camera['dist'], key=abs)}")
+    return faults + _pose(name, camera["T_cam_world"])
+
+
+def _pose(name: str, T: list[list[float]]) -> list[str]:
     R = [row[:3] for row in T[:3]]
     for i in range(3):
         for j in range(3):
             if abs(sum(R[i][k] * R[j][k] for k in range(3)) - (i == j)) > 1e-5:
-                return [*faults, f"{name}: no rotation"]
+                return [f"{name}: no rotation"]
     (a, b, c), (d, e, f), (g, h, k) = R
     if a * (e * k - f * h) - b * (d * k - f * g) + c * (d * h - e * g) < 0.9:
-        faults.append(f"{name}: a reflection")
-    if max(abs(row[3]) for row in T[:3]) > 1e10 or T[3] != [0.0, 0.0, 0.0, 1.0]:
-        faults.append(f"{name}: placed nowhere")
-    if max(map(abs, camera["dist"])) > 1e20:
-        faults.append(f"{name}: coefficients of {max(camera['dist'], key=abs)}")
-    return faults
+        return [f"{name}: a reflection"]
+    far = max(abs(row[3]) for row in T[:3]) > 1e10 or T[3] != [0.0, 0.0, 0.0, 1.0]
+    return [f"{name}: placed nowhere"] if far else []
 
 
 def _points(lines: list[dict[str, str]]) -> list[str]:

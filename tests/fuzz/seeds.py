@@ -79,8 +79,8 @@ placement:
     - {name: test, role: test, origin_mm: [0.0, 0.0, 5.0], shift_pitches: [0.5, 0.5]}
 lamps:
   - {centre_mm: [-100.0, 100.0, 900.0], look_at_mm: [0.0, 0.0, 0.0], size_mm: [200.0, 200.0], radiance: 9.0}
-  - {kind: spot, centre_mm: [90.0, 100.0, 900.0], look_at_mm: [0.0, 0.0, 0.0], intensity: 1000.0, beam_deg: 20.0,
-     cutoff_deg: 30.0}
+  - {kind: spot, centre_mm: [90.0, 100.0, 900.0], look_at_mm: [0.0, 0.0, 0.0], intensity: 1000.0,
+     beam_deg: 20.0, cutoff_deg: 30.0}
   - {kind: ambient, radiance: 0.04}
 room: {floor_z_mm: -800.0, wall_y_mm: 2600.0, table_centre_mm: [0.0, 0.0]}
 board: {thickness_mm: 8.0, misplacement_mm: 0.01, bend: {along_x_mm: 0.1}}
@@ -207,8 +207,8 @@ def make_seeds(home: Path) -> Path:
     for name, text in {
         "target.yaml": TARGET_YAML, "charuco.yaml": CHARUCO_YAML, "scene.yaml": SCENE_YAML,
         "lens.yaml": LENS_YAML, "vic3d.xml": VIC_3D, "tone.csv": "value,light\n0,0\n0.2,0.1\n0.6,0.5\n1,1\n",
-        "asymmetric.yaml": "name: a\nlayout: asymmetric\ncols: 4\nrows: 11\npitch_x_mm: 40.0\npitch_y_mm: 20.0\n"
-        "dot_diameter_mm: 12.0\nrings: null\n",
+        "asymmetric.yaml": "name: a\nlayout: asymmetric\ncols: 4\nrows: 11\npitch_x_mm: 40.0\n"
+        "pitch_y_mm: 20.0\ndot_diameter_mm: 12.0\nrings: null\n",
         "photometry.yaml": "{bayer: true, exposure_ms: 10.0, full_well_e: 20000.0, prnu: 0.01, dsnu_e: 2.0, "
         "read_noise_e: 6.0, black_level_dn: 10.0, adc_bits: 12, tone_curve: srgb, format: png, bits: 16}",
         "handheld.yaml": "{kind: handheld, train: 2, test: 0, centre_mm: [0.0, 0.0, 0.0], "
@@ -281,7 +281,8 @@ def make_seeds(home: Path) -> Path:
 def _results() -> dict[str, object]:
     figures = {
         "reading": "mlp", "mean_signed_m": 1e-5, "rel": 1e-5, "mae_mm": 0.1, "rmse_mm": 0.2, "p95_mm": 0.3,
-        "max_mm": 0.5, "epochs": 20.0, "goal_reached": True, "seconds": 0.5, "mean_signed_range_m": [0.0, 2e-5],
+        "max_mm": 0.5, "epochs": 20.0, "goal_reached": True, "seconds": 0.5,
+        "mean_signed_range_m": [0.0, 2e-5],
     }  # fmt: skip
     row = {
         **figures, "exp": "01", "solver": "network", "data": "simulated", "points": 100, "network": "4-20-3",

@@ -7,6 +7,8 @@ from pathlib import Path
 from labcal.errors import InputError
 from labcal.wording import shown
 
+_MOST = 1e20
+"""Of any number: squares and products of a few of them do not overflow."""
 _MOST_PIXELS = 2**26
 """As many as a picture may have."""
 
@@ -32,9 +34,9 @@ def finite_number(value: object, what: str, source: Path) -> float:
             number = float(value)
         except (ValueError, OverflowError):
             number = math.nan
-        if math.isfinite(number):
+        if abs(number) <= _MOST:
             return number
-    raise InputError(f"{source}: {what} should be a finite number, but is {_shown(value)}.")
+    raise InputError(f"{source}: {what} should be a finite number within reason, but is {_shown(value)}.")
 
 
 def finite_numbers(values: object, counts: Sequence[int], what: str, source: Path) -> tuple[float, ...]:

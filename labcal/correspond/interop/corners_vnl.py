@@ -18,6 +18,7 @@ from jaxtyping import Float64
 
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
+from labcal.correspond.sense import measured_soundly
 from labcal.correspond.sources import loose_source
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
@@ -29,6 +30,7 @@ _SIGMA = re.compile(r"^## sigma_px (\S+)", re.MULTILINE)
 _LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULTILINE)
 _MOST_BYTES = 2**27
 _MOST_LEVEL = 30
+_LEAST_WEIGHT = 1e-10
 _EQUAL_PITCH = 1e-9
 """Relative difference of pitches that are the same but for rounding."""
 
@@ -131,7 +133,7 @@ def read_corners(
     seen = xyw[:, 2] > 0.0
     variance = np.where(seen, (sigma / np.where(seen, xyw[:, 2], 1.0)) ** 2, np.nan)
     sizes = [size_of(Path(image)) for image in images]
-    return Detections(
+    found = Detections(
         view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), n),
         camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), n),
         image=np.repeat(np.array(list(images), dtype=np.str_), n),
@@ -142,6 +144,12 @@ def read_corners(
         covariance=variance[:, None, None] * np.eye(2),
         flag=np.where(seen, DotFlag.OK.value, DotFlag.HIDDEN.value),
     )
+    for at in np.flatnonzero(seen).tolist():
+        (xx, xy), (_, yy) = found.covariance[at].tolist()
+        size = (int(found.size[at, 0]), int(found.size[at, 1]))
+        if not measured_soundly(size, (*found.position[at].tolist(), xx, xy, yy)):
+            raise InputError(f"{path}: {found.words(at)} is far outside of its picture.")
+    return found
 
 
 def _require_square(target: AnyTarget) -> None:
@@ -176,9 +184,14 @@ def _positive(word: str, path: Path) -> float:
         value = float(word)
     except ValueError:
         value = np.nan
-    if not (np.isfinite(value) and value > 0.0):
+    if not (np.isfinite(value) and _LEAST_WEIGHT <= value <= 1.0 / _LEAST_WEIGHT):
         raise InputError(f"{path}: the standard deviation '{word:.40}' should be a positive number.")
     return value
+
+
+def _weighs(weight: float) -> bool:
+    """Tell whether a weight can be one; none above 0 is that of a missing point."""
+    return weight <= 0.0 or _LEAST_WEIGHT <= weight <= 1.0 / _LEAST_WEIGHT
 
 
 def _point(fields: list[str], kind: str | None, path: Path) -> tuple[float, float, float]:
@@ -189,7 +202,11 @@ def _point(fields: list[str], kind: str | None, path: Path) -> tuple[float, floa
         if "-" in fields:
             return (0.0, 0.0, 0.0)
         x, y, last = (*(float(field) for field in fields), 1.0)[:3]
-        if not np.isfinite([x, y, last]).all() or (kind == "level" and last > _MOST_LEVEL):
+        if (
+            not np.isfinite([x, y, last]).all()
+            or (kind == "level" and last > _MOST_LEVEL)
+            or not _weighs(last)
+        ):
             raise ValueError  # noqa: TRY301 -- as above
     except ValueError as error:
         raise InputError(
