@@ -54,13 +54,13 @@ def refuse_contradictions(
     InputError
         The first such line is named.
     """
-    keys: list[object] = list(range(len(lines)))
-    for number in np.flatnonzero(has_id).tolist():
-        keys[number] = (*lines[number][:2], int(whole[number, 2]), int(whole[number, 3]))
-    refuse_twice(path, keys, "dot of a picture")
     pictures: dict[tuple[str, str], tuple[str, int, int]] = {}
     for number, (view, camera, image, *_) in enumerate(lines):
         about = (image, int(whole[number, 0]), int(whole[number, 1]))
         if pictures.setdefault((view, camera), about) != about:
             why = "this view of this camera has another picture in a line before"
             raise damaged_line(path, number, lines[number], why)
+    keys: list[object] = list(range(len(lines)))
+    for number in np.flatnonzero(has_id).tolist():
+        keys[number] = (*lines[number][:2], int(whole[number, 2]), int(whole[number, 3]))
+    refuse_twice(path, keys, "dot of a picture")

@@ -76,7 +76,7 @@ class _Worker:
         self._process = context.Process(target=_work, args=(there, seeds, home), daemon=True)
         self._process.start()
         there.close()
-        if not self._here.poll(120.0):
+        if not self._here.poll(900.0):
             raise RuntimeError("The worker does not begin.")
         self._here.recv()
 
