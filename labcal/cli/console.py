@@ -1,9 +1,11 @@
 """Text and tables as a stream shows them."""
 
 from collections.abc import Iterable
+from typing import Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
+from rich.text import Text
 
 from labcal.cli.streams import Stream
 from labcal.wording import printable
@@ -22,6 +24,10 @@ class PlainConsole(Console):
         """Return the pieces to show; the console's own control codes are none of their text."""
         for text, style, control in super().render(renderable, options):
             yield Segment(text if control else printable(text), style, control)
+
+    def render_str(self, text: str, **how: Any) -> Text:  # noqa: ANN401 -- rich's own options
+        """Return a text, such as a cell, so that its width is that of what is shown."""
+        return super().render_str(printable(text), **how)
 
 
 def console_for(stream: Stream) -> Console:
