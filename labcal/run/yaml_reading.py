@@ -33,6 +33,13 @@ class PlainLoader(yaml.SafeLoader):
         self._depth -= 1
         return node
 
+    def construct_scalar(self, node: yaml.ScalarNode) -> Any:  # noqa: ANN401 -- PyYAML's own signature
+        """Return the text of a scalar, which must be one that can be written."""
+        value = super().construct_scalar(node)
+        if isinstance(value, str) and not value.isascii() and any("\ud800" <= c <= "\udfff" for c in value):
+            raise yaml.YAMLError("halves of characters (surrogates) are not read; write the character out")
+        return value
+
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:  # noqa: FBT001, FBT002 -- PyYAML's own signature
         """Return a mapping whose keys are all different."""
         seen: set[object] = set()

@@ -190,6 +190,8 @@ def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -
         setattr(estimator, name, value)
     try:
         wanted = estimator.stored_arrays()
+        if any(type(side) is not int for spec in wanted for side in spec.shape):
+            raise TypeError  # noqa: TRY301 -- told below, as what the method itself raises
     except LabcalError:
         raise
     except (TypeError, ValueError, LookupError, ArithmeticError) as error:

@@ -34,6 +34,7 @@ LAUGHS = "a0: &a0 [x, x]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]\n" fo
         ("a: 1\na: 2", "stands twice"),
         ("b: {c: 1, c: 2}", "stands twice"),
         ("<<: {a: 1}", "merge keys"),
+        ('a: "\\ud83d\\ude00"', "surrogates"),
         ("a: !!python/object:os.system x", "not valid YAML"),
         ("a: \x1b[2J", "not valid YAML"),
     ],
