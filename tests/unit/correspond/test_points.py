@@ -55,6 +55,12 @@ def test_the_covariance_is_symmetric_in_the_order_of_the_header(tmp_path: Path) 
         LINE.replace("10.5", "ten"),
         LINE.replace("a,1,", "a,1.5,"),
         LINE.replace("a,1,", "a,99999999999999999999,"),
+        LINE.replace("-30.0", "1e200"),
+        LINE.replace("-30.0", "nan"),
+        LINE.replace("-30.0", "-inf"),
+        LINE.replace("9.0", "-9.0").replace("a,1,", "a,2,"),
+        LINE.replace("9.0", "1e300").replace("a,1,", "a,2,"),
+        LINE.replace("a,1,", "\x1b[2J,1,"),
     ],
 )
 def test_a_damaged_line_is_named(tmp_path: Path, line: str) -> None:
@@ -70,3 +76,9 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.csv"):
         with pytest.raises(InputError, match="cannot be read"):
             read_points(path)
+
+
+def test_a_dot_is_listed_once_for_a_view(tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text(f"{HEADER}\n{LINE}\n{LINE.replace('10.5', '11.5')}\n")
+    with pytest.raises(InputError, match=r"Line 3 of .* is of the same dot of a view as line 2"):
+        read_points(tmp_path / "p.csv")

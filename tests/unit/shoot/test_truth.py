@@ -105,11 +105,18 @@ def test_damage_is_refused(tmp_path: Path, pair: dict[str, Camera]) -> None:
     for damaged in (
         good.replace("one,left,1,1,", "one,left,1,", 1),
         good.replace("one,left,1,1,", "one,left,x,1,"),
+        good.replace("one,left,1,1,", "one,left,1.5,1,"),
+        good.replace("one,left,1,1,", "one,left,1,-1,"),
+        good.replace("one,left,1,1,", "one,left,1e300,1,"),
+        good.replace("one,left,1,1,", "o_ne,left,1,1,"),
     ):
         assert damaged != good
         path.write_text(damaged)
         with pytest.raises(InputError, match=r"Line 6 of .*dots\.csv is damaged"):
             read_true_dots(tmp_path)
+    path.write_text(good.replace("one,left,1,1,", "one,left,0,1,"))
+    with pytest.raises(InputError, match="is of the same dot of a picture as line"):
+        read_true_dots(tmp_path)
     path.write_text(good.replace("visible", "shown"))
     with pytest.raises(InputError, match="its first line should be view,camera"):
         read_true_dots(tmp_path)
