@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.cli.options import add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -64,8 +65,8 @@ def _distance(text: str) -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not (math.isfinite(value) and value > 0.0):
-        raise ArgumentTypeError(f"'{text}' should be a distance in millimetres, more than 0")
+    if not LEAST_MM <= value <= MOST_MM:
+        raise ArgumentTypeError(f"'{text}' should be a distance in mm, more than 0, up to {MOST_MM:g}")
     return value
 
 

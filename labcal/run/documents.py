@@ -5,7 +5,8 @@ from typing import TypeVar
 
 from pydantic import BaseModel
 
-from labcal.run.file_reading import MOST_OF_A_DOCUMENT, read_text
+from labcal.errors import InputError
+from labcal.run.file_reading import MOST_OF_A_DOCUMENT, read_bytes
 from labcal.run.json_reading import read_json
 
 Document = TypeVar("Document", bound=BaseModel)
@@ -27,5 +28,9 @@ def read_document(model: type[Document], what: str, path: Path) -> Document:
     InputError
         The file cannot be read, is something else, or comes from a newer version.
     """
-    text = read_text(path, what, MOST_OF_A_DOCUMENT)
-    return read_json(model, text, f"{path} is not a {what} that this version reads: it")
+    source = f"{path} is not a {what} that this version reads: it"
+    try:
+        text = read_bytes(path, what, MOST_OF_A_DOCUMENT).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{source} is no text in UTF-8 ({error}).") from error
+    return read_json(model, text, source)

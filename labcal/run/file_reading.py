@@ -9,7 +9,7 @@ from labcal.errors import InputError
 
 MOST_OF_A_DESCRIPTION = 2**18
 """Bytes of a YAML file that a person writes; its reader takes seconds for more."""
-MOST_OF_A_DOCUMENT = 2**25
+MOST_OF_A_DOCUMENT = 2**24
 """Bytes of a JSON file."""
 MOST_OF_A_TABLE = 2**27
 """Bytes of a CSV file: a million dots."""

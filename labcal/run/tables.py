@@ -3,7 +3,7 @@
 import csv
 import io
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from labcal.errors import InputError
@@ -13,6 +13,7 @@ from labcal.wording import clipped
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 """How a text begins that a spreadsheet would take for a formula, after any marks that it is a text."""
 _MOST_IN_A_LINE = 200
+_LONGEST_LINE = 2**17
 
 
 def table_text(header: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
@@ -55,18 +56,29 @@ def read_table(header: Sequence[str], what: str, path: Path) -> list[list[str]]:
     Raises
     ------
     InputError
-        The file cannot be read, or has other columns.
+        The file cannot be read, has other columns, or a line of it has not as many cells.
     """
     text = read_text(path, what, MOST_OF_A_TABLE)
     try:
-        # Line ends as they are: a cell between quotation marks may hold them.
-        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-        lines = [[_value(cell) if cell.startswith("'") else cell for cell in line] for line in reader]
+        reader = csv.reader(_bounded_lines(text, path), strict=True)
+        if next(reader, None) != list(header):
+            raise InputError(f"{path} is no table of {what}: its first line should be {','.join(header)}.")
+        lines = []
+        for number, line in enumerate(reader):
+            if len(line) != len(header):  # at once: a file may hold millions of them
+                raise damaged_line(path, number, line)
+            lines.append([_value(cell) if cell.startswith("'") else cell for cell in line])
     except csv.Error as error:
         raise InputError(f"The {what} {path} cannot be read: {error}.") from error
-    if not lines or lines[0] != list(header):
-        raise InputError(f"{path} is no table of {what}: its first line should be {','.join(header)}.")
-    return lines[1:]
+    return lines
+
+
+def _bounded_lines(text: str, path: Path) -> Iterator[str]:
+    """Yield the lines of a text with their ends as they are, which a cell in quotation marks may hold."""
+    for line in io.StringIO(text, newline=""):
+        if len(line) > _LONGEST_LINE:
+            raise InputError(f"{path} is no table: a line in it has {len(line)} characters.")
+        yield line
 
 
 def damaged_line(path: Path, number: int, line: Sequence[str], why: str = "") -> InputError:

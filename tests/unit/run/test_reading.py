@@ -62,7 +62,7 @@ def test_a_document_with_a_byte_order_mark_is_read_and_one_in_utf_16_refused(tmp
     path.write_bytes(b'\xef\xbb\xbf{"n": 1}')
     assert read_document(Kept, "thing", path) == Kept(n=1)
     path.write_bytes('{"n": 1}'.encode("utf-16"))
-    with pytest.raises(InputError, match="Save it as UTF-8"):
+    with pytest.raises(InputError, match="is no text in UTF-8"):
         read_document(Kept, "thing", path)
 
 
