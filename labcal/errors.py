@@ -7,9 +7,21 @@ exception.
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from labcal.wording import clipped, listed, shortened
+
 
 class LabcalError(Exception):
-    """Root of every exception that labcal raises on purpose."""
+    """Root of every exception that labcal raises on purpose.
+
+    Parameters
+    ----------
+    message : str
+        What was given, what was expected and how to mend it. Of one that is very long the middle is left out,
+        since what a file holds may be repeated in it.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(shortened(message))
 
 
 class InputError(LabcalError, ValueError):
@@ -49,6 +61,9 @@ class WorkerError(DeviceError):
         return f"Each worker process that tried this case ended, the last one alone: {self.how}."
 
 
+_MOST_KNOWN = 40
+
+
 class UnknownNameError(InputError):
     """A name that is not among those known; the message offers the nearest one.
 
@@ -63,10 +78,10 @@ class UnknownNameError(InputError):
     """
 
     def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
-        names = sorted(known)
-        nearest = get_close_matches(given, names, n=1, cutoff=0.5)
-        hint = f" Did you mean '{nearest[0]}'?" if nearest else ""
-        super().__init__(f"There is no {kind} named '{given}'.{hint} Known: {', '.join(names)}.")
+        names, short = sorted(known), clipped(given)
+        nearest = get_close_matches(short, names, n=1, cutoff=0.5)
+        hint = f" Did you mean '{clipped(nearest[0])}'?" if nearest else ""
+        super().__init__(f"There is no {kind} named '{short}'.{hint} Known: {listed(names, _MOST_KNOWN)}.")
         self._parts = (kind, given, tuple(names))
 
     def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:

@@ -6,12 +6,12 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.bounds import LEAST_MM, Length, Margin, Millimetres
 from labcal.cameras.spherical import SURFACE
 from labcal.run.descriptions import description_names, read_description
 from labcal.run.names import Name
 
 FOLDER = "scenes/lenses"
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class Surface(BaseModel):
@@ -19,18 +19,18 @@ class Surface(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    radius_mm: Annotated[float, Field(allow_inf_nan=False)] | None
+    radius_mm: Millimetres | None
     """Radius of curvature, positive with its centre behind the surface; null for a plane and for the stop."""
-    gap_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    gap_mm: Margin
     """Distance along the axis to the next surface; of the last one without meaning."""
     index: Annotated[float, Field(ge=1, le=4)]
     """Refractive index behind the surface."""
-    diameter_mm: Positive
+    diameter_mm: Length
     """Clear diameter."""
 
     @model_validator(mode="after")
     def _is_curved(self) -> "Surface":
-        if self.radius_mm == 0.0:
+        if self.radius_mm is not None and abs(self.radius_mm) < LEAST_MM:
             raise ValueError("a plane has radius_mm null, not 0")
         return self
 
@@ -50,7 +50,7 @@ class Prescription(BaseModel):
     surfaces: Annotated[tuple[Surface, ...], Field(min_length=2, max_length=40)]
     stop: Annotated[int, Field(ge=0)]
     """Which of the surfaces (from 0) is the stop: a plane with the same medium on both sides."""
-    focus_mm: Positive | None = None
+    focus_mm: Length | None = None
     """Distance in front of the entrance pupil that the film is set to; null: infinity."""
 
     @model_validator(mode="after")

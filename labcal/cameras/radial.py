@@ -12,6 +12,7 @@ DEGREE = 8
 LENGTH = DEGREE + 2
 """How many numbers a guess takes."""
 _SAMPLES = 129
+_VANISHING = 1e-60
 _SHORT_OF_FOLD = 0.999
 """A guess is fitted this far towards the fold, where the inverse has no slope."""
 
@@ -89,7 +90,9 @@ def _field_radius(forward: Callable[[np.ndarray], np.ndarray], fold: float, reac
 
 def positive_roots(coefficients: Sequence[float] | np.ndarray) -> list[float]:
     """Return the positive real roots of a polynomial, whose coefficients begin with the constant's."""
-    if not np.any(coefficients[1:]):
+    # The root that a next to vanishing coefficient adds lies beyond all that is imaged, and may be no number.
+    kept = np.where(np.abs(coefficients) < _VANISHING, 0.0, coefficients)
+    if not np.any(kept[1:]):
         return []
-    roots = np.polynomial.polynomial.polyroots(np.trim_zeros(np.asarray(coefficients), "b"))
+    roots = np.polynomial.polynomial.polyroots(np.trim_zeros(kept, "b"))
     return [float(root.real) for root in roots if abs(root.imag) <= 1e-12 * abs(root) and root.real > 0.0]

@@ -57,6 +57,28 @@ def read_rig(path: Path) -> Rig:
     Raises
     ------
     InputError
-        The file cannot be read, is no rig, or comes from a newer version.
+        The file cannot be read, is no rig, comes from a newer version, or a camera in it is impossible.
     """
-    return read_document(Rig, "rig", path)
+    return checked_rig(read_document(Rig, "rig", path), str(path))
+
+
+def checked_rig(rig: Rig, source: str) -> Rig:
+    """Return a rig that was read, whatever its file: the one place that asks whether its cameras can be.
+
+    Parameters
+    ----------
+    rig : Rig
+    source : str
+        Where it comes from, at the beginning of a sentence.
+
+    Raises
+    ------
+    InputError
+        A camera is impossible, or its lens images nothing in the middle of its picture.
+    """
+    for name, record in rig.cameras.items():
+        try:
+            record.sensible_camera(name)
+        except InputError as error:
+            raise InputError(f"{source}: {error}") from error
+    return rig

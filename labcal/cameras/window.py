@@ -9,12 +9,12 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from labcal.bounds import LONGEST_SIDE_PX, Finite, Length, Margin
 from labcal.cameras.field import Direction, SceneRay
 from labcal.cameras.mathematics import NUMPY, Mathematics, Number
 
 Index = Annotated[float, Field(ge=1.0, le=4.0)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Displacement = Annotated[float, Field(ge=-LONGEST_SIDE_PX, le=LONGEST_SIDE_PX)]
 WATER = 1.333
 GLASS = 1.5168
 """Schott N-BK7 at 588 nm."""
@@ -28,13 +28,13 @@ class FlatWindow(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["flat"] = "flat"
-    distance_mm: Positive
+    distance_mm: Length
     """From the camera's origin to the near face, along the pane's normal."""
     tilt_x_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
     """Turn of the normal about the camera's x axis, away from its z axis."""
     tilt_y_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
     """Then about its y axis."""
-    thickness_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 10.0
+    thickness_mm: Margin = 10.0
     glass_index: Index = GLASS
     behind_index: Index = 1.0
     """Refractive index of what fills the scene: 1 for air, 1.333 for water."""
@@ -58,9 +58,9 @@ class Wave(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    amplitude_px: tuple[Finite, Finite]
+    amplitude_px: tuple[Displacement, Displacement]
     """Largest displacement of the picture along x and along y."""
-    period_px: Positive
+    period_px: Annotated[float, Field(ge=1e-3, le=1e9)]
     direction_deg: Finite = 0.0
     """Along which the wave runs, from the picture's x axis towards its y axis."""
     phase_deg: Finite = 0.0

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.bounds import LONGEST_SIDE_PX
 from labcal.cli.options import refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 DETECTIONS, CORNERS = ".csv", ".vnl"
 _SMALL_MM = 0.01
 """A dot whose centroid is its centre."""
+_MOST_DIGITS = 9
 _FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, dice"
 
 
@@ -76,9 +78,10 @@ def add_parser(commands: CommandGroup) -> None:
 def picture_size(text: str) -> tuple[int, int]:
     """Read a picture size such as ``1280x960``."""
     width, x, height = text.partition("x")
-    if not (x and width.isdecimal() and height.isdecimal() and min(int(width), int(height)) > 0):
+    sides = [int(side) if side.isdecimal() and len(side) <= _MOST_DIGITS else 0 for side in (width, height)]
+    if not (x and 1 <= min(sides) <= max(sides) <= LONGEST_SIDE_PX):
         raise ArgumentTypeError(f"'{text}' should be width and height in pixels, as in 1280x960")
-    return (int(width), int(height))
+    return (sides[0], sides[1])
 
 
 @dataclass(frozen=True)

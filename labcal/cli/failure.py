@@ -10,6 +10,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.cli.termination import Terminated
 from labcal.errors import DeviceError, DiskFullError, LabcalError
+from labcal.wording import printable, shortened
 
 TRACEBACK_VARIABLE = "LABCAL_TRACEBACK"
 """Set to 1, every error is shown with its traceback."""
@@ -19,6 +20,7 @@ _UNUSABLE_PATH = {
     errno.EACCES,
     errno.EEXIST,
     errno.EISDIR,
+    errno.ELOOP,
     errno.ENAMETOOLONG,
     errno.ENOENT,
     errno.ENOTDIR,
@@ -69,14 +71,14 @@ def explain(error: BaseException) -> Failure:
         case _:
             message = f"labcal itself failed ({kind}: {error}). Set {TRACEBACK_VARIABLE}=1 to see where."
             status = ExitStatus.FAILED
-    return Failure(kind, message, status)
+    return Failure(kind, shortened(message), status)
 
 
 def report_failure(error: BaseException, session: Session) -> ExitStatus:
     """Tell of an error on stderr, and on stdout where JSON is wanted; return the exit status."""
     failure = explain(error)
     if os.environ.get(TRACEBACK_VARIABLE, "0") not in {"", "0"}:
-        traceback.print_exception(error, file=sys.stderr)
+        sys.stderr.write(printable("".join(traceback.format_exception(error))))
     session.fail(failure.message, FailureDocument(failure))
     return ExitStatus(failure.status)
 

@@ -1,5 +1,6 @@
 """``labcal inspect``: a contact sheet of a shoot."""
 
+import os.path
 from argparse import Namespace
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,7 +86,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     with session.progress() as progress:
         measurements = measure(sources, target, arguments.workers, progress)
         detections = detections_of(measurements)
-        sizes = {name: detections.picture_size(name) for name in dict.fromkeys(detections.camera.tolist())}
+        # Of cameras without a single dot, too.
+        sizes = {found.source.camera: found.dots.size for found in measurements if found.dots is not None}
+        sizes |= {name: detections.picture_size(name) for name in detections.cameras}
         aspect = max(height / width for width, height in sizes.values())
         layout = plan_layout(len(measurements), len(sizes), aspect)
         progress.start("drawing", len(measurements))
@@ -103,7 +106,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         title = f"{name}: dots in {share:.0%} of the picture, all views"
         coverages.append(SheetCoverage(title, size, cells))
     views = len({found.source.view for found in measurements})
-    place = Path(arguments.pictures[0]).resolve().name
+    place = Path(os.path.realpath(arguments.pictures[0])).name  # of a loop of links, too
     heading = f"{place}: {target.name}, {views} views, {len(tiles)} pictures"
     write_picture(arguments.output, contact_sheet(heading, layout, tiles, coverages), force=arguments.force)
     result = InspectResult(str(arguments.output), pictures, cameras)

@@ -91,6 +91,9 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     )
 
 
+_MOST = 2**63 - 1
+
+
 def whole_number(text: str) -> int:
     """Read an integer from 0 up."""
     return _integer(text, least=0)
@@ -107,6 +110,6 @@ def _integer(text: str, *, least: int) -> int:
         number = int(text)
     except ValueError:
         number = None
-    if number is None or number < least:
+    if number is None or not least <= number <= _MOST:
         raise argparse.ArgumentTypeError(f"'{text}' should be a whole number, at least {least}")
     return number

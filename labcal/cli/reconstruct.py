@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -74,7 +75,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
-    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias, found.miss_px)
+    miss_px = found.miss_px if found.miss_px is None or isfinite(found.miss_px) else None  # no ray meets
+    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias, miss_px)
     if found.bias is not None:
         told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
     elif target is None and (isinstance(model, Rig) or model.resected is not None):
@@ -88,9 +90,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "
             "the one to begin with."
         )
-    if isinstance(model, Rig) and result.miss_px is not None and result.miss_px > MOST_PX:
+    if isinstance(model, Rig) and found.miss_px is not None and found.miss_px > MOST_PX:
         session.warn(
-            f"the rays of a dot miss each other by {result.miss_px:.3g} px: the cameras are not as they were "
+            f"the rays of a dot miss each other by {found.miss_px:.3g} px: the cameras are not as they were "
             "when this rig was calibrated, or not the same. Calibrate again."
         )
     session.emit(result, f"{arguments.output}: {told}.")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.cli.inputs import refuse_endings_of_shoot
 from labcal.cli.options import add_output, refuse_option
 from labcal.cli.parser import CommandGroup
@@ -65,8 +66,8 @@ def _distance(text: str) -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not (math.isfinite(value) and value > 0.0):
-        raise ArgumentTypeError(f"'{text}' should be a distance in millimetres, more than 0")
+    if not LEAST_MM <= value <= MOST_MM:
+        raise ArgumentTypeError(f"'{text}' should be a distance in mm, more than 0, up to {MOST_MM:g}")
     return value
 
 
@@ -108,6 +109,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         maps = {
             name: _write_map(working, name, rig.camera(name), ideal, arguments.distance_mm)
             for name, ideal in ideals.items()
+            if any(source.camera == name and _fits(source, rig) for source in sources)
         }
         write_rig(working / "rig.json", Rig.of(ideals), force=True)
         written, skipped = [], []
@@ -115,7 +117,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             progress.start("undistorting", len(sources))
             for source in sources:
                 try:
-                    written.append(_write_picture(working, source, rig, maps[source.camera]))
+                    written.append(_write_picture(working, source, rig, maps.get(source.camera)))
                 except InputError as error:
                     skipped.append(str(error))
                 progress.advance()
@@ -188,8 +190,19 @@ def _write_map(
     return source
 
 
-def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.ndarray") -> str:
-    """Resample one picture and return its new name."""
+def _fits(source: "Source", rig: "Rig") -> bool:
+    """Tell whether a picture is of its camera's size: no map is computed for what only a file says."""
+    from labcal.errors import InputError
+
+    try:
+        height, width = source.read().shape[:2]
+    except InputError:
+        return False
+    return (width, height) == rig.cameras[source.camera].size
+
+
+def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.ndarray | None") -> str:
+    """Resample one picture and return its new name; there is a map where any picture of the camera fits."""
     import numpy as np
 
     from labcal.errors import InputError
@@ -199,7 +212,7 @@ def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.nd
 
     picture = source.read()
     size, expected = (picture.shape[1], picture.shape[0]), rig.cameras[source.camera].size
-    if size != expected:
+    if size != expected or source_of is None:
         raise InputError(
             f"{source.image} is {size[0]} x {size[1]}, but camera '{source.camera}' takes {expected[0]} x "
             f"{expected[1]}: it "

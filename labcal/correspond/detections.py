@@ -3,17 +3,21 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from math import isnan
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from labcal.bounds import LONGEST_SIDE_PX, MOST_INDEX
+from labcal.correspond.sense import measured_soundly, refuse_contradictions
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.run.names import is_name
 from labcal.run.tables import damaged_line, read_table, table_text
+from labcal.wording import has_control
 
 HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
@@ -180,7 +184,8 @@ def read_detections(path: Path) -> Detections:
     Raises
     ------
     InputError
-        It cannot be read, has other columns, or a line in it is damaged; the line is named.
+        It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
+        picture, or a picture has two names or sizes; the line is named.
     """
     lines = read_table(HEADER, "detections", path)
     flags = {flag.value for flag in DotFlag}
@@ -189,16 +194,29 @@ def read_detections(path: Path) -> Detections:
     has_id = np.zeros(len(lines), dtype=bool)
     for i, line in enumerate(lines):
         try:
-            _, camera, _, width, height, col, row, x, y, xx, xy, yy, flag = line
+            view, camera, image, width, height, col, row, x, y, xx, xy, yy, flag = line
             has_id[i] = col != "" and row != ""
-            whole[i] = [int(width), int(height), int(col or 0), int(row or 0)]
-            figures[i] = [float(v) for v in (x, y, xx, xy, yy)]
-            sound = flag in flags and is_name(camera) and min(whole[i, :2]) > 0
+            size, index = (int(width), int(height)), (int(col or 0), int(row or 0))
+            values = [float(v) for v in (x, y, xx, xy, yy)]
+            sound = (
+                flag in flags
+                and is_name(camera)
+                and not (has_control(view) or has_control(image))
+                and 1 <= min(size) <= max(size) <= LONGEST_SIDE_PX
+                and max(map(abs, index)) <= MOST_INDEX
+            )
+            whole[i], figures[i] = (*size, *index), values
         except (ValueError, OverflowError):
             sound = False
-        measured = sound and has_id[i] and np.isfinite(figures[i, :2]).all()
-        if not sound or (flag == DotFlag.OK.value and not measured):
+        measured = sound and measured_soundly(size, values)
+        missing = sound and all(map(isnan, values))
+        if (
+            not sound
+            or not (measured or missing)
+            or (flag == DotFlag.OK.value and not (measured and has_id[i]))
+        ):
             raise damaged_line(path, i, line)
+    refuse_contradictions(path, lines, whole, has_id)
     names = np.array([line[:3] for line in lines], dtype=np.str_).reshape(-1, 3)
     return Detections(
         view=names[:, 0],

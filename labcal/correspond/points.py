@@ -8,7 +8,10 @@ import numpy as np
 from jaxtyping import Int64
 
 from labcal.arrays import PointCovariances, Points
-from labcal.run.tables import damaged_line, read_table, table_text
+from labcal.bounds import MOST_INDEX, MOST_MM
+from labcal.geometry.covariances import stated_soundly
+from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
+from labcal.wording import has_control
 
 HEADER = (
     "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
@@ -73,7 +76,8 @@ def read_points(path: Path) -> ReconstructedPoints:
     Raises
     ------
     InputError
-        It cannot be read, has other columns, or a line in it is damaged; the line is named.
+        It cannot be read, has other columns, a line in it is damaged, or two are of the same dot of a view;
+        the line is named.
     """
     lines = read_table(HEADER, "points", path)
     flags = {flag.value for flag in PointFlag}
@@ -81,17 +85,26 @@ def read_points(path: Path) -> ReconstructedPoints:
     figures = np.full((len(lines), 9), np.nan)
     for i, line in enumerate(lines):
         try:
-            _, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
+            view, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
             index[i] = [int(col), int(row)]
             figures[i] = [float(v) for v in (X, Y, Z, xx, xy, xz, yy, yz, zz)]
-            known = flag in flags
+            sound = flag in flags and not has_control(view) and np.abs(index[i]).max() <= MOST_INDEX
         except (ValueError, OverflowError):
-            known = False
-        if not known:
+            sound = False
+        place = figures[i, :3]
+        missing = flag == PointFlag.NO_SOLUTION.value and np.isnan(place).all() if sound else False
+        if not sound or not (missing or np.all(np.abs(place) <= MOST_MM)):
             raise damaged_line(path, i, line)
     covariance = np.empty((len(figures), 3, 3))
     covariance[:, _UPPER[0], _UPPER[1]] = figures[:, 3:]
     covariance[:, _UPPER[1], _UPPER[0]] = figures[:, 3:]
+    unsound = ~stated_soundly(covariance, MOST_MM**2)
+    if unsound.any():
+        at = int(np.argmax(unsound))
+        raise damaged_line(path, at, lines[at], "its covariance is none")
+    refuse_twice(
+        path, [(line[0], *place) for line, place in zip(lines, index.tolist(), strict=True)], "dot of a view"
+    )
     return ReconstructedPoints(
         view=np.array([line[0] for line in lines], dtype=np.str_),
         index=index,

@@ -10,6 +10,7 @@ from labcal.errors import InputError
 from labcal.run.names import is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
+from labcal.wording import clipped, has_control, printable
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,14 @@ class Source:
     """The path as given."""
     size: tuple[int, int] | None
     """What the shoot says the size is; None for a loose picture."""
+
+    def __post_init__(self) -> None:
+        """Refuse a name that no table can hold, and that a terminal would obey."""
+        if has_control(self.image):
+            raise InputError(
+                f"The name of the picture '{clipped(printable(self.image))}' holds control characters, or "
+                "bytes that are no UTF-8. Rename it."
+            )
 
     def read(self) -> np.ndarray:
         """Return the picture; see :func:`read_picture` for its form.

@@ -1,5 +1,6 @@
 """Errors of reconstructed points against the truth of a rendered shoot."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,6 +19,7 @@ from labcal.geometry.poses import rigid_alignment, transform
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.truth import Truth, read_true_dots, read_truth
+from labcal.wording import listed
 
 _HULL_TOLERANCE_MM = 1e-3
 
@@ -70,6 +72,7 @@ def errors_against_truth(
         The points are not of this shoot, or none of them counts.
     """
     truth = read_truth(shoot.folder)
+    _require_same_cameras(shoot, "truth.json", truth.cameras)
     unknown = sorted(set(points.view.tolist()) - set(truth.views))
     if unknown:
         raise InputError(
@@ -104,6 +107,23 @@ def errors_against_truth(
     )
 
 
+def _require_same_cameras(shoot: Shoot, file: str, cameras: Collection[str]) -> None:
+    """Raise unless a file of the truth is of the shoot's cameras.
+
+    Raises
+    ------
+    InputError
+        A camera of the shoot is not in it, or another one is.
+    """
+    missing, strange = set(shoot.cameras) - set(cameras), set(cameras) - set(shoot.cameras)
+    if missing or strange:
+        what = f"lacks camera '{min(missing)}'" if missing else f"has a camera '{min(strange)}'"
+        raise InputError(
+            f"The truth of the shoot {shoot.folder} is not its own: {file} {what}, unlike the manifest, "
+            f"whose cameras are {listed(shoot.cameras)}. Copy the shoot again."
+        )
+
+
 Places = dict[tuple[str, int, int], list[float]]
 """Where dots truly were, mm, by view, col and row."""
 
@@ -111,7 +131,9 @@ Places = dict[tuple[str, int, int], list[float]]
 def _true_places(shoot: Shoot) -> Places:
     """Return where every dot was when the first camera saw it, which is not always as printed by design."""
     places: Places = {}
-    for picture in read_true_dots(shoot.folder):
+    pictures = read_true_dots(shoot.folder)
+    _require_same_cameras(shoot, "dots.csv", {picture.camera for picture in pictures})
+    for picture in pictures:
         for (col, row), point in zip(picture.index.tolist(), picture.point.tolist(), strict=True):
             places.setdefault((picture.view, col, row), point)
     return places

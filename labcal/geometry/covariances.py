@@ -22,3 +22,26 @@ def positive_definite(covariance: Float64[np.ndarray, "*batch dim dim"]) -> Mask
     safe = np.where(finite[..., None, None], covariance, np.eye(covariance.shape[-1]))
     spread = np.linalg.eigvalsh(safe)
     return np.asarray(finite & (spread[..., 0] > 1e-14 * spread[..., -1]))
+
+
+def stated_soundly(covariance: Float64[np.ndarray, "n dim dim"], most: float) -> Mask:
+    """Return which covariances are left open (all NaN), or have no negative variance and none beyond a bound.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n, d, d)
+        Symmetric, in any unit.
+    most : float
+        Bound of a variance, in the same unit.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        Zero variances count as some: what is exact by decree has them.
+    """
+    left_open = np.isnan(covariance).all(axis=(1, 2))
+    finite = np.isfinite(covariance).all(axis=(1, 2))
+    largest = np.abs(np.where(finite[:, None, None], covariance, 0.0)).max(axis=(1, 2), initial=0.0)
+    safe = np.where((finite & (largest <= most))[:, None, None], covariance, 0.0)
+    least = np.linalg.eigvalsh(safe)[:, 0]
+    return np.asarray(left_open | (finite & (largest <= most) & (least >= -1e-9 * largest)))

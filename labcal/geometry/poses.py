@@ -86,8 +86,10 @@ def require_rigid(T_ab: Pose, what: str) -> None:
         `T_ab` has a last row other than 0 0 0 1, or its 3x3 part is no rotation.
     """
     R = T_ab[:3, :3]
-    is_rotation = np.allclose(R @ R.T, np.eye(3), atol=1e-6) and np.linalg.det(R) > 0
-    if not (np.isfinite(T_ab).all() and np.array_equal(T_ab[3], [0.0, 0.0, 0.0, 1.0]) and is_rotation):
+    # No element of a rotation is larger than 1, so that squares cannot overflow.
+    sound = np.isfinite(T_ab).all() and np.abs(R).max() <= 1.0 + 1e-6
+    is_rotation = sound and np.allclose(R @ R.T, np.eye(3), atol=1e-6) and np.linalg.det(R) > 0
+    if not (np.array_equal(T_ab[3], [0.0, 0.0, 0.0, 1.0]) and is_rotation):
         raise InputError(
             f"{what} must be a rigid 4x4 transform (rotation and translation in mm), last row 0 0 0 1."
         )

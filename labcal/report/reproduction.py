@@ -3,12 +3,14 @@
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from labcal.errors import InputError
 from labcal.run.documents import read_document
 
 RESULTS = "results.json"
+_MOST = 300
+"""Of rows, readings and pictures; the paper has some thirty."""
 
 
 def _nan_for_null(value: object) -> object:
@@ -78,7 +80,7 @@ class RowResult(BaseModel):
     verdict: str
     contradiction: str | None
     """What in the paper contradicts the row."""
-    readings: tuple[Figures, ...]
+    readings: Annotated[tuple[Figures, ...], Field(max_length=_MOST)]
 
 
 class Claim(BaseModel):
@@ -108,13 +110,13 @@ class Reproduction(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    rows: tuple[RowResult, ...]
-    not_reported: tuple[str, ...]
-    claims: tuple[Claim, ...] = ()
+    rows: Annotated[tuple[RowResult, ...], Field(max_length=_MOST)]
+    not_reported: Annotated[tuple[str, ...], Field(max_length=_MOST)]
+    claims: Annotated[tuple[Claim, ...], Field(max_length=_MOST)] = ()
     quick: bool
-    restrictions: tuple[str, ...]
+    restrictions: Annotated[tuple[str, ...], Field(max_length=_MOST)]
     """What ``--quick`` left out, in words; empty for a full run."""
-    pictures: tuple[ShownPicture, ...]
+    pictures: Annotated[tuple[ShownPicture, ...], Field(max_length=_MOST)]
 
 
 def read_reproduction(folder: Path) -> Reproduction:

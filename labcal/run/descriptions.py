@@ -7,12 +7,14 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from labcal.errors import InputError, UnknownNameError
+from labcal.run.file_reading import MOST_OF_A_DESCRIPTION, read_text
 from labcal.run.known_keys import keys_at
+from labcal.run.yaml_reading import yaml_content
+from labcal.wording import clipped, shown
 
 Description = TypeVar("Description", bound=BaseModel)
 
@@ -39,14 +41,20 @@ def explain_validation(error: ValidationError, model: type[BaseModel] | None = N
     Where `model` is given, the nearest key that it has at that place is offered for an unknown one.
     """
     faults = error.errors(include_url=False)
-    lines = []
-    for fault in faults:
+    lines: list[str] = []
+    for fault in faults[: 4 * _MOST_FAULTS]:
         within = [other for other in faults if other["loc"][: len(fault["loc"])] == fault["loc"]]
         if fault["type"] == "too_short" and len(within) > 1:
             continue  # it only counts what those within it left over
-        where = ".".join(str(part) for part in fault["loc"]) or "the whole"
+        where = clipped(".".join(clipped(str(part), 40) for part in fault["loc"]), 120) or "the whole"
         lines.append(f"{where}: {_plainly(fault, model)}")
-    return "; ".join(lines)
+    told = "; ".join(lines[:_MOST_FAULTS])
+    more = len(faults) - min(len(lines), _MOST_FAULTS)
+    return told if len(faults) <= _MOST_FAULTS else f"{told}; and {more} more"
+
+
+_MOST_FAULTS = 8
+"""That are told of one file."""
 
 
 def _plainly(fault: ErrorDetails, model: type[BaseModel] | None) -> str:
@@ -63,8 +71,8 @@ def _plainly(fault: ErrorDetails, model: type[BaseModel] | None) -> str:
             return _not_among(context["tag"], str(context["expected_tags"]))
     for name, words in _BOUNDS.items():
         if fault["type"] == name:
-            return f"{given!r} should be {words} {next(iter(context.values()))}"
-    return fault["msg"].removeprefix("Value error, ").rstrip(".")
+            return f"{shown(given)} should be {words} {next(iter(context.values()))}"
+    return clipped(fault["msg"].removeprefix("Value error, "), 400).rstrip(".")
 
 
 _BOUNDS = {
@@ -77,9 +85,10 @@ _BOUNDS = {
 
 def _not_among(given: object, expected: str) -> str:
     """Return that a word is none of those expected, with the nearest of them."""
-    nearest = get_close_matches(str(given), re.findall(r"'([^']*)'", expected), n=1, cutoff=0.5)
+    short = clipped(given) if isinstance(given, str) else shown(given)
+    nearest = get_close_matches(short, re.findall(r"'([^']*)'", expected), n=1, cutoff=0.5)
     mend = f" (did you mean '{nearest[0]}'?)" if nearest else ""
-    return f"'{given}' is none of {expected}{mend}"
+    return f"'{short}' is none of {expected}{mend}"
 
 
 def _mend(place: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
@@ -87,7 +96,7 @@ def _mend(place: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
     known = [] if model is None else keys_at(model, place[:-1])
     if place[-1] in known:
         return "another kind has it, this one does not, so remove it"
-    nearest = get_close_matches(str(place[-1]), known, n=1, cutoff=0.6)
+    nearest = get_close_matches(clipped(str(place[-1])), known, n=1, cutoff=0.6)
     return f"the nearest one is '{nearest[0]}'" if nearest else "remove it or check its spelling"
 
 
@@ -99,10 +108,7 @@ def parse_yaml(text: str, source: str) -> dict[str, Any]:
     InputError
         The text is not YAML, or not a mapping.
     """
-    try:
-        content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise InputError(f"{source} is not valid YAML: {error}") from error
+    content = yaml_content(text, source)
     if not isinstance(content, dict):
         raise InputError(
             f"{source} should hold a mapping of keys to values, but holds {type(content).__name__}."
@@ -124,12 +130,7 @@ def description_content(kind: str, folder: str, name: str) -> dict[str, Any]:
         return parse_yaml((_shipped(folder) / f"{name}.yaml").read_text(encoding="utf-8"), f"{kind} '{name}'")
     path = Path(name)
     if path.suffix in {".yaml", ".yml"} or path.is_file():
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-            raise InputError(f"The {kind} file {name} cannot be read: {why}.") from error
-        return parse_yaml(text, str(path))
+        return parse_yaml(read_text(path, f"{kind} file", MOST_OF_A_DESCRIPTION), str(path))
     raise UnknownNameError(kind, name, description_names(folder))
 
 

@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.file_reading import MOST_OF_A_DOCUMENT, read_bytes
+from labcal.run.json_reading import read_json
 
 Document = TypeVar("Document", bound=BaseModel)
 
@@ -27,11 +28,9 @@ def read_document(model: type[Document], what: str, path: Path) -> Document:
     InputError
         The file cannot be read, is something else, or comes from a newer version.
     """
+    source = f"{path} is not a {what} that this version reads: it"
     try:
-        return model.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"The {what} {path} cannot be read: {error.strerror}.") from error
-    except ValidationError as error:
-        raise InputError(
-            f"{path} is not a {what} that this version reads: {explain_validation(error)}."
-        ) from error
+        text = read_bytes(path, what, MOST_OF_A_DOCUMENT).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{source} is no text in UTF-8 ({error}).") from error
+    return read_json(model, text, source)

@@ -11,12 +11,14 @@ import numpy as np
 from pydantic import BaseModel
 
 from labcal.errors import InputError, InputTypeError
+from labcal.wording import json_escaped
 
 
 def to_json(document: object) -> str:
     """Return a document as JSON, indented, with a line feed at the end.
 
-    NaN becomes null. Keys keep their order.
+    NaN becomes null. Keys keep their order. Control characters, among them what turns the direction of
+    writing, are escaped: a document may go to a terminal.
 
     Parameters
     ----------
@@ -30,7 +32,8 @@ def to_json(document: object) -> str:
     InputTypeError
         A value, or the key of a mapping, has a type that JSON does not know.
     """
-    return json.dumps(plain_data(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(plain_data(document), indent=2, ensure_ascii=False, allow_nan=False)
+    return json_escaped(text) + "\n"
 
 
 def plain_data(value: object, where: str = "$") -> Any:  # noqa: ANN401 - JSON is a union without a name

@@ -101,7 +101,7 @@ MARK = ".command"
 def _command_in(folder: Path) -> str | None:
     """Return the command that a folder is marked with, if it is."""
     mark = folder / MARK
-    return mark.read_text(encoding="utf-8") if mark.is_file() else None
+    return mark.read_text(encoding="utf-8", errors="replace") if mark.is_file() else None
 
 
 def _remove_scraps(working: Path) -> None:

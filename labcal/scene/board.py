@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from labcal.scene.quantities import Colour, Deviation, Length
+from labcal.bounds import Length
+from labcal.scene.quantities import Colour, Deviation
 
 Factor = Annotated[float, Field(ge=0.5, le=2)]
 Rise = Annotated[float, Field(ge=-500, le=500)]

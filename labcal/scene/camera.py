@@ -3,17 +3,19 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from labcal.arrays import Matrix3
+from labcal.bounds import Finite, Length, Millimetres, Quantity, Side
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH
 from labcal.cameras.prescription import Prescription, load_prescription
+from labcal.cameras.sense import require_sensible_numbers
 from labcal.cameras.window import Window
 from labcal.geometry.poses import look_at
 
-Coordinate = Annotated[float, Field(allow_inf_nan=False)]
+Coordinate = Millimetres
 Vector = tuple[Coordinate, Coordinate, Coordinate]
-Count = Annotated[int, Field(ge=1)]
 
 
 class Aperture(BaseModel):
@@ -21,9 +23,9 @@ class Aperture(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    diameter_mm: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    diameter_mm: Length
     """Diameter of the entrance pupil: focal length in mm over f-number."""
-    focus_mm: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    focus_mm: Length
     """Distance along the camera's axis at which things are sharp (without a window)."""
 
 
@@ -32,14 +34,14 @@ class CameraDescription(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    size: tuple[Count, Count]
+    size: tuple[Side, Side]
     """Width and height of the picture, px."""
-    focal_px: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    focal_px: Quantity
     """Focal length in pixels, the same along x and y."""
     principal_px: tuple[Coordinate, Coordinate] | None = None
     """Principal point; the middle of the picture where left out."""
     lens: str = "brown5"
-    dist: tuple[Coordinate, ...] = ()
+    dist: Annotated[tuple[Finite, ...], Field(max_length=14)] = ()
     """Coefficients in OpenCV's order; those left out are zero."""
     prescription: Prescription | None = None
     """For the lens ``prescription``: its surfaces; in a file the name of a lens, or its whole description."""
@@ -57,6 +59,16 @@ class CameraDescription(BaseModel):
     def _prescription_by_name(cls, value: object) -> object:
         return load_prescription(value) if isinstance(value, str) else value
 
+    @model_validator(mode="after")
+    def _is_sensible(self) -> "CameraDescription":
+        require_sensible_numbers(self._K().tolist(), self.lens, self.dist, self.size)
+        return self
+
+    def _K(self) -> Matrix3:
+        width, height = self.size
+        cx, cy = self.principal_px or (0.5 * (width - 1), 0.5 * (height - 1))
+        return np.array([[self.focal_px, 0.0, cx], [0.0, self.focal_px, cy], [0.0, 0.0, 1.0]])
+
     def camera(self) -> Camera:
         """Return the camera.
 
@@ -67,12 +79,10 @@ class CameraDescription(BaseModel):
         UnknownNameError
             There is no such lens model.
         """
-        width, height = self.size
-        cx, cy = self.principal_px or (0.5 * (width - 1), 0.5 * (height - 1))
         dist = np.zeros(max(LENGTH, len(self.dist)))
         dist[: len(self.dist)] = self.dist
         return Camera(
-            K=np.array([[self.focal_px, 0.0, cx], [0.0, self.focal_px, cy], [0.0, 0.0, 1.0]]),
+            K=self._K(),
             lens=self.lens,
             dist=dist,
             T_cam_world=look_at(np.array(self.eye_mm), np.array(self.look_at_mm), np.array(self.up)),

@@ -16,8 +16,6 @@ from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
 from labcal.scene.visibility import what_hides
 
-LARGEST_PICTURE_PX = 400_000_000
-
 
 def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
     """Raise where a scene cannot be rendered, or where its pictures would be of no use.
@@ -33,19 +31,12 @@ def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
     Raises
     ------
     InputError
-        A picture is larger than 400 megapixels; a lens folds within its picture; a print does not fit on its
+        A lens folds within its picture; a print does not fit on its
         board; a camera, a lamp or the target is under the floor or behind the wall, or a camera or a lamp
         inside something solid; in some view the target is behind a camera, turned away from it, or a ring (a
         dot, where there are no rings) is hidden or not wholly in its picture; no lamp shines on the target;
         the scene's mistake cannot be made; or the target moves too fast.
     """
-    for name, description in scene.cameras.items():
-        width, height = description.size
-        if width * height > LARGEST_PICTURE_PX:
-            raise InputError(
-                f"The pictures of camera '{name}' have {width} x {height} pixels; more than "
-                f"{LARGEST_PICTURE_PX // 1_000_000} megapixels are not rendered. Lessen its size."
-            )
     cameras = scene.true_cameras()
     for name, camera in cameras.items():
         camera.require_rays_everywhere(name)

@@ -4,8 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
+from labcal.bounds import Length, Quantity
 from labcal.scene.camera import Vector
-from labcal.scene.quantities import Length, Positive
 
 
 class Aimed(BaseModel):
@@ -15,7 +15,7 @@ class Aimed(BaseModel):
 
     centre_mm: Vector
     look_at_mm: Vector
-    colour: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
+    colour: tuple[Quantity, Quantity, Quantity] = (1.0, 1.0, 1.0)
     """Factors of red, green and blue."""
 
 
@@ -24,7 +24,7 @@ class Panel(Aimed):
 
     kind: Literal["panel"] = "panel"
     size_mm: tuple[Length, Length]
-    radiance: Positive
+    radiance: Quantity
     """Brightness of the panel, in a unit that the exposure takes out again."""
 
 
@@ -34,7 +34,7 @@ class Ring(Aimed):
     kind: Literal["ring"]
     inner_diameter_mm: Length
     outer_diameter_mm: Length
-    radiance: Positive
+    radiance: Quantity
     """Brightness of the ring, in the unit of a panel's."""
 
     @model_validator(mode="after")
@@ -48,7 +48,7 @@ class Spot(Aimed):
     """A spotlight: a point that shines evenly within its beam and falls off to nothing at the cutoff."""
 
     kind: Literal["spot"]
-    intensity: Positive
+    intensity: Quantity
     """Radiance times area, in mm2: along its axis a panel of 100 x 100 mm and radiance 9 has 90000."""
     cutoff_deg: Annotated[float, Field(gt=0, lt=90)]
     """Angle from the axis where the light ends."""
@@ -72,9 +72,9 @@ class Ambient(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["ambient"]
-    radiance: Positive
+    radiance: Quantity
     """In the unit of a panel's."""
-    colour: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
+    colour: tuple[Quantity, Quantity, Quantity] = (1.0, 1.0, 1.0)
     """Factors of red, green and blue."""
 
 

@@ -5,6 +5,7 @@ from typing import Annotated
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from labcal.bounds import Amount
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.run.names import Name
@@ -21,6 +22,14 @@ from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 
 MOST_SAMPLES = 65536
+
+
+class _WrittenOut(yaml.SafeDumper):
+    """Writes what comes twice twice: aliases are not read."""
+
+    def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002 -- PyYAML's own signature
+        """Return that nothing is referred to."""
+        return True
 
 
 class Scene(BaseModel):
@@ -43,7 +52,7 @@ class Scene(BaseModel):
     """The sensors; in a file the name of a preset, a preset with changes, or the whole description."""
     motion: Motion = Motion()
     shutter: ShutterKind = ShutterKind.GLOBAL
-    readout_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    readout_ms: Amount = 0.0
     """With a rolling shutter, the time from the first row's exposure to the last one's."""
     mistake: Mistake | None = None
     """Something that goes wrong on purpose; `none` is nothing."""
@@ -102,5 +111,6 @@ class Scene(BaseModel):
 
     def to_yaml(self) -> str:
         """Return the scene with all its keys as a file that can be rendered again."""
-        text: str = yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
+        content = self.model_dump(mode="json")
+        text: str = yaml.dump(content, Dumper=_WrittenOut, sort_keys=False, allow_unicode=True)
         return text

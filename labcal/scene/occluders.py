@@ -5,8 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.bounds import Length
 from labcal.scene.camera import Coordinate, Vector
-from labcal.scene.quantities import Colour, Length
+from labcal.scene.quantities import Colour
 
 
 class Frame(StrEnum):

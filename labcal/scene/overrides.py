@@ -3,9 +3,12 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import yaml
-
 from labcal.errors import InputError, UnknownNameError
+from labcal.run.yaml_reading import yaml_content
+from labcal.wording import clipped
+
+_MOST_LETTERS = 2**16
+_MOST_DIGITS = 9
 
 PRESET = ".preset"
 """``photometry.preset=phone`` is ``photometry=phone``: a preset stands for the whole that it fills."""
@@ -44,11 +47,13 @@ def apply_overrides(
     for override in overrides:
         key, equals, text = override.partition("=")
         if not equals or not key:
-            raise InputError(f"'{override}' should read key=value, for example noise=off.")
-        try:
-            value = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            raise InputError(f"The value in '{override}' is not valid YAML: {error}") from error
+            raise InputError(f"'{clipped(override)}' should read key=value, for example noise=off.")
+        if len(text) > _MOST_LETTERS:
+            raise InputError(
+                f"The value of '{clipped(key)}' has {len(text)} letters. Write a scene's file of your "
+                "own instead."
+            )
+        value = yaml_content(text, f"The value in '{clipped(override)}'")
         key = key.removesuffix(PRESET)
         *path, last = key.split(".")
         node: Any = content
@@ -67,7 +72,7 @@ def _index(node: object, part: str, path: list[str]) -> Any:  # noqa: ANN401 -- 
             return part
         raise UnknownNameError("key", prefix + part, [prefix + key for key in node])
     if isinstance(node, list):
-        if part.isdecimal() and int(part) < len(node):
+        if part.isascii() and part.isdecimal() and len(part) <= _MOST_DIGITS and int(part) < len(node):
             return int(part)
         raise UnknownNameError("key", prefix + part, [f"{prefix}{i}" for i in range(len(node))])
-    raise InputError(f"'{prefix.rstrip('.')}' is a single value and has no key '{part}'.")
+    raise InputError(f"'{clipped(prefix.rstrip('.'))}' is a single value and has no key '{clipped(part)}'.")

@@ -5,11 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.bounds import Amount, Quantity
 from labcal.scene.sensor_presets import expanded
 from labcal.shoot.tone_curve import ToneCurve
-
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class PictureFormat(StrEnum):
@@ -49,23 +47,23 @@ class Photometry(BaseModel):
     """Share of the light lost at the picture's corner besides; it grows with the radius squared."""
     blur_px: Annotated[float, Field(ge=0, le=20)] = 0.6
     """Standard deviation of the point spread of lens and low-pass filter (a Gauss function)."""
-    exposure_ms: Positive = 10.0
+    exposure_ms: Quantity = 10.0
     """Exposure time. Lamps and aperture are thought to be such that it is the right one: see `white`."""
     exposure_stops: Annotated[float, Field(ge=-10, le=10)] = 0.0
     """Over-exposure in factors of two, from the exposure at which the board reaches `white`."""
-    full_well_e: Positive = 20000.0
+    full_well_e: Quantity = 20000.0
     """Electrons that a pixel holds."""
     prnu: Annotated[float, Field(ge=0, le=0.2)] = 0.0
     """Photo response non-uniformity: standard deviation of the pixels' sensitivity, share of its mean."""
-    dark_current_e_per_s: NotNegative = 0.0
+    dark_current_e_per_s: Amount = 0.0
     """Electrons that a pixel gathers without light, a second."""
-    dsnu_e: NotNegative = 0.0
+    dsnu_e: Amount = 0.0
     """Dark signal non-uniformity: standard deviation of the pixels' fixed offsets, electrons."""
-    read_noise_e: NotNegative = 6.0
+    read_noise_e: Amount = 6.0
     """Temporal dark noise without dark current: standard deviation of the reading, electrons."""
-    gain_dn_per_e: Positive | None = None
+    gain_dn_per_e: Quantity | None = None
     """System gain, codes per electron; where left out, a full well reads as the highest code."""
-    black_level_dn: NotNegative = 0.0
+    black_level_dn: Amount = 0.0
     """Code at which no electrons read."""
     adc_bits: Annotated[int, Field(ge=8, le=16)] = 12
     white: Annotated[float, Field(gt=0, le=0.95)] = 0.75

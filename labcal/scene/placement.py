@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.bounds import Margin
 from labcal.rng import generator
 from labcal.run.names import Name
 from labcal.scene.camera import Coordinate, Vector
 from labcal.shoot.manifest import Role
 
 Degrees = Annotated[float, Field(ge=0, le=180)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Views = Annotated[int, Field(ge=0, le=1000)]
 Shift = tuple[Coordinate, Coordinate]
 NO_SHIFT = (0.0, 0.0)
@@ -77,11 +77,11 @@ class Planes(Stage):
     kind: Literal["planes"]
     origin_mm: Shift
     """X and Y of dot (0, 0) without a shift."""
-    heights_mm: Annotated[tuple[Coordinate, ...], Field(min_length=1)] | EvenHeights
+    heights_mm: Annotated[tuple[Coordinate, ...], Field(min_length=1, max_length=1000)] | EvenHeights
     """Z of the planes to train on: a list, or ``first``, ``last`` and ``count``."""
-    shifts_pitches: Annotated[tuple[Shift, ...], Field(min_length=1)] = (NO_SHIFT,)
+    shifts_pitches: Annotated[tuple[Shift, ...], Field(min_length=1, max_length=100)] = (NO_SHIFT,)
     """Moves along x and y at which each plane is taken, in steps of the target's grid."""
-    test_shifts_pitches: tuple[Shift, ...] = (HALF_A_PITCH,)
+    test_shifts_pitches: Annotated[tuple[Shift, ...], Field(max_length=100)] = (HALF_A_PITCH,)
     """The same for each plane between; none: no tests."""
 
     def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn
@@ -120,7 +120,7 @@ class Volume(Stage):
     """X and Y of dot (0, 0) without a shift."""
     heights_mm: tuple[Coordinate, Coordinate]
     """Lowest and highest Z."""
-    shift_pitches: tuple[NotNegative, NotNegative] = HALF_A_PITCH
+    shift_pitches: tuple[Margin, Margin] = HALF_A_PITCH
     """Largest shift to either side along x and y, in steps of the target's grid."""
     train: Views
     test: Views
@@ -163,7 +163,7 @@ class Handheld(BaseModel):
     test: Views
     centre_mm: Vector
     """Mean place of the target's middle."""
-    spread_mm: tuple[NotNegative, NotNegative, NotNegative]
+    spread_mm: tuple[Margin, Margin, Margin]
     """Half the range of that place along X, Y and Z."""
     tilt_max_deg: Annotated[float, Field(ge=0, lt=90)] = 45.0
     """Largest angle of the target's normal to the line towards the middle of the cameras."""

@@ -1,13 +1,13 @@
-"""The kinds of numbers that a description of the laboratory is made of."""
+"""The kinds of numbers that a scene is made of; lengths are in :mod:`labcal.bounds`."""
 
 from typing import Annotated
 
 from pydantic import Field
 
+from labcal.bounds import Margin
+
 Share = Annotated[float, Field(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
 """Reflectances of red, green and blue."""
-Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Deviation = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Deviation = Margin
 """A standard deviation; 0 switches the defect off."""

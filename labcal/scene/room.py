@@ -2,8 +2,9 @@
 
 from pydantic import BaseModel, ConfigDict
 
+from labcal.bounds import Length
 from labcal.scene.camera import Coordinate
-from labcal.scene.quantities import Colour, Length
+from labcal.scene.quantities import Colour
 
 
 class Room(BaseModel):

@@ -5,9 +5,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labcal.cameras.record import Matrix4Record
+from labcal.bounds import MOST_PIXELS, Side
+from labcal.cameras.record import PoseRecord
 from labcal.run.names import Name
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import clipped, listed
 
 RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
 
@@ -24,7 +26,7 @@ class CameraEntry(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    size: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
+    size: tuple[Side, Side]
     """Width and height in pixels."""
 
 
@@ -37,7 +39,7 @@ class ViewEntry(BaseModel):
     images: Annotated[dict[Name, RelativePath], Field(min_length=1)]
     """Picture by camera, relative to the shoot's folder."""
     role: Role
-    T_world_target_nominal: Matrix4Record | None
+    T_world_target_nominal: PoseRecord | None
     """What the stage says, mm; null when the target is hand-held."""
 
 
@@ -61,6 +63,13 @@ class Manifest(BaseModel):
             unknown = set(view.images) - set(self.cameras)
             if unknown:
                 raise ValueError(
-                    f"view '{view.name}' has pictures of unknown cameras: {', '.join(sorted(unknown))}"
+                    f"view '{clipped(view.name)}' has pictures of unknown cameras: {listed(sorted(unknown))}"
                 )
+        pictures = [picture for view in self.views for picture in view.images.values()]
+        if len(set(pictures)) != len(pictures):
+            twice = next(picture for picture in pictures if pictures.count(picture) > 1)
+            raise ValueError(f"the picture '{clipped(twice)}' is that of two cameras or views")
+        for name, camera in self.cameras.items():
+            if camera.size[0] * camera.size[1] > MOST_PIXELS:
+                raise ValueError(f"pictures of camera '{clipped(name)}' have more than {MOST_PIXELS} pixels")
         return self

@@ -1,19 +1,23 @@
 """Pictures on disk: reading and writing them, with errors that name the file."""
 
-import stat
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from labcal.errors import InputError, OutputError
+from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
+from labcal.shoot.library_messages import kept_messages
 from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind, require_sensible_size
+from labcal.wording import clipped
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
 MOST_BYTES = 2**30
 """A larger file is not read."""
+_TIFF_ERROR = "TIFF_Error"
+"""How OpenCV begins what libtiff says of a strip that cannot be decoded."""
 
 
 def read_picture(path: Path) -> np.ndarray:
@@ -36,7 +40,7 @@ def read_picture(path: Path) -> np.ndarray:
         The file cannot be opened, is truncated or damaged, is no picture of a format that is read, or
         declares a size that no memory is spent on.
     """
-    data = _bytes(path)
+    data = read_bytes(path, "picture", MOST_BYTES)
     kind = picture_kind(data)
     if kind is None:
         raise InputError(
@@ -52,29 +56,19 @@ def read_picture(path: Path) -> np.ndarray:
     require_sensible_size(path, declared_size(data), len(data))
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
     try:
-        picture = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+        with kept_messages() as said:
+            picture = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
     except cv2.error as error:
         raise InputError(f"The picture {path} cannot be decoded: {error}.") from error
+    if picture is not None and _TIFF_ERROR in said.text:
+        # The library leaves out what it cannot decode, and gives the rest.
+        first = said.text.partition(_TIFF_ERROR)[2].partition("\n")[0].strip()
+        raise InputError(f"The picture {path} is damaged ({clipped(first)}). Copy it again.")
     if picture is None:
         raise InputError(
             f"{path} is not a picture, or is damaged. Copy it again, or convert it to PNG, JPEG or TIFF."
         )
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
-
-
-def _bytes(path: Path) -> bytes:
-    """Read a file whole; no folder, no pipe and no device."""
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise InputError(f"The picture {path} cannot be read: it is no file.")
-        if status.st_size > MOST_BYTES:
-            raise InputError(
-                f"The picture {path} is not read: its {status.st_size} bytes are more than {MOST_BYTES}."
-            )
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"The picture {path} cannot be read: {error.strerror}.") from error
 
 
 def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:

@@ -1,5 +1,6 @@
 """The truth of a rendered shoot, in a folder of its own that the measuring arm never opens."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -8,11 +9,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.arrays import Mask, Pixels, Points
-from labcal.cameras.record import CameraRecord, Matrix4Record
+from labcal.bounds import MOST_INDEX, MOST_MM
+from labcal.cameras.record import CameraRecord, PoseRecord
+from labcal.cameras.rig import Rig, checked_rig
 from labcal.run.documents import read_document
-from labcal.run.names import Name
+from labcal.run.names import Name, is_name
 from labcal.run.outputs import write_file
-from labcal.run.tables import damaged_line, read_table, table_text
+from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
 
 FOLDER = "truth"
 HEADER = (
@@ -28,9 +31,9 @@ class TruePicture(BaseModel):
 
     taken_by: Name | None = None
     """The camera that really took it."""
-    T_cam_world: Matrix4Record | None = None
+    T_cam_world: PoseRecord | None = None
     """Where that camera was."""
-    T_world_target: Matrix4Record | None = None
+    T_world_target: PoseRecord | None = None
     """Where the target was."""
 
 
@@ -39,7 +42,7 @@ class TrueView(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    T_world_target: Matrix4Record
+    T_world_target: PoseRecord
     cameras: dict[Name, TruePicture] = {}
     """By the name under which a picture is delivered; only pictures of which something else is true."""
 
@@ -109,7 +112,10 @@ def read_truth(folder: Path) -> Truth:
     InputError
         It is missing, or not one that this version reads.
     """
-    return read_document(Truth, "truth", folder / FOLDER / "truth.json")
+    path = folder / FOLDER / "truth.json"
+    truth = read_document(Truth, "truth", path)
+    checked_rig(Rig(cameras=truth.cameras), str(path))
+    return truth
 
 
 def read_true_dots(folder: Path) -> list[TrueDots]:
@@ -118,17 +124,30 @@ def read_true_dots(folder: Path) -> list[TrueDots]:
     Raises
     ------
     InputError
-        It is missing, or its columns are not those of this version.
+        It is missing, its columns are not those of this version, a line is damaged, or a dot is there twice.
     """
     path = folder / FOLDER / "dots.csv"
     pictures: dict[tuple[str, str], list[list[float]]] = {}
+    keys: list[object] = []
     for number, line in enumerate(read_table(HEADER, "true dots", path)):
         try:
             view, camera, *figures = line
-            _, _, _, _, _, _, _, _, _, _ = row = [float(figure) for figure in figures]
-        except ValueError as error:
-            raise damaged_line(path, number, line) from error
-        pictures.setdefault((view, camera), []).append(row)
+            col, row, X, Y, Z, _, _, _, _, visible = values = [float(figure) for figure in figures]
+            sound = (
+                is_name(view)
+                and is_name(camera)
+                and all(index == int(index) and 0 <= index <= MOST_INDEX for index in (col, row))
+                and all(abs(value) <= MOST_MM for value in (X, Y, Z))
+                and not any(math.isinf(value) for value in values)
+                and visible in {0.0, 1.0}
+            )
+        except (ValueError, OverflowError):
+            sound = False
+        if not sound:
+            raise damaged_line(path, number, line)
+        pictures.setdefault((view, camera), []).append(values)
+        keys.append((view, camera, col, row))
+    refuse_twice(path, keys, "dot of a picture")
     dots = []
     for (view, camera), rows in pictures.items():
         table = np.array(rows, dtype=np.float64)

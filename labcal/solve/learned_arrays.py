@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -10,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
+from labcal.run.json_reading import json_content
 from labcal.solve.field.evidence import FieldScale
 from labcal.solve.field.kernel import FieldKernel
 from labcal.solve.field.learned_camera import Asked, LearnedCamera, LearnedField
@@ -112,9 +114,13 @@ def from_arrays(arrays: LearnedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[L
 
 def _parsed(text: str) -> tuple[tuple[CameraRecord, ...], list[str | None]]:
     try:
-        content = json.loads(text)
+        content: Any = json_content(text, "The text of the model's cameras")
         records = _RECORDS.validate_python(content["cameras"])
         asked = [None if how is None else Asked(how).value for how in content["asked"]]
+    except InputError:
+        raise
     except (ValueError, KeyError, TypeError, RecursionError, ValidationError) as error:
         raise InputError(f"The model's cameras cannot be read: {error}. Fit it again.") from error
+    for number, record in enumerate(records, start=1):
+        record.sensible_camera(str(number))
     return records, asked

@@ -1,6 +1,5 @@
 """Fitted models on disk: safetensors with a JSON header. Loading never runs code from the file."""
 
-import json
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
@@ -8,16 +7,17 @@ from typing import Any
 
 import numpy as np
 import safetensors.numpy
-from pydantic import ValidationError
 from safetensors import SafetensorError, safe_open
 
+from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
-from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.errors import InputError, LabcalError
+from labcal.run.file_reading import require_file
+from labcal.run.json_reading import json_content, read_json
 from labcal.run.outputs import write_file
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.fitted_model import FittedModel, TrainingBox
-from labcal.solve.model_header import VERSION, ModelHeader
+from labcal.solve.model_header import VERSION, ModelHeader, Value
 from labcal.solve.registry import make_estimator
 from labcal.solve.rehearsal import Rehearsed
 
@@ -25,6 +25,9 @@ from labcal.solve.rehearsal import Rehearsed
 METADATA_KEY = "labcal"
 BOX_PREFIX = "box."
 LENGTH_BYTES = 8
+_MOST_BYTES = 2**28
+_MOST_COUNT = 2**31
+"""Of an integer that an estimator is constructed with."""
 
 
 class ModelKind(StrEnum):
@@ -47,11 +50,9 @@ def model_kind(path: Path) -> ModelKind:
     InputError
         The file cannot be read, or begins like neither.
     """
-    try:
-        with path.open("rb") as handle:
-            begin = handle.read(64)
-    except OSError as error:
-        raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
+    require_file(path, "model", _MOST_BYTES)
+    with path.open("rb") as handle:
+        begin = handle.read(64)
     # A safetensors file begins with the length of its header, which begins with a brace.
     if begin[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and begin[LENGTH_BYTES - 2 : LENGTH_BYTES] == b"\0\0":
         return ModelKind.FITTED
@@ -121,6 +122,7 @@ def load_model(path: Path) -> FittedModel:
     UnknownNameError
         The method is not known here.
     """
+    require_file(path, "model", _MOST_BYTES)
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = file.metadata() or {}
@@ -139,7 +141,10 @@ def load_model(path: Path) -> FittedModel:
         )
     box = _box(path, header, arrays)
     estimator = _estimator(path, header, arrays)
-    resected = None if header.resected is None else tuple(record.camera() for record in header.resected)
+    resected = None
+    if header.resected is not None:
+        pairs = zip(header.cameras, header.resected, strict=False)
+        resected = tuple(record.sensible_camera(name) for name, record in pairs)
     rehearsed = None if header.rehearsed is None else _rehearsed(path, header.rehearsed)
     return FittedModel(estimator, header.cameras, header.image_sizes, box, resected, rehearsed)
 
@@ -148,10 +153,7 @@ def _header(path: Path, text: str | None) -> ModelHeader:
     """Return the checked header, its version before all else."""
     if text is None:
         raise InputError(f"{path} is a safetensors file, but no model of labcal.")
-    try:
-        content = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError(f"The header of the model {path} is no JSON: {error}.") from error
+    content = json_content(text, f"The header of the model {path}")
     version = content.get("version") if isinstance(content, dict) else None
     if isinstance(version, int) and version > VERSION:
         raise InputError(
@@ -162,12 +164,7 @@ def _header(path: Path, text: str | None) -> ModelHeader:
         raise InputError(
             f"The model {path} is of version {version}, which is not read any more. Fit it again."
         )
-    try:
-        return ModelHeader.model_validate_json(text)
-    except ValidationError as error:
-        raise InputError(
-            f"The header of the model {path} cannot be used: {explain_validation(error)}."
-        ) from error
+    return read_json(ModelHeader, text, f"The header of the model {path}")
 
 
 def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> PointEstimator:
@@ -179,15 +176,49 @@ def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -
         raise InputError(
             f"The model {path} names parameters that the method '{header.method}' does not have."
         )
+    defaults = estimator.get_params()
+    odd = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
+    if odd:
+        raise InputError(
+            f"The model {path} has a '{odd[0]}' that '{header.method}' does not take. Fit it again."
+        )
     estimator.set_params(**header.parameters)
     estimator.n_features_in_ = header.inputs
     estimator.n_outputs_ = header.outputs
     estimator.single_output_ = False
     for name, value in header.facts.items():
         setattr(estimator, name, value)
-    for attribute, shape in estimator.stored_arrays():
+    try:
+        wanted = estimator.stored_arrays()
+        if any(type(side) is not int for spec in wanted for side in spec.shape):
+            raise TypeError  # noqa: TRY301 -- told below, as what the method itself raises
+    except LabcalError:
+        raise
+    except (TypeError, ValueError, LookupError, ArithmeticError) as error:
+        raise InputError(
+            f"The facts in the model {path} are none of '{header.method}'. Fit it again."
+        ) from error
+    for attribute, shape in wanted:
         setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
     return estimator
+
+
+def _like(value: Value, default: object) -> bool:
+    """Tell whether a parameter is of its default's kind, and not beyond all bounds."""
+    match default:
+        case bool() | str():
+            return type(value) is type(default)
+        case int():
+            return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= _MOST_COUNT
+        case float():
+            return (
+                isinstance(value, int | float)
+                and not isinstance(value, bool)
+                and 0.0 <= float(value) <= MOST_WEIGHT
+            )
+        case _:  # widths of layers, picture sizes, or nothing
+            counts = [] if value is None else np.ravel(np.array(value, dtype=object)).tolist()
+            return all(type(count) is int and 1 <= count <= _MOST_COUNT for count in counts)
 
 
 def _figures(rehearsed: Rehearsed) -> dict[str, float | None]:
@@ -205,12 +236,17 @@ def _rehearsed(path: Path, figures: dict[str, float | None]) -> Rehearsed:
 def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> TrainingBox:
     """Return the checked training box."""
     outputs, inputs = (header.outputs,), (header.inputs,)
-    return TrainingBox(
+    box = TrainingBox(
         low_mm=_checked(path, arrays, BOX_PREFIX + "low_mm", outputs),
         high_mm=_checked(path, arrays, BOX_PREFIX + "high_mm", outputs),
         low_px=_checked(path, arrays, BOX_PREFIX + "low_px", inputs),
         high_px=_checked(path, arrays, BOX_PREFIX + "high_px", inputs),
     )
+    farthest = max(np.abs(box.low_mm).max(initial=0.0), np.abs(box.high_mm).max(initial=0.0))
+    upright = (box.low_mm <= box.high_mm).all() and (box.low_px <= box.high_px).all()
+    if farthest > MOST_MM or not upright:
+        raise InputError(f"The volume in which the model {path} was trained is none. Fit it again.")
+    return box
 
 
 def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
@@ -218,6 +254,8 @@ def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[
     array = arrays.get(name)
     if array is None or array.dtype != np.float64 or array.shape != shape or not np.isfinite(array).all():
         raise InputError(f"The model {path} lacks the array '{name}' as finite float64 of shape {shape}.")
+    if np.abs(array).max(initial=0.0) > MOST_WEIGHT:
+        raise InputError(f"The model {path} holds a number beyond {MOST_WEIGHT:g} in '{name}'. Fit it again.")
     return array
 
 

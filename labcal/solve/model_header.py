@@ -2,16 +2,19 @@
 
 import hashlib
 import json
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
+from labcal.bounds import Side
 from labcal.cameras.record import CameraRecord
+from labcal.run.names import Name
 
 VERSION = 2
 """Version of the format that this program writes, and the one that it reads."""
 
+_MOST_COLUMNS = 2000
 Value = bool | int | float | str | tuple[int, ...] | tuple[tuple[int, int], ...] | None
 """A constructor argument or a fitted fact."""
 
@@ -52,14 +55,14 @@ class ModelHeader(BaseModel):
     method: str
     parameters: dict[str, Value]
     facts: dict[str, Value]
-    inputs: int
-    outputs: int
-    cameras: tuple[str, ...]
-    image_sizes: tuple[tuple[int, int], ...]
+    inputs: Annotated[int, Field(ge=2, le=_MOST_COLUMNS)]
+    outputs: Annotated[int, Field(ge=3, le=_MOST_COLUMNS)]
+    cameras: tuple[Name, ...]
+    image_sizes: tuple[tuple[Side, Side], ...]
     planar: bool
     digest: str
     resected: tuple[CameraRecord, ...] | None = None
-    rehearsed: dict[str, float | None] | None = None
+    rehearsed: dict[str, Annotated[float, Field(ge=0)] | None] | None = None
 
     def text(self) -> str:
         """Return the header as JSON, always the same for the same content."""

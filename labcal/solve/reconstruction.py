@@ -15,6 +15,7 @@ from labcal.solve.centre_bias import CentreBias, centred, shifts_of_matches
 from labcal.solve.fitted_model import FittedModel
 from labcal.solve.model_file import ModelKind, load_model, model_kind
 from labcal.solve.ray_misses import MOST_PX, RayMisses
+from labcal.solve.sound_points import predicted, within_sense
 from labcal.solve.swapped_pictures import refuse_swapped
 from labcal.targets.target import Target
 
@@ -79,9 +80,11 @@ def reconstruct_centres(
         raise InputError(f"No dot was measured by all of the cameras {', '.join(cameras)} in the same view.")
     if isinstance(model, Rig):
         _require_sizes(detections, {name: record.size for name, record in model.cameras.items()})
-        return _by_rig(model, matches, target)
+        found = _by_rig(model, matches, target)
+        return replace(found, points=within_sense(found.points))
     _require_sizes(detections, dict(zip(cameras, model.image_sizes, strict=True)))
-    return _by_method(model, matches, target)
+    found = _by_method(model, matches, target)
+    return replace(found, points=within_sense(found.points))
 
 
 def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) -> None:
@@ -123,7 +126,7 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
             matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
         misses = RayMisses.of(model.resected, matches)
         outlying, typical_px = misses.outlying, misses.typical_px
-    outputs, covariance = model.estimator.predict_with_covariance(matches.X, matches.covariance)
+    outputs, covariance = predicted(model.estimator, matches)
     point = np.ascontiguousarray(outputs[:, :3])
     flag = np.where(outlying | model.misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)

@@ -8,8 +8,8 @@ from jaxtyping import Bool, Int
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.arrays import DotIndices, Lengths, Points
+from labcal.bounds import LEAST_SHARE_OF_PITCH, Length, Margin
 from labcal.run.names import Name
-from labcal.targets.grid import Length
 
 Squares = Annotated[int, Field(ge=3, le=200)]
 
@@ -84,13 +84,15 @@ class CharucoBoard(BaseModel):
     marker_mm: Length
     dictionary: MarkerDictionary
     pattern: Pattern = Pattern.CURRENT
-    margin_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    margin_mm: Margin = 0.0
     """Bare board around the chessboard."""
 
     @model_validator(mode="after")
     def _fits_together(self) -> "CharucoBoard":
         if self.marker_mm >= self.square_mm:
             raise ValueError("marker_mm must be smaller than square_mm, since markers lie in white squares")
+        if self.marker_mm < LEAST_SHARE_OF_PITCH * self.square_mm:
+            raise ValueError("marker_mm is next to nothing beside square_mm")
         if self.marker_count > self.dictionary.size:
             raise ValueError(
                 f"{self.squares[0]} x {self.squares[1]} squares take {self.marker_count} markers, but "

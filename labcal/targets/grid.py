@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.arrays import DotIndices, Lengths, Points
+from labcal.bounds import LEAST_SHARE_OF_PITCH, MOST_DOTS, Length, Margin
 from labcal.run.names import Name
 
-Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 GridIndex = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
 
 
@@ -87,7 +87,7 @@ class DotGrid(BaseModel):
     polarity: Polarity = Polarity.BLACK_ON_WHITE
     rings: Rings | None
     """None, which has to be said, where all dots are alike."""
-    margin_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    margin_mm: Margin = 0.0
     """Bare board around the centres of the outermost dots."""
 
     @model_validator(mode="after")
@@ -100,6 +100,13 @@ class DotGrid(BaseModel):
             )
         if self.largest_diameter_mm >= min(self.cell_mm):
             raise ValueError("dots and rings must be smaller than the pitch, or they touch")
+        least = LEAST_SHARE_OF_PITCH * max(self.cell_mm)
+        if min(self.dot_diameter_mm, self.ring_inner_diameter_mm or math.inf) < least:
+            raise ValueError(
+                f"dots, and the holes of rings, must be at least {least:.3g} mm wide: a share of the pitch"
+            )
+        if self.count > MOST_DOTS:
+            raise ValueError(f"a target has at most {MOST_DOTS} dots, but this one {self.count}")
         return self
 
     def _check_rings(self) -> None:

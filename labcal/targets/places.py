@@ -8,6 +8,8 @@ from jaxtyping import Bool, Float64
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.arrays import Points
+from labcal.bounds import MOST_MM, Millimetres
+from labcal.geometry.covariances import stated_soundly
 from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.targets.catalogue import AnyTarget
@@ -20,9 +22,9 @@ class DotPlace(BaseModel):
 
     col: Annotated[int, Field(ge=0)]
     row: Annotated[int, Field(ge=0)]
-    x_mm: float
-    y_mm: float
-    z_mm: float
+    x_mm: Millimetres
+    y_mm: Millimetres
+    z_mm: Millimetres
     cov_xx: float
     cov_xy: float
     cov_xz: float
@@ -49,6 +51,8 @@ class DotPlaces(BaseModel):
     def _every_dot_once(self) -> "DotPlaces":
         if [[dot.col, dot.row] for dot in self.dots] != self.target.indices().tolist():
             raise ValueError("the dots must be those of the target, each once, row by row")
+        if not stated_soundly(self.covariances(), MOST_MM**2).all():
+            raise ValueError("a covariance has a negative variance, or one beyond any sense")
         return self
 
     @classmethod
@@ -78,6 +82,13 @@ class DotPlaces(BaseModel):
     def points(self) -> Points:
         """Return the places in the order of the target's indices, mm, shape (dots, 3)."""
         return np.array([[dot.x_mm, dot.y_mm, dot.z_mm] for dot in self.dots])
+
+    def covariances(self) -> Float64[np.ndarray, "dots 3 3"]:
+        """Return the covariances of the places in the same order, mm squared."""
+        upper = [
+            [dot.cov_xx, dot.cov_xy, dot.cov_xz, dot.cov_yy, dot.cov_yz, dot.cov_zz] for dot in self.dots
+        ]
+        return np.array(upper, dtype=np.float64).reshape(-1, 6)[:, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]]
 
     def freed(self) -> Bool[np.ndarray, " dots"]:
         """Return which places were estimated, in the order of the target's indices."""

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-from pydantic import ValidationError
-
 from labcal.cameras.interop.exchange import (
     NOTHING_GIVEN,
     Home,
@@ -16,7 +14,7 @@ from labcal.cameras.interop.exchange import (
 )
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.run.descriptions import explain_validation
+from labcal.run.json_reading import read_json
 
 
 def recognises(text: str) -> bool:
@@ -34,13 +32,7 @@ def read_labcal(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIV
     """
     if len(sources) != 1:
         raise InputError("A rig.json holds a whole rig. Give one of them.")
-    try:
-        rig = Rig.model_validate_json(sources[0].text)
-    except ValidationError as error:
-        raise InputError(f"{sources[0].path} is not a rig: {explain_validation(error)}.") from error
-    for name in rig.cameras:
-        rig.camera(name)  # raises for an impossible camera
-    return ReadRig(rig)
+    return ReadRig(read_json(Rig, sources[0].text, f"{sources[0].path} is not a rig: it"))
 
 
 def write_labcal(rig: Rig, _suffix: str) -> RigTexts:

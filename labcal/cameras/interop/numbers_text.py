@@ -5,7 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from labcal.errors import InputError
+from labcal.wording import shown
 
+_MOST = 1e20
+"""Of any number: squares and products of a few of them do not overflow."""
 _MOST_PIXELS = 2**26
 """As many as a picture may have."""
 
@@ -31,9 +34,9 @@ def finite_number(value: object, what: str, source: Path) -> float:
             number = float(value)
         except (ValueError, OverflowError):
             number = math.nan
-        if math.isfinite(number):
+        if abs(number) <= _MOST:
             return number
-    raise InputError(f"{source}: {what} should be a finite number, but is {_shown(value)}.")
+    raise InputError(f"{source}: {what} should be a finite number within reason, but is {_shown(value)}.")
 
 
 def finite_numbers(values: object, counts: Sequence[int], what: str, source: Path) -> tuple[float, ...]:
@@ -70,6 +73,5 @@ def picture_size(values: object, source: Path) -> tuple[int, int]:
 
 def _shown(value: object) -> str:
     """Return a value for a message, not too much of it."""
-    text = repr(value) if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
-    most = 40
-    return text if len(text) <= most else f"{text[:most]}..."
+    known = isinstance(value, (str, int, float, type(None)))
+    return shown(value, 40) if known else f"a {type(value).__name__}"

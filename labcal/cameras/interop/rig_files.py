@@ -18,9 +18,10 @@ from labcal.cameras.interop.exchange import (
 )
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig import Rig
+from labcal.cameras.rig import Rig, checked_rig
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
+from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder, write_file
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
@@ -82,7 +83,9 @@ def read_rig_files(
         _require_size(source.path, len(source.text), chosen.most_bytes)
     _require_options(chosen, given)
     read = chosen.read(sources, given)
-    return chosen, replace(read, rig=_in_unit(read.rig, chosen, given))
+    rig = _in_unit(read.rig, chosen, given)
+    checked_rig(rig, str(sources[0].path))
+    return chosen, replace(read, rig=rig)
 
 
 def read_unit(chosen: RigFormat, given: ReadOptions) -> Unit:
@@ -219,13 +222,7 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 def _source(path: Path, wanted: RigFormat | None) -> SourceText:
     """Read a text file of sensible size."""
     most = _MOST_BYTES if wanted is None else wanted.most_bytes
-    try:
-        if path.exists() and not path.is_file():
-            raise InputError(f"{path} cannot be read: it is no file.")
-        _require_size(path, path.stat().st_size, most)
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    data = read_bytes(path, "file", most)
     try:
         return SourceText(path, data.decode("utf-8-sig"))
     except UnicodeDecodeError:

@@ -6,18 +6,13 @@ from typing import Any
 import yaml
 
 from labcal.errors import InputError
+from labcal.run.yaml_reading import PlainLoader, yaml_content
 
 _MATRIX_TAGS = ("tag:yaml.org,2002:opencv-matrix", "tag:yaml.org,2002:opencv-nd-matrix")
 
 
-class _Loader(yaml.SafeLoader):
-    """A safe loader that refuses aliases: a thousand letters of them can stand for gigabytes."""
-
-    def compose_node(self, parent: Any, index: Any) -> Any:  # noqa: ANN401 -- PyYAML's own signature
-        """Return the next node."""
-        if self.check_event(yaml.AliasEvent):
-            raise yaml.YAMLError("aliases are not read")
-        return super().compose_node(parent, index)
+class _Loader(PlainLoader):
+    """A plain loader that knows OpenCV's tag."""
 
 
 def _plain_mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any, Any]:
@@ -39,11 +34,7 @@ def read_yaml_tree(text: str, source: Path) -> dict[str, Any]:
     # OpenCV's first line, "%YAML:1.0", is no directive that YAML knows.
     lines = text.split("\n", 1)
     body = lines[1] if lines[0].startswith("%YAML:") and len(lines) > 1 else text
-    try:
-        content = yaml.load(body, _Loader)  # noqa: S506 -- a SafeLoader
-    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        told = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{source} is not YAML that is read here: {told:.200}.") from error
+    content = yaml_content(body, str(source), _Loader)
     if not isinstance(content, dict):
         raise InputError(f"{source} should hold keys with values, but holds something else.")
     return content

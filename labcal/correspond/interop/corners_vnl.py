@@ -20,16 +20,19 @@ from jaxtyping import Float64
 
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
+from labcal.correspond.sense import measured_soundly
 from labcal.correspond.sources import Source, loose_source
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.file_reading import read_text
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 
 _SIGMA = re.compile(r"^## sigma_px (\S+)", re.MULTILINE)
 _LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULTILINE)
-_MOST_BYTES = 2**28
+_MOST_BYTES = 2**27
 _MOST_LEVEL = 30
+_LEAST_WEIGHT = 1e-10
 _EQUAL_PITCH = 1e-9
 """Relative difference of pitches that are the same but for rounding."""
 _TOP_FIRST = "## rows run from the top of the board"
@@ -155,7 +158,7 @@ def read_corners(
     seen = xyw[:, 2] > 0.0
     variance = np.where(seen, (sigma / np.where(seen, xyw[:, 2], 1.0)) ** 2, np.nan)
     sizes = [size_of(Path(image)) for image in images]
-    detections = Detections(
+    found = Detections(
         view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), n),
         camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), n),
         image=np.repeat(np.array(list(images), dtype=np.str_), n),
@@ -166,7 +169,12 @@ def read_corners(
         covariance=variance[:, None, None] * np.eye(2),
         flag=np.where(seen, DotFlag.OK.value, DotFlag.HIDDEN.value),
     )
-    return ReadCorners(detections, notes)
+    for at in np.flatnonzero(seen).tolist():
+        (xx, xy), (_, yy) = found.covariance[at].tolist()
+        size = (int(found.size[at, 0]), int(found.size[at, 1]))
+        if not measured_soundly(size, (*found.position[at].tolist(), xx, xy, yy)):
+            raise InputError(f"{path}: {found.words(at)} is far outside of its picture.")
+    return ReadCorners(found, notes)
 
 
 def _turned_over(points: Float64[np.ndarray, "count 3"], target: Target) -> Float64[np.ndarray, "count 3"]:
@@ -228,16 +236,7 @@ def _require_plain(image: str) -> None:
 
 
 def _text(path: Path) -> str:
-    try:
-        if path.exists() and not path.is_file():
-            raise InputError(f"The corners {path} cannot be read: it is no file.")
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path} is not read: it has more than {_MOST_BYTES} bytes.")
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"The corners {path} cannot be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is no text file.") from error
+    return read_text(path, "corners", _MOST_BYTES)
 
 
 def _positive(word: str, path: Path) -> float:
@@ -246,9 +245,14 @@ def _positive(word: str, path: Path) -> float:
         value = float(word)
     except ValueError:
         value = np.nan
-    if not (np.isfinite(value) and value > 0.0):
+    if not (np.isfinite(value) and _LEAST_WEIGHT <= value <= 1.0 / _LEAST_WEIGHT):
         raise InputError(f"{path}: the standard deviation '{word:.40}' should be a positive number.")
     return value
+
+
+def _weighs(weight: float) -> bool:
+    """Tell whether a weight can be one; none above 0 is that of a missing point."""
+    return weight <= 0.0 or _LEAST_WEIGHT <= weight <= 1.0 / _LEAST_WEIGHT
 
 
 def _point(fields: list[str], kind: str | None, path: Path) -> tuple[float, float, float]:
@@ -259,7 +263,11 @@ def _point(fields: list[str], kind: str | None, path: Path) -> tuple[float, floa
         if "-" in fields:
             return (0.0, 0.0, 0.0)
         x, y, last = (*(float(field) for field in fields), 1.0)[:3]
-        if not np.isfinite([x, y, last]).all() or (kind == "level" and last > _MOST_LEVEL):
+        if (
+            not np.isfinite([x, y, last]).all()
+            or (kind == "level" and last > _MOST_LEVEL)
+            or not _weighs(last)
+        ):
             raise ValueError  # noqa: TRY301 -- as above
     except ValueError as error:
         raise InputError(

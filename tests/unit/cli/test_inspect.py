@@ -104,3 +104,18 @@ def test_loose_pictures_are_inspected_when_their_target_is_named(
         ("r", None, 130),
     ]
     assert document["cameras"]["r"] == {"coverage": 30 / 48, "dots": 130}
+
+
+def test_pictures_without_a_dot_have_a_sheet_and_ones_that_cannot_be_read_a_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_picture(tmp_path / "bare.png", np.full((48, 64), 200, np.uint8))
+    (tmp_path / "text.png").write_text("no picture")
+    sheet = tmp_path / "sheet.png"
+    words = ["--target", "paper-13x10", "--workers", "1", "-o", str(sheet), "--json"]
+    assert main(["inspect", str(tmp_path / "bare.png"), *words]) == ExitStatus.PARTIAL
+    assert json.loads(capsys.readouterr().out)["cameras"] == {"camera": {"coverage": 0.0, "dots": 0}}
+    sheet.unlink()
+    assert main(["inspect", str(tmp_path / "text.png"), *words]) == ExitStatus.UNUSABLE
+    assert "None of the 1 pictures" in json.loads(capsys.readouterr().out)["error"]["message"]
+    assert not sheet.exists()

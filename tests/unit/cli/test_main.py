@@ -7,6 +7,7 @@ import subprocess
 import sys
 from argparse import Namespace
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -192,3 +193,55 @@ def test_a_reader_that_goes_away_ends_it_quietly() -> None:
     os.close(write_end)
     assert done.returncode == ExitStatus.NOBODY_READS
     assert done.stderr == ""
+
+
+NINES = "9" * 5000
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["scene", "show", "webcam-plane", "--set", f"cameras.left.focal_px={NINES}"],
+        ["scene", "show", "webcam-plane", "--set", "cameras.left.focal_px=2001-99-99"],
+        ["scene", "show", "webcam-plane", "--set", "cameras.left.focal_px=2147483648"],
+        ["scene", "show", "webcam-plane", "--set", f"cameras.left.dist={'[' * 1000}{']' * 1000}"],
+        ["scene", "show", "webcam-plane", "--set", f"placement.views.{NINES}.name=a"],
+        ["scene", "show", "webcam-plane", "--set", "cameras.left.dist=[1e30]"],
+        ["scene", "show", "webcam-plane", "--set", "cameras.left.size=[2147483648, 480]"],
+        ["convert", "corners.vnl", "d.csv", "--target", "rings-10x8", "--size", "99999999999999999999x480"],
+        ["target", "show", "deep.yaml"],
+        ["target", "show", "laughs.yaml"],
+        ["target", "show", "date.yaml"],
+        ["convert", "letter.yaml", "rig.json", "--from", "kalibr"],
+        ["convert", "bang.yml", "rig.json", "--from", "opencv"],
+        ["reconstruct", "pipe", "d.csv", "-o", "p.csv"],
+        ["reconstruct", "/dev/zero", "d.csv", "-o", "p.csv"],
+        ["evaluate", "pipe", "--target", "rings-10x8"],
+        ["evaluate", "/dev/zero", "--target", "rings-10x8"],
+        ["report", "loop"],
+        ["render", "webcam-plane", "-o", "s", "--workers", NINES],
+    ],
+)
+def test_bad_input_is_no_failure_of_the_program(
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, text in {
+        "deep.yaml": "name: " + "[" * 1000 + "]" * 1000,
+        "laughs.yaml": "a0: &a0 [x, x]\n"
+        + "".join(f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 30)),
+        "date.yaml": "name: 2001-99-99",
+        "letter.yaml": "%",
+        "bang.yml": "!",
+        "corners.vnl": "# filename x y weight\na.png - - -\n",
+    }.items():
+        (tmp_path / name).write_text(text)
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    assert main(words) == ExitStatus.UNUSABLE
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert len(said) < 3000

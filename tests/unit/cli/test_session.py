@@ -1,6 +1,8 @@
 import io
+import json
 
 import pytest
+from rich.table import Table
 
 from labcal.cli.progress import RichProgress
 from labcal.cli.session import Session
@@ -45,3 +47,31 @@ def test_a_bar_cannot_advance_before_it_starts(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr("sys.stderr", Terminal())
     with Session(io.StringIO()).progress() as progress, pytest.raises(RuntimeError, match="before"):
         progress.advance()
+
+
+def test_names_command_no_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Neither in a message nor in a cell of a table, which has codes of its own on a terminal."""
+    name = "a\x1b[31m\x9b2J\u202ex.png"
+    Session(io.StringIO()).warn(name)
+    assert capsys.readouterr().err == "warning: a\\x1b[31m\\x9b2J\\u202ex.png\n"
+    monkeypatch.setenv("TERM", "xterm-256color")
+    terminal = Terminal()
+    table = Table("picture")
+    table.add_row(name)
+    Session(terminal).emit({}, table)
+    shown = terminal.getvalue()
+    assert "\x1b[1m" in shown  # the table's own
+    assert "\x1b[31m" not in shown
+    assert "\x9b" not in shown
+    assert "\u202e" not in shown
+    assert "\\x1b[31m\\x9b2J\\u202ex.png" in shown
+
+
+def test_a_json_document_commands_no_terminal_and_says_the_same() -> None:
+    stream = io.StringIO()
+    name = "a\x1b[31m\x9b2J\u202e"
+    Session(stream, json=True).emit({"name": name}, "")
+    assert json.loads(stream.getvalue()) == {"name": name}
+    assert not set(stream.getvalue()) & {"\x1b", "\x9b", "\u202e"}

@@ -44,7 +44,12 @@ def test_a_table_reads_back_exactly(tmp_path: Path, exact: Detections) -> None:
         exact,
         position=exact.position + rng.normal(size=(n, 2)) / 3,
         covariance=root @ np.swapaxes(root, 1, 2) * 1e-7,
-        image=np.array([f"a folder, with 'comma' and \"quotes\"/{i}.png" for i in range(n)]),
+        image=np.array(
+            [
+                f"a folder, with 'comma' and \"quotes\"/{view}_{camera}.png"
+                for view, camera in zip(exact.view, exact.camera, strict=True)
+            ]
+        ),
     )
     table.position[5] = table.covariance[5] = np.nan
     table.has_id[5] = False
@@ -96,12 +101,34 @@ def test_a_table_without_dots_is_a_table(tmp_path: Path) -> None:
         LINE.replace("1.25", "inf"),
         LINE.replace(",left,", ",left_1,"),
         LINE.replace(",left,", ",,"),
+        LINE.replace("640", "2147483648"),
+        LINE.replace("1.25", "5000.0"),
+        LINE.replace("1.25", "1e200"),
+        LINE.replace("0.03", "-0.03"),
+        LINE.replace("0.01", "0.0"),
+        LINE.replace("0.002", "0.9"),  # no covariance
+        LINE.replace("0.01", "1e30"),
+        LINE.replace(",3,4,", ",123456,4,"),
+        LINE.replace("a,left", "\x1b[2J,left"),
+        LINE.replace("a.png", "b.png").replace(",3,", ",4,"),  # a second picture of the same view
+        LINE.replace("640", "641").replace(",3,", ",4,"),
     ],
 )
 def test_a_damaged_line_is_named(tmp_path: Path, line: str) -> None:
     path = written(tmp_path, HEADER, LINE, line, LINE)
     with pytest.raises(InputError, match=r"Line 3 of .*detections\.csv is damaged"):
         read_detections(path)
+
+
+def test_a_dot_is_listed_once_for_a_picture(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"Line 3 of .* is of the same dot of a picture as line 2"):
+        read_detections(written(tmp_path, HEADER, LINE, LINE.replace("1.25", "2.5")))
+
+
+def test_messages_of_damaged_lines_are_short(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read_detections(written(tmp_path, HEADER, "x" * 100_000))
+    assert len(str(caught.value)) < 500
 
 
 @pytest.mark.parametrize("content", [b"", b"x,y\n1,2\n", HEADER[:-5].encode() + b"\n"])

@@ -10,7 +10,7 @@ from labcal.correspond.points import ReconstructedPoints, points_csv, read_point
 from labcal.errors import InputError
 
 HEADER = "view,col,row,X_mm,Y_mm,Z_mm,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,flag"
-LINE = "a,1,2,10.5,20.25,-30.0,1.0,2.0,3.0,4.0,5.0,6.0,ok"
+LINE = "a,1,2,10.5,20.25,-30.0,9.0,2.0,3.0,8.0,5.0,7.0,ok"
 
 
 def table(n: int = 20) -> ReconstructedPoints:
@@ -39,7 +39,7 @@ def test_a_table_reads_back_exactly(tmp_path: Path) -> None:
 def test_the_covariance_is_symmetric_in_the_order_of_the_header(tmp_path: Path) -> None:
     (tmp_path / "p.csv").write_text(f"{HEADER}\n{LINE}\n")
     back = read_points(tmp_path / "p.csv")
-    assert back.covariance[0].tolist() == [[1, 2, 3], [2, 4, 5], [3, 5, 6]]
+    assert back.covariance[0].tolist() == [[9, 2, 3], [2, 8, 5], [3, 5, 7]]
     assert back.point[0].tolist() == [10.5, 20.25, -30.0]
     assert back.index[0].tolist() == [1, 2]
 
@@ -55,6 +55,12 @@ def test_the_covariance_is_symmetric_in_the_order_of_the_header(tmp_path: Path) 
         LINE.replace("10.5", "ten"),
         LINE.replace("a,1,", "a,1.5,"),
         LINE.replace("a,1,", "a,99999999999999999999,"),
+        LINE.replace("-30.0", "1e200"),
+        LINE.replace("-30.0", "nan"),
+        LINE.replace("-30.0", "-inf"),
+        LINE.replace("9.0", "-9.0").replace("a,1,", "a,2,"),
+        LINE.replace("9.0", "1e300").replace("a,1,", "a,2,"),
+        LINE.replace("a,1,", "\x1b[2J,1,"),
     ],
 )
 def test_a_damaged_line_is_named(tmp_path: Path, line: str) -> None:
@@ -70,3 +76,9 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.csv"):
         with pytest.raises(InputError, match="cannot be read"):
             read_points(path)
+
+
+def test_a_dot_is_listed_once_for_a_view(tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text(f"{HEADER}\n{LINE}\n{LINE.replace('10.5', '11.5')}\n")
+    with pytest.raises(InputError, match=r"Line 3 of .* is of the same dot of a view as line 2"):
+        read_points(tmp_path / "p.csv")

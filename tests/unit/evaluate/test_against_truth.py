@@ -1,5 +1,6 @@
 """Errors against a truth that is written for the purpose."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -170,3 +171,22 @@ def test_points_that_cannot_be_scored_are_refused(
     trained = true_points(grid, on_stage)
     with pytest.raises(InputError, match="points of test views within the trained hull would be"):
         errors_against_truth(trained.where(trained.view == "low"), stage, None)
+
+
+@pytest.mark.parametrize("file", ["dots.csv", "truth.json"])
+def test_a_truth_that_lacks_a_camera_is_not_the_shoots(
+    file: str, tmp_path: Path, pair: Cameras, grid: DotGrid, poses: Poses, see: See
+) -> None:
+    shoot = a_shoot(tmp_path, pair, grid, poses, None)
+    detections = see(pair, grid, poses)
+    points = reconstruct_points(Rig.of(pair), detections)
+    path = tmp_path / "truth" / file
+    if file == "dots.csv":
+        lines = path.read_text().splitlines(keepends=True)
+        path.write_text("".join(line for line in lines if ",right," not in line))
+    else:
+        content = json.loads(path.read_text())
+        del content["cameras"]["right"]
+        path.write_text(json.dumps(content))
+    with pytest.raises(InputError, match=rf"{file} lacks camera 'right'"):
+        errors_against_truth(points, shoot, detections)

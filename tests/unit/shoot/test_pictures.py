@@ -1,6 +1,8 @@
 import os
+import time
 from pathlib import Path
 
+import cv2
 import numpy as np
 import OpenEXR
 import pytest
@@ -129,3 +131,23 @@ def test_the_content_tells_the_format_and_not_the_name(tmp_path: Path) -> None:
     Image.fromarray(GREY).save(tmp_path / "b.gif")
     with pytest.raises(InputError, match="none of PNG, JPEG, TIFF, BMP, OpenEXR"):
         read_picture(tmp_path / "b.gif")
+
+
+def test_a_tiff_with_broken_strips_is_refused_at_once_and_in_silence(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """OpenCV leaves out the strips that it cannot decode, gives the rest, and prints a line for each."""
+    grey = np.random.default_rng(0).integers(0, 255, (1500, 1000)).astype(np.uint8)
+    options = [cv2.IMWRITE_TIFF_COMPRESSION, 5, cv2.IMWRITE_TIFF_ROWSPERSTRIP, 1]
+    data = bytearray(cv2.imencode(".tif", grey, options)[1].tobytes())
+    path = tmp_path / "a.tif"
+    path.write_bytes(data)
+    np.testing.assert_array_equal(read_picture(path), grey)
+    for at in range(1000, len(data) - 100_000, 997):
+        data[at] ^= 0xFF
+    path.write_bytes(data)
+    began = time.monotonic()
+    with pytest.raises(InputError, match=r"is damaged \(.*\)\. Copy it again"):
+        read_picture(path)
+    assert time.monotonic() - began < 2.0
+    assert capfd.readouterr().err == ""

@@ -73,7 +73,7 @@ def test_the_files_have_the_form_that_others_rely_on(tmp_path: Path, pair: dict[
 
 def test_a_mistake_and_pictures_of_their_own_are_told(tmp_path: Path, pair: dict[str, Camera]) -> None:
     plain = truth(pair)
-    own = TruePicture(taken_by="left", T_cam_world=matrix4_record(2.0 * np.eye(4)))
+    own = TruePicture(taken_by="left", T_cam_world=matrix4_record(np.diag([-1.0, -1.0, 1.0, 1.0])))
     mistaken = plain.model_copy(
         update={
             "views": {"one": plain.views["one"].model_copy(update={"cameras": {"right": own}})},
@@ -105,11 +105,18 @@ def test_damage_is_refused(tmp_path: Path, pair: dict[str, Camera]) -> None:
     for damaged in (
         good.replace("one,left,1,1,", "one,left,1,", 1),
         good.replace("one,left,1,1,", "one,left,x,1,"),
+        good.replace("one,left,1,1,", "one,left,1.5,1,"),
+        good.replace("one,left,1,1,", "one,left,1,-1,"),
+        good.replace("one,left,1,1,", "one,left,1e300,1,"),
+        good.replace("one,left,1,1,", "o_ne,left,1,1,"),
     ):
         assert damaged != good
         path.write_text(damaged)
         with pytest.raises(InputError, match=r"Line 6 of .*dots\.csv is damaged"):
             read_true_dots(tmp_path)
+    path.write_text(good.replace("one,left,1,1,", "one,left,0,1,"))
+    with pytest.raises(InputError, match="is of the same dot of a picture as line"):
+        read_true_dots(tmp_path)
     path.write_text(good.replace("visible", "shown"))
     with pytest.raises(InputError, match="its first line should be view,camera"):
         read_true_dots(tmp_path)

@@ -48,6 +48,11 @@ def test_the_extent_is_the_dots_and_the_margin(grid: DotGrid) -> None:
         ({"pitch_x_mm": float("inf")}, "finite number"),
         ({"name": "a_b"}, "match pattern"),
         ({"polarity": "grey"}, "black-on-white"),
+        ({"pitch_x_mm": 1e200}, "less than or equal to 1000000000"),
+        ({"dot_diameter_mm": 1e-300}, "next to nothing"),
+        ({"dot_diameter_mm": 1e-3}, "at least 0.02 mm wide"),
+        ({"cols": 1000, "rows": 1000}, "at most 250000"),
+        ({"margin_mm": 1e30}, "less than or equal to 1000000000"),
     ],
 )
 def test_a_grid_that_cannot_be_is_refused(changes: dict[str, Any], said: str, grid: DotGrid) -> None:

@@ -47,8 +47,8 @@ def test_opencv_reads_a_pair_and_projects_alike(
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_what_opencv_writes_is_read_to_the_last_digit(suffix: str, tmp_path: Path) -> None:
-    K = np.array([[700.1, 0.0, 1 / 3], [0.0, 690.2, 237.1], [0.0, 0.0, 1.0]])
-    dist = np.array([-0.3, 1e-17, 2 / 3, -1e-3, 1e22 / 3e22])
+    K = np.array([[700.1, 0.0, 1000 / 3], [0.0, 690.2, 237.1], [0.0, 0.0, 1.0]])
+    dist = np.array([-0.3, 1e-17, 2 / 3e3, -1e-3, 1e20 / 3e22])
     path = tmp_path / f"mono{suffix}"
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
     storage.write("image_width", 640)

@@ -1,0 +1,61 @@
+"""JSON as it is read here: every key once, numbers that are finite, and not too deep."""
+
+import json
+from typing import Any, NoReturn, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from labcal.errors import InputError
+from labcal.run.descriptions import explain_validation
+from labcal.wording import clipped, shown
+
+Document = TypeVar("Document", bound=BaseModel)
+
+
+def json_content(text: str, source: str) -> object:
+    """Return what a JSON text holds.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        Where it comes from, at the beginning of a sentence.
+
+    Raises
+    ------
+    InputError
+        The text is no JSON, a key stands twice, or a number is NaN, infinite or of thousands of digits.
+    """
+    try:
+        return json.loads(text, object_pairs_hook=_each_once, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        told = clipped(str(error), 300) or type(error).__name__
+        raise InputError(f"{source} is no JSON that is read here: {told}.") from error
+
+
+def read_json(model: type[Document], text: str, source: str) -> Document:
+    """Return a document from a JSON text, checked; `source` is as of :func:`json_content`.
+
+    Raises
+    ------
+    InputError
+        As of :func:`json_content`, or the document is of another kind or version.
+    """
+    json_content(text, source)
+    try:
+        return model.model_validate_json(text)
+    except ValidationError as error:
+        raise InputError(f"{source} cannot be used: {explain_validation(error)}.") from error
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"the key {shown(twice)} stands twice in one object")
+    return content
+
+
+def _refuse_constant(word: str) -> NoReturn:
+    raise ValueError(f"{word} is no number of JSON")

@@ -1,0 +1,78 @@
+"""YAML as it is read here: mappings, lists and scalars, each key once, and nothing that stands for more."""
+
+from collections.abc import Hashable
+from typing import Any
+
+import yaml
+
+from labcal.errors import InputError
+from labcal.wording import clipped, shown
+
+_MOST_DEEP = 50
+_MERGE = "tag:yaml.org,2002:merge"
+
+
+class PlainLoader(yaml.SafeLoader):
+    """A safe loader without aliases, merge keys and keys that come twice.
+
+    A thousand letters of aliases can stand for gigabytes.
+    """
+
+    def __init__(self, stream: Any) -> None:  # noqa: ANN401 -- PyYAML's own signature
+        super().__init__(stream)
+        self._depth = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:  # noqa: ANN401 -- PyYAML's own signature
+        """Return the next node."""
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("aliases (*name) are not read; write the value out")
+        self._depth += 1
+        if self._depth > _MOST_DEEP:
+            raise yaml.YAMLError(f"it is nested more than {_MOST_DEEP} deep")
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
+
+    def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> Any:  # noqa: ANN401 -- PyYAML's own signature
+        """Return the text of a scalar, which must be one that can be written."""
+        value = super().construct_scalar(node)
+        if isinstance(value, str) and not value.isascii() and any("\ud800" <= c <= "\udfff" for c in value):
+            raise yaml.YAMLError("halves of characters (surrogates) are not read; write the character out")
+        return value
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:  # noqa: FBT001, FBT002 -- PyYAML's own signature
+        """Return a mapping whose keys are all different."""
+        seen: set[object] = set()
+        for key_node, _ in node.value:
+            if key_node.tag == _MERGE:
+                raise yaml.YAMLError("merge keys (<<) are not read; write the keys out")
+            key = self.construct_object(key_node, deep=True)
+            if isinstance(key, Hashable):
+                if key in seen:
+                    raise yaml.YAMLError(f"the key {shown(key)} stands twice in one mapping")
+                seen.add(key)
+        return super().construct_mapping(node, deep=deep)
+
+
+def yaml_content(text: str, source: str, loader: type[PlainLoader] = PlainLoader) -> object:
+    """Return what a YAML text holds.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        Where it comes from, for messages.
+    loader : type
+        A :class:`PlainLoader` that knows further tags.
+
+    Raises
+    ------
+    InputError
+        The text is no YAML, or has what is not read.
+    """
+    try:
+        return yaml.load(text, loader)  # noqa: S506 -- a SafeLoader
+    # PyYAML meets some damaged texts with errors of its own making.
+    except (yaml.YAMLError, ValueError, ArithmeticError, RecursionError, LookupError, TypeError) as error:
+        told = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{source} is not valid YAML that is read here: {clipped(told, 300)}.") from error
