@@ -19,8 +19,9 @@ from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import package_version
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.workflow import detect
@@ -172,7 +173,7 @@ def _summarise(
 
 def _command(settings: ReproduceSettings) -> str:
     """Return everything that determines the results."""
-    return json.dumps(
+    return "reproduce " + json.dumps(
         {
             "reproduce": [row.exp for row in settings.rows],
             "quick": settings.quick,

@@ -1,6 +1,5 @@
 """Thousands of damaged and hostile inputs, each of which must give a result or a reason."""
 
-import shutil
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -91,7 +90,7 @@ def _some(numbers: range, seed: int, folders: tuple[Path, Path], progress: Progr
             outcomes.append(HostileOutcome(path.name, found))
             if found.ending not in _EXPECTED and path.is_file():
                 kept.mkdir(exist_ok=True)
-                shutil.copy(path, kept / path.name)
+                write_file(kept / path.name, path.read_bytes(), force=True)
             if path.is_dir():
                 path.rmdir()
             else:

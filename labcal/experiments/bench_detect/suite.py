@@ -91,7 +91,6 @@ def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> l
     progress.start("suite", count)
     outcomes = []
     failures = folder / "failures"
-    failures.mkdir(exist_ok=True)
     for one in suite_pictures(count, seed):
         dots = detect_dots(one.picture, one.target)
         outcome = Outcome(
@@ -106,6 +105,7 @@ def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> l
         outcomes.append(outcome)
         if outcome.failed:
             name = one.design.name
+            failures.mkdir(exist_ok=True)
             write_picture(failures / f"{name}.png", one.picture, force=True)
             overlay = draw_overlay(one.picture, dots, one.target)
             write_picture(failures / f"{name}-overlay.png", overlay, force=True)

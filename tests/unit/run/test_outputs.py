@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from labcal.errors import DiskFullError, OutputError
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.outputs import write_file
+from labcal.run.unfinished import unfinished_folder
 
 
 def entries(folder: Path) -> list[str]:
