@@ -14,8 +14,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "report",
         run,
-        "Make one self-contained HTML page of a folder of results. A page that labcal made is replaced: it can "
-        "always be made again.",
+        "Make one self-contained HTML page of a folder of results. A page that labcal made is replaced: it "
+        "can always be made again.",
         example="labcal report out/quick",
     )
     parser.add_argument("folder", type=Path, metavar="DIR", help="the folder that 'labcal reproduce' made")

@@ -12,12 +12,13 @@ def is_mount(path: Path) -> bool:
     with suppress(OSError):
         real = os.path.realpath(path)
         lines = Path("/proc/self/mountinfo").read_text(encoding="utf-8", errors="surrogateescape")
-        return any(_unescaped(line.split(" ")[4]) == real for line in lines.splitlines())
+        return any(mounted_at(line) == real for line in lines.splitlines())
     return False
 
 
-def _unescaped(text: str) -> str:
-    """Return a path of ``mountinfo``, where blanks and the like are written as octal numbers."""
-    for number in (" ", "\t", "\n", "\\"):
-        text = text.replace(f"\\{ord(number):03o}", number)
-    return text
+def mounted_at(line: str) -> str:
+    """Return the place that a line of ``mountinfo`` is about; blanks and the like stand there as octal numbers."""
+    place = line.split(" ")[4]
+    for character in (" ", "\t", "\n", "\\"):
+        place = place.replace(f"\\{ord(character):03o}", character)
+    return place

@@ -116,10 +116,10 @@ def settle(path: Path) -> None:
     """Bring to its end what a run was killed in that was replacing `path`.
 
     Where the new folder is not in its place, the old one is put back; where it is, the old one is removed.
-    Nothing is done unless the old one is labcal's as a whole.
+    Nothing is done unless the old one is labcal's as a whole, or empty.
     """
     old = old_of(path)
-    if not old.is_dir() or old.is_symlink() or made_in(old) is None or foreign_entries(old):
+    if not old.is_dir() or old.is_symlink() or foreign_entries(old):
         return
     if not os.path.lexists(path):
         old.rename(path)
