@@ -17,7 +17,7 @@ def is_mount(path: Path) -> bool:
 
 
 def mounted_at(line: str) -> str:
-    """Return the place that a line of ``mountinfo`` is about; blanks and the like stand there as octal numbers."""
+    """Return the place that a line of ``mountinfo`` is about, where blanks are written as octal numbers."""
     place = line.split(" ")[4]
     for character in (" ", "\t", "\n", "\\"):
         place = place.replace(f"\\{ord(character):03o}", character)

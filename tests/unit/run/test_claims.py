@@ -194,7 +194,7 @@ def test_what_may_be_written_is_let_pass() -> None:
         claim_outputs([table("new.csv"), folder("new"), folder("some/where/new")], ["shoot"], force=force)
         claim_outputs([table("shoot/table.csv"), folder("shoot/overlay")], ["shoot"], force=force)
     claim_outputs([table("table.csv"), table("empty.csv"), folder("shoot")], ["other", "photos"], force=True)
-    # Names of scenes, targets and the like are no paths, and an input that is missing is told by who reads it.
+    # Names of scenes and targets are no paths, and an input that is missing is told by who reads it.
     claim_outputs([table("table.csv"), folder("shoot")], ["rings-10x8", "missing.csv"], force=True)
 
 

@@ -3,6 +3,7 @@ import multiprocessing
 import os
 import stat
 from collections.abc import Callable
+from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import NoReturn
 
@@ -230,12 +231,14 @@ def test_what_was_removed_from_a_folder_does_not_matter(tmp_path: Path) -> None:
 
 def test_what_gets_into_a_folder_while_its_successor_is_made_stops_the_replacement(tmp_path: Path) -> None:
     target = made(tmp_path / "shoot", "old")
-    with (
-        pytest.raises(OutputError, match=r"late\.txt"),
-        unfinished_folder(target, "render", force=True) as working,
-    ):
-        write_file(working / "a.txt", "new", force=True)
-        lay(target / "late.txt")
+
+    def work() -> None:
+        with unfinished_folder(target, "render", force=True) as working:
+            write_file(working / "a.txt", "new", force=True)
+            lay(target / "late.txt")
+
+    with pytest.raises(OutputError, match=r"late\.txt"):
+        work()
     assert entries(target) == [MADE, "a.txt", "images", "late.txt"]
     assert (target / "a.txt").read_text() == "old"
     (target / "late.txt").unlink()
@@ -345,9 +348,7 @@ def test_something_of_the_users_named_like_an_old_folder_stays(tmp_path: Path) -
     assert (old / "thesis.txt").read_text() == "mine"
 
 
-def hold(
-    target: Path, begun: "multiprocessing.synchronize.Event", done: "multiprocessing.synchronize.Event"
-) -> None:
+def hold(target: Path, begun: Event, done: Event) -> None:
     with unfinished_folder(target, "render", force=False) as working:
         write_file(working / "a.txt", "first", force=True)
         begun.set()
@@ -370,14 +371,17 @@ def test_two_processes_do_not_work_in_the_same_folder(tmp_path: Path) -> None:
 
 
 def test_what_is_of_use_to_nobody_is_removed_and_nothing_else(tmp_path: Path) -> None:
-    for mine in (False, True):
-        target = tmp_path / f"out-{mine}"
-        with pytest.raises(OutputError), unfinished_folder(target, "undistort", force=False) as working:
+    def work(*, mine: bool) -> None:
+        with unfinished_folder(tmp_path / f"out-{mine}", "undistort", force=False) as working:
             write_file(working / "a.txt", "1", force=True)
             if mine:
                 lay(working / "mine.txt")
             abandon(working)
             raise OutputError("nothing usable")
+
+    for mine in (False, True):
+        with pytest.raises(OutputError, match="nothing usable"):
+            work(mine=mine)
     assert entries(tmp_path) == ["out-True.unfinished"]
     assert entries(tmp_path / "out-True.unfinished") == [COMMAND, JOURNAL, "mine.txt"]
 
