@@ -145,7 +145,7 @@ def _require_no_input(output: Output, inputs: Sequence[Path]) -> None:
     """Raise where an output would replace what the command reads."""
     for place in _places(output):
         for one in inputs:
-            if place.exists() and one.exists() and place.samefile(one):
+            if _same(place, one):
                 raise OutputError(
                     f"{output.path} cannot be written: {place} is an input of this command, too. Choose "
                     "another name."
@@ -155,6 +155,14 @@ def _require_no_input(output: Output, inputs: Sequence[Path]) -> None:
                 f"{output.path} cannot be written: {place} holds an input of this command. Choose "
                 "another name."
             )
+
+
+def _same(first: Path, second: Path) -> bool:
+    """Return whether two paths lead to the same file or folder."""
+    try:
+        return first.samefile(second)
+    except OSError:  # one of them leads to nothing
+        return False
 
 
 def _require_apart(first: Output, second: Output) -> None:
