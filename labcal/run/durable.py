@@ -2,6 +2,7 @@
 
 import errno
 import os
+from collections.abc import Collection
 from pathlib import Path
 
 _NOT_OFFERED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS, errno.EACCES, errno.EPERM, errno.EBADF}
@@ -44,8 +45,14 @@ def flush_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
-def flush_tree(folder: Path) -> None:
+def flush_tree(folder: Path, done: Collection[str]) -> None:
     """Wait until all files and folders below `folder`, and itself, are on the disk; links are not followed.
+
+    Parameters
+    ----------
+    folder : Path
+    done : collection of str
+        Paths in the folder of files that have been flushed already: it takes milliseconds for each.
 
     Raises
     ------
@@ -55,6 +62,8 @@ def flush_tree(folder: Path) -> None:
     for home, _, names in os.walk(folder, topdown=False):
         for name in names:
             path = Path(home, name)
+            if path.relative_to(folder).as_posix() in done:
+                continue
             if path.is_file() and not path.is_symlink() and os.access(path, os.W_OK):
                 flush_file(path)
         flush_folder(Path(home))

@@ -45,7 +45,8 @@ class Made(BaseModel):
     @property
     def all_folders(self) -> set[str]:
         """Every folder inside, also those that are only there for a file."""
-        return {str(home) for one in (*self.files, *self.folders) for home in _homes(one)} | {*self.folders}
+        homes = {name.rpartition("/")[0] for name in (*self.files, *self.folders)} | {*self.folders}
+        return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
 
 
 def unfinished_home(path: Path) -> Path | None:
@@ -71,23 +72,25 @@ def note_made(path: Path, content: Path) -> None:
     name = path.absolute().relative_to(home).as_posix()
     note = {"folder": name} if content.is_dir() else {"file": name, "sha256": digest_of(content)}
     line = (json.dumps(note) + "\n").encode()
-    # Workers append at the same time: a line in one piece, at the end of the file.
+    # Workers append at the same time: a line in one piece, at the end of the file. It is not waited for until
+    # it is on the disk: what a power cut takes from the list counts as somebody else's, and stays.
     descriptor = os.open(home / JOURNAL, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
     try:
         os.write(descriptor, line)
-        os.fsync(descriptor)
     finally:
         os.close(descriptor)
 
 
-def mark_as_made(folder: Path, verb: str) -> None:
-    """Turn the list of what has been written in a folder into the mark of a finished one."""
+def mark_as_made(folder: Path, verb: str) -> Made:
+    """Turn the list of what has been written in a folder into the mark of a finished one, and return it."""
     noted = noted_in(folder)
     names = [name for name in sorted(noted.files) if (folder / name).is_file()]
     kept = {name: None if Path(name).name == PROVENANCE else noted.files[name] for name in names}
     inside = tuple(name for name in sorted(set(noted.folders)) if (folder / name).is_dir())
-    _write_mark(folder, Made(made_by=verb, files=kept, folders=inside))
+    made = Made(made_by=verb, files=kept, folders=inside)
+    _write_mark(folder, made)
     (folder / JOURNAL).unlink(missing_ok=True)
+    return made
 
 
 def reopen(folder: Path) -> None:
@@ -157,8 +160,3 @@ def digest_of(path: Path) -> str:
     """Return the SHA-256 of a file, as hexadecimal digits."""
     with path.open("rb") as handle:
         return hashlib.file_digest(handle, "sha256").hexdigest()
-
-
-def _homes(name: str) -> list[str]:
-    """Return the folders that a path in a folder goes through."""
-    return [str(home) for home in PurePosixPath(name).parents if str(home) != "."]

@@ -87,6 +87,7 @@ def _put_in_place(temporary: Path, path: Path, *, force: bool) -> None:
             if error.errno not in _NO_LINKS:
                 raise
         else:
+            temporary.unlink()
             return
     require_file_place(path, force=force)  # again: a good deal of time may have gone by
     temporary.replace(path)

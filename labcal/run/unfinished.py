@@ -173,8 +173,8 @@ def _remove_scraps(working: Path) -> None:
 
 def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     """Put the folder in its place."""
-    mark_as_made(working, command.split(maxsplit=1)[0])
-    flush_tree(working)
+    made = mark_as_made(working, command.split(maxsplit=1)[0])
+    flush_tree(working, made.files.keys())
     require_folder_place(path, force=force)  # again: a good deal of time may have gone by
     note_made(path, working)
     old, replaces = old_of(path), os.path.lexists(path)
