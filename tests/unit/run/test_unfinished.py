@@ -10,6 +10,7 @@ from typing import NoReturn
 import pytest
 
 from labcal.errors import DiskFullError, OutputError
+from labcal.run.foreign import foreign_entries
 from labcal.run.made import COMMAND, JOURNAL, MADE, made_in
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import abandon, unfinished_folder
@@ -400,3 +401,9 @@ def test_a_full_disk_in_the_work_is_told_as_such(tmp_path: Path) -> None:
     with pytest.raises(DiskFullError):
         work()
     assert not (tmp_path / "shoot").exists()
+
+
+def test_the_gallery_in_the_documents_can_be_made_again() -> None:
+    """`labcal scene gallery -o docs/gallery --force`, as its page says."""
+    gallery = Path(__file__).parents[3] / "docs" / "gallery"
+    assert foreign_entries(gallery) == []
