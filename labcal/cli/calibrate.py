@@ -60,10 +60,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.inputs import choose_target, paths_read, read_or_detect
     from labcal.errors import InputError
     from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.standing import require_name
     from labcal.shoot.pictures import picture_output
     from labcal.targets.places import KIND as DOTS_KIND
     from labcal.workflow import epipolar_rms
 
+    require_name(arguments.output)
     outputs = [FileOutput(arguments.output, KIND)]
     if arguments.free_dots:
         outputs.append(FileOutput(_dots_path(arguments.output), DOTS_KIND))

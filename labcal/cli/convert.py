@@ -32,7 +32,7 @@ def add_parser(commands: CommandGroup) -> None:
         "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
     )
     parser.add_argument("output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder")
-    parser.add_argument("--force", action="store_true", help="replace what exists")
+    parser.add_argument("--force", action="store_true", help="replace what labcal made there")
     parser.add_argument(
         "--from", dest="source", metavar="FORMAT", help=f"{_FORMATS}; told by the content where left out"
     )

@@ -115,9 +115,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.training import read_training
     from labcal.errors import InputError
     from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.standing import require_name
     from labcal.solve.model_file import KIND
 
     estimators = _estimators(arguments)
+    require_name(arguments.output)
     alone = len(estimators) == 1
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.lens])

@@ -165,12 +165,13 @@ def _write_map(
     import numpy as np
 
     from labcal.cameras.remapping import source_pixels
+    from labcal.run.made import make_folder
     from labcal.shoot.exr import write_exr
 
     source = source_pixels(camera, ideal, distance_mm)
     seen = np.isfinite(source).all(axis=2)
     picture = np.where(seen[..., None], source, np.float32(-1.0))
-    (folder / "maps").mkdir(exist_ok=True)
+    make_folder(folder / "maps")
     texts = {
         "labcal:map": "R, G: x, y in the original picture, px, (0, 0) the centre of its top-left pixel; B: 1 "
         "where "
@@ -186,6 +187,7 @@ def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.nd
     import numpy as np
 
     from labcal.errors import InputError
+    from labcal.run.made import make_folder
     from labcal.shoot.exr import write_exr
     from labcal.shoot.pictures import write_picture
     from labcal.shoot.resampling import resampled
@@ -198,7 +200,7 @@ def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.nd
             f"{expected[1]}: it "
             "is a picture of another camera, or it was scaled."
         )
-    (folder / "images").mkdir(exist_ok=True)
+    make_folder(folder / "images")
     made = resampled(picture, source_of)
     # Without loss, whatever the original was: it is measured in next.
     name = f"images/{source.view}_{source.camera}.{'exr' if made.dtype == np.float32 else 'png'}"

@@ -19,6 +19,7 @@ from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import package_version
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
@@ -126,7 +127,7 @@ def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Prog
     """Render a shoot, unless an earlier run has."""
     if is_shoot(folder):
         return open_shoot(folder)
-    folder.parent.mkdir(exist_ok=True)
+    make_folder(folder.parent)
     render_settings = RenderSettings(
         spp=QUICK_SPP if settings.quick else None, seed=settings.seed, workers=settings.workers
     )

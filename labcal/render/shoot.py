@@ -14,6 +14,7 @@ from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
 from labcal.run.executor import open_executor
 from labcal.run.machine import package_version
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
@@ -92,7 +93,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
     began = time.time()
     with unfinished_folder(folder, _command(scene, settings), force=settings.force) as working:
         images = working / "images"
-        images.mkdir(exist_ok=True)
+        make_folder(images)
         jobs = [
             Job(built, Case(take, settings.seed), exposure, working / _image(scene, take.view, take.camera))
             for take in outcome.takes

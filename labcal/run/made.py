@@ -39,13 +39,16 @@ class Made(BaseModel):
     """The verb."""
     files: dict[str, str | None]
     """SHA-256 by path in the folder; null for :data:`PROVENANCE`."""
+    homes: tuple[str, ...] = ()
+    """Folders inside that are there for files."""
     folders: tuple[str, ...] = ()
     """Finished folders inside, each with a mark of its own."""
 
     @property
     def all_folders(self) -> set[str]:
         """Every folder inside, also those that are only there for a file."""
-        homes = {name.rpartition("/")[0] for name in (*self.files, *self.folders)} | {*self.folders}
+        homes = {name.rpartition("/")[0] for name in (*self.files, *self.folders)}
+        homes |= {*self.homes, *self.folders}
         return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
 
 
@@ -67,11 +70,23 @@ def note_made(path: Path, content: Path) -> None:
         Where its content is now, or `path` itself. A finished folder is noted as such.
     """
     home = unfinished_home(path)
-    if home is None:
-        return
-    name = path.absolute().relative_to(home).as_posix()
-    note = {"folder": name} if content.is_dir() else {"file": name, "sha256": digest_of(content)}
-    line = (json.dumps(note) + "\n").encode()
+    if home is not None:
+        name = path.absolute().relative_to(home).as_posix()
+        is_folder = content.is_dir()
+        _note(home, {"folder": name} if is_folder else {"file": name, "sha256": digest_of(content)})
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for files, unless it is there, and note it like a file (:func:`note_made`)."""
+    home = unfinished_home(folder)
+    if home is not None and not folder.exists():
+        _note(home, {"home": folder.absolute().relative_to(home).as_posix()})
+    folder.mkdir(parents=True, exist_ok=True)
+
+
+def _note(home: Path, note: dict[str, str]) -> None:
+    """Append a line to the list of what is written in a folder; what a power cut tore stays a line of its own."""
+    line = f"\n{json.dumps(note)}\n".encode()
     # Workers append at the same time: a line in one piece, at the end of the file. It is not waited for until
     # it is on the disk: what a power cut takes from the list counts as somebody else's, and stays.
     descriptor = os.open(home / JOURNAL, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
@@ -86,8 +101,11 @@ def mark_as_made(folder: Path, verb: str) -> Made:
     noted = noted_in(folder)
     names = [name for name in sorted(noted.files) if (folder / name).is_file()]
     kept = {name: None if Path(name).name == PROVENANCE else noted.files[name] for name in names}
-    inside = tuple(name for name in sorted(set(noted.folders)) if (folder / name).is_dir())
-    made = Made(made_by=verb, files=kept, folders=inside)
+    homes, inside = (
+        tuple(name for name in sorted(set(names)) if (folder / name).is_dir())
+        for names in (noted.homes, noted.folders)
+    )
+    made = Made(made_by=verb, files=kept, homes=homes, folders=inside)
     _write_mark(folder, made)
     (folder / JOURNAL).unlink(missing_ok=True)
     return made
@@ -100,6 +118,7 @@ def reopen(folder: Path) -> None:
         return
     if not (folder / JOURNAL).exists():
         notes: list[dict[str, str | None]] = [{"folder": name} for name in made.folders]
+        notes += [{"home": name} for name in made.homes]
         notes += [{"file": name, "sha256": digest} for name, digest in made.files.items()]
         scrap = folder / f"{SCRAP}journal"
         scrap.write_text("".join(json.dumps(note) + "\n" for note in notes), encoding="utf-8")
@@ -134,6 +153,7 @@ def made_in(folder: Path) -> Made | None:
 def noted_in(folder: Path) -> Made:
     """Return what the list in an unfinished folder says; lines that a kill cut off say nothing."""
     files: dict[str, str | None] = {}
+    homes: list[str] = []
     folders: list[str] = []
     path = folder / JOURNAL
     lines = path.read_bytes().splitlines() if path.is_file() and not path.is_symlink() else []
@@ -142,9 +162,11 @@ def noted_in(folder: Path) -> Made:
             note = json.loads(line)
             if "folder" in note:
                 folders.append(str(note["folder"]))
+            elif "home" in note:
+                homes.append(str(note["home"]))
             else:
                 files[str(note["file"])] = note["sha256"]
-    return Made(made_by="", files=files, folders=tuple(folders))
+    return Made(made_by="", files=files, homes=tuple(homes), folders=tuple(folders))
 
 
 def _write_mark(folder: Path, made: Made) -> None:

@@ -101,6 +101,9 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
             f"{working} is in the way: {path.name} would be made in it, but it is no unfinished output of "
             "this version of labcal. Move it elsewhere, or choose another name."
         )
+    if theirs is not None:
+        with _held(working):
+            pass
     if theirs in {None, command} or command is None:
         return
     if not force:

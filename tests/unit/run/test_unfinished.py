@@ -11,7 +11,7 @@ import pytest
 
 from labcal.errors import DiskFullError, OutputError
 from labcal.run.foreign import foreign_entries
-from labcal.run.made import COMMAND, JOURNAL, MADE, made_in
+from labcal.run.made import COMMAND, JOURNAL, MADE, made_in, make_folder
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import abandon, unfinished_folder
 
@@ -110,6 +110,29 @@ def test_an_unfinished_folder_with_anything_else_in_it_is_not_discarded(tmp_path
     made(target, command="render --spp 4")
     refuse(target, name, "render --spp 4")
     assert (target / name).exists()
+
+
+def test_folders_for_files_and_torn_lists_count_as_made(tmp_path: Path) -> None:
+    target, working = tmp_path / "shoot", tmp_path / "shoot.unfinished"
+
+    def begin() -> None:
+        with unfinished_folder(target, "render", force=False) as here:
+            make_folder(here / "images")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        begin()
+    with unfinished_folder(target, "another", force=True) as here:  # nothing has been written in images yet
+        make_folder(here / "maps")
+    assert entries(target) == [MADE, "maps"]
+    with pytest.raises(KeyboardInterrupt):
+        work_until_interrupted(target, "render", force=True)
+    with (working / JOURNAL).open("a") as handle:
+        handle.write('{"file": "b.t')  # the power failed
+    with unfinished_folder(target, "render", force=True) as here:
+        write_file(here / "b.txt", "2", force=True)
+    made(target, force=True)
+    assert entries(target) == [MADE, "a.txt", "images"]
 
 
 @pytest.mark.parametrize("kind", ["folder", "file", "link"])
