@@ -43,12 +43,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.experiments.bench_settings import BenchSettings
     from labcal.experiments.bench_solve.bench import bench_solve
     from labcal.report.bench import bench_table
+    from labcal.run.claims import FolderOutput, claim_outputs
 
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
     if groups and arguments.what == "render":
         raise InputError("--only names groups of checks, of which 'bench render' has none.")
     settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups)
     measure = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}[arguments.what]
+    claim_outputs([FolderOutput(arguments.output)], (), force=arguments.force)
     with session.progress() as progress:
         result = measure(arguments.output, settings, progress)
     session.emit(result, bench_table(result))

@@ -39,7 +39,7 @@ def add_parser(commands: CommandGroup) -> None:
         "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
     )
     parser.add_argument("output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder")
-    parser.add_argument("--force", action="store_true", help="replace what exists")
+    parser.add_argument("--force", action="store_true", help="replace what labcal made there")
     parser.add_argument(
         "--from", dest="source", metavar="FORMAT", help=f"{_FORMATS}; told by the content where left out"
     )
@@ -130,8 +130,11 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
         chosen_cameras,
         read_rig_files,
         read_unit,
+        rig_outputs,
         write_rig_files,
     )
+    from labcal.cli.inputs import paths_read
+    from labcal.run.claims import claim_outputs
 
     for option in ("target", "cameras"):
         refuse_option(arguments, option, "goes with detections (.csv, corners.vnl), not with cameras")
@@ -141,6 +144,7 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
     source, read = read_rig_files(arguments.inputs, arguments.source, given)
     rig = chosen_cameras(read.rig, arguments.only.split(",")) if arguments.only else read.rig
     texts = wanted.write(rig, output.suffix)
+    claim_outputs(rig_outputs(output, wanted, texts), paths_read(arguments.inputs), force=arguments.force)
     files = write_rig_files(output, wanted, texts, force=arguments.force)
     blind = [blind_pixels(name, rig.camera(name)) for name in rig.cameras]
     return ConvertResult(
@@ -156,11 +160,15 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
 
 
 def _convert_detections(arguments: Namespace) -> ConvertResult:
+    from labcal.cli.inputs import paths_read
+    from labcal.correspond import detections as labcal_table
     from labcal.correspond.detections import detections_csv, read_detections
+    from labcal.correspond.interop import corners_vnl
     from labcal.correspond.interop.corners_vnl import corners_text, read_corners
     from labcal.correspond.sources import parse_camera_endings
     from labcal.errors import InputError
-    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.outputs import write_file
     from labcal.targets.catalogue import load_target
 
     ends = [path.suffix.lower() for path in (*arguments.inputs, arguments.output)]
@@ -177,15 +185,16 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
         raise InputError("Say whose dots these are: --target NAME ('labcal target list' shows the names).")
     target = load_target(arguments.target)
     path, output = arguments.inputs[0], arguments.output
-    refuse_existing(output, force=arguments.force)
-    refuse_homeless(output)
+    kind = labcal_table.KIND if ends[0] == CORNERS else corners_vnl.KIND
+    read = paths_read([*arguments.inputs, arguments.target])
+    claim_outputs([FileOutput(output, kind)], read, force=arguments.force)
     if ends[0] == CORNERS:
         sides = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
-        read = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))
-        detections = read.detections
+        corners = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))
+        detections = corners.detections
         write_file(output, detections_csv(detections), force=arguments.force)
         ok = int(detections.ok.sum())
-        notes = [*read.notes, *_taken_for_centroids(target)]
+        notes = [*corners.notes, *_taken_for_centroids(target)]
         return _converted(("mrcal", "labcal"), output, detections.cameras, ok, notes)
     detections = read_detections(path)
     if arguments.only:

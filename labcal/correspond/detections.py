@@ -15,6 +15,7 @@ from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.claims import beginning_with
 from labcal.run.names import is_name
 from labcal.run.tables import damaged_line, read_table, table_text
 from labcal.wording import has_control
@@ -23,6 +24,8 @@ HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
     "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
 )  # fmt: skip
+
+KIND = beginning_with("a table of detections", ",".join(HEADER).encode())
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,10 @@ from labcal.render.response import exposure_for
 from labcal.run.executor import finished, open_executor
 from labcal.run.given_up import refuse_given_up
 from labcal.run.machine import package_version
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.made import make_folder
+from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
 from labcal.scene.check import check_scene
 from labcal.scene.lighting import brightest_board
 from labcal.scene.mistakes import Outcome
@@ -92,7 +94,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
     began = time.time()
     with unfinished_folder(folder, _command(scene, settings), force=settings.force) as working:
         images = working / "images"
-        images.mkdir(exist_ok=True)
+        make_folder(images)
         jobs = [
             Job(built, Case(take, settings.seed), exposure, working / _image(scene, take.view, take.camera))
             for take in outcome.takes
@@ -131,7 +133,7 @@ def _image(scene: Scene, view: str, camera: str) -> str:
 
 def _command(scene: Scene, settings: RenderSettings) -> str:
     """Return everything that determines the bytes."""
-    return json.dumps(
+    return "render " + json.dumps(
         {"render": scene.model_dump(mode="json"), "seed": settings.seed, "views": settings.views},
         sort_keys=True,
     )

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from labcal.errors import InputError, WorkerError
 from labcal.run.executor import finished
 from labcal.run.given_up import refuse_given_up
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 
@@ -60,7 +61,7 @@ def run_cases(
     DeviceError
         A case ends each worker process that tries it; it is named when all others are done and kept.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     files = {case.key: folder / f"{case.key}.json" for case in cases}
     if len(files) < len(cases):
         twice = next(key for key, count in Counter(case.key for case in cases).items() if count > 1)

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from labcal.errors import InputError, OutputError
+from labcal.run.claims import FileKind, FileOutput
 from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
@@ -14,6 +15,14 @@ from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind
 from labcal.wording import clipped
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
+_WRITTEN = {
+    ".png": PictureKind.PNG,
+    ".jpg": PictureKind.JPEG,
+    ".jpeg": PictureKind.JPEG,
+    ".tif": PictureKind.TIFF,
+    ".tiff": PictureKind.TIFF,
+    ".bmp": PictureKind.BMP,
+}
 MOST_BYTES = 2**30
 """A larger file is not read."""
 _TIFF_ERROR = "TIFF_Error"
@@ -71,6 +80,23 @@ def read_picture(path: Path) -> np.ndarray:
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
 
 
+def picture_output(path: Path) -> FileOutput:
+    """Return a picture as an output of a command, the format by the ending; see :func:`write_picture`.
+
+    Raises
+    ------
+    OutputError
+        No format that is written ends so.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in _WRITTEN:
+        raise _unknown_ending(path)
+    kind = _WRITTEN[suffix]
+    return FileOutput(
+        path, FileKind(f"a {kind.value} picture", lambda content: picture_kind(content) is kind)
+    )
+
+
 def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:
     """Write a PNG, JPEG or TIFF (uint8, uint16), the format by the ending.
 
@@ -91,5 +117,9 @@ def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, fo
     except cv2.error:  # it raises for an ending that it does not know
         done = False
     if not done:
-        raise OutputError(f"{path} cannot be encoded; choose a name that ends in .png, .jpg or .tif.")
+        raise _unknown_ending(path)
     write_file(path, data.data, force=force)
+
+
+def _unknown_ending(path: Path) -> OutputError:
+    return OutputError(f"{path} cannot be encoded; choose a name that ends in .png, .jpg or .tif.")

@@ -13,6 +13,7 @@ from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.cameras.record import CameraRecord, PoseRecord
 from labcal.cameras.rig import Rig, checked_rig
 from labcal.run.documents import read_document
+from labcal.run.made import make_folder
 from labcal.run.names import Name, is_name
 from labcal.run.outputs import write_file
 from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
@@ -85,7 +86,7 @@ class TrueDots:
 def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
     """Write ``truth/truth.json`` and ``truth/dots.csv`` into a shoot under construction."""
     home = folder / FOLDER
-    home.mkdir(exist_ok=True)
+    make_folder(home)
     write_file(home / "truth.json", truth.model_dump_json(indent=2) + "\n", force=True)
     lines: list[list[object]] = []
     for picture in dots:

@@ -12,6 +12,7 @@ from safetensors import SafetensorError, safe_open
 from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
+from labcal.run.claims import FileKind
 from labcal.run.file_reading import require_file
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.outputs import write_file
@@ -28,6 +29,10 @@ LENGTH_BYTES = 8
 _MOST_BYTES = 2**28
 _MOST_COUNT = 2**31
 """Of an integer that an estimator is constructed with."""
+KIND = FileKind(
+    "a model",
+    lambda content: content[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and b"labcal-model" in content,
+)
 
 
 class ModelKind(StrEnum):
