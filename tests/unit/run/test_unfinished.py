@@ -11,7 +11,7 @@ import pytest
 
 from labcal.errors import DiskFullError, OutputError
 from labcal.run.foreign import foreign_entries
-from labcal.run.made import COMMAND, JOURNAL, MADE, made_in, make_folder
+from labcal.run.made import COMMAND, JOURNAL, MADE, SCRAP, made_in, make_folder
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import abandon, unfinished_folder
 
