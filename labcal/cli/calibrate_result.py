@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from labcal.cameras.record import CameraRecord
     from labcal.evaluate.print_shape import PrintShape
+    from labcal.solve.calibrated import Calibrated
     from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.freed_dots import FreedDots
@@ -90,12 +90,15 @@ class CalibrateResult:
     free_dots: FreeDotsResult | None
     lens_choice: "LensChoice | None"
     """Of ``--lens auto``."""
+    held_out: list[str]
+    """Views that did not enter, since they are to be scored."""
+    calibrated_on: list[str]
+    """Views that entered."""
 
 
-def calibrate_result(
-    found: "HandheldCalibration", epipolar_rms_px: float, choice: "LensChoice | None"
-) -> CalibrateResult:
+def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateResult:
     """Return the JSON document."""
+    found = made.found
     return CalibrateResult(
         cameras={name: _camera(found, name) for name in found.rig.cameras},
         rms_px=found.rms_px,
@@ -106,7 +109,9 @@ def calibrate_result(
         centre_bias_px=found.bias,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
-        lens_choice=choice,
+        lens_choice=made.choice,
+        held_out=list(made.held_out),
+        calibrated_on=list(found.views),
     )
 
 
@@ -195,37 +200,3 @@ def _outlier_table(result: CalibrateResult) -> "Table":
     if result.outlier_count > _SHOWN_OUTLIERS:
         table.caption = f"the worst {_SHOWN_OUTLIERS}; --json lists up to {MOST_OUTLIERS}"
     return table
-
-
-def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -> list[str]:
-    """Return what is not as it should be, for people; `lens` and `target` are names."""
-    from labcal.optim.solution import StopReason
-
-    warnings = [f"left out {reason}" for reason in found.skipped]
-    for name, camera in found.rig.cameras.items():
-        if not _middle_inside(camera):
-            warnings.append(
-                f"the principal point of {name} lies outside its picture: the views do not determine it, or "
-                f"the dots are not those of '{target}'"
-            )
-        left_open = ", ".join(found.fits[name].undetermined)
-        if left_open:
-            warnings.append(
-                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
-                "where dots were, but not these numbers, or let --lens auto choose"
-            )
-        if found.freed is None and found.fits[name].uneven:
-            warnings.append(
-                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; --free-dots estimates where each dot is on the print"
-            )
-    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
-        warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
-    return warnings
-
-
-def _middle_inside(camera: "CameraRecord") -> bool:
-    """Tell whether a camera's principal point lies in its picture."""
-    (_, _, cx), (_, _, cy), _ = camera.K
-    width, height = camera.size
-    return 0.0 <= cx <= width - 1 and 0.0 <= cy <= height - 1

@@ -20,8 +20,9 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
     parser.add_argument(
         "--cameras",
-        metavar="ENDINGS",
-        help="cameras of loose pictures by the end of the name: '_0=left,_1=right'",
+        metavar="NAMES",
+        help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
+        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' says that one camera took all",
     )
 
 

@@ -31,7 +31,7 @@ from labcal.solve.lens_support import undetermined
 from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.resection.resected import MOST_OFF
 from labcal.solve.rig_start import LoneCamera, rig_start
-from labcal.solve.usable_dots import in_full_pictures, usable_dots
+from labcal.solve.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
 from labcal.targets.catalogue import AnyTarget
 
@@ -102,8 +102,9 @@ def calibrate_handheld(
     settings = settings or HandheldSettings()
     require_adjustable(lens)
     usable = usable_dots(detections, target)
-    cameras = usable.cameras
+    cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
+    skipped = (*unmeasured_pictures(detections), *skipped)
     found = [_alone(name, entering, target, lens, settings) for name in cameras]
     while odd := _odd_pictures(found, target):
         entering, reasons = _without(odd, entering)
@@ -116,6 +117,18 @@ def calibrate_handheld(
     whole = _adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
     return _assemble(found, whole, target, entering.views, skipped)
+
+
+def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
+    """Return the cameras; raise where one has pictures, but no dot that is a measurement."""
+    for name in detections.cameras:
+        if name not in usable.cameras:
+            views = len(set(detections.view[detections.camera == name].tolist()))
+            raise InputError(
+                f"Camera '{name}' has {views} views, but not one dot with an id that is measured. See the "
+                "flags in the detections; take its pictures anew, or leave them out."
+            )
+    return usable.cameras
 
 
 def _refuse_far(whole: _Result, entering: Detections, target: AnyTarget) -> None:

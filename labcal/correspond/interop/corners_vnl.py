@@ -18,7 +18,7 @@ from jaxtyping import Float64
 
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
-from labcal.correspond.sources import loose_source
+from labcal.correspond.sources import loose_source, refuse_unnamed_cameras
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
@@ -124,6 +124,7 @@ def read_corners(
     if not images:
         raise InputError(f"{path} lists no image.")
     parts = [_picture(image, np.array(points), target, path) for image, points in images.items()]
+    refuse_unnamed_cameras(list(images), endings)
     sources = [loose_source(image, endings) for image in images]
     n = target.count
     xyw = np.concatenate(parts)

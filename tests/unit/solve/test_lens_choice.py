@@ -34,7 +34,7 @@ def measured(
 
 
 def chosen(detections: Detections, grid: DotGrid) -> LensChoice:
-    return choose_lens(detections, grid, 0, NoProgress())
+    return choose_lens(detections, grid, HandheldSettings(bias_rounds=0), NoProgress())
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,9 @@ def test_a_fisheye_is_told_from_a_lens_that_is_none(centroids: See, grid: DotGri
         poses[f"pose-{number}"] = T
     exact = centroids({"only": true}, grid, poses)
     noise = 0.03 * random.normal(size=exact.position.shape)
-    choice = choose_lens(replace(exact, position=exact.position + noise), grid, 1, NoProgress())
+    choice = choose_lens(
+        replace(exact, position=exact.position + noise), grid, HandheldSettings(bias_rounds=1), NoProgress()
+    )
     assert choice.lens == "fisheye-kb4"
     simple = {trial.lens: trial for trial in choice.trials}["brown-k1k2"]
     assert not simple.as_good
