@@ -105,7 +105,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         _write_dots(arguments, made)
     result = calibrate_result(made, epipolar_rms(found.rig, found.entering(detections), target))
     session.emit(result, calibrate_table(result))
-    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
+    amiss = found.skipped or any(fit.two_lenses is not None for fit in found.fits.values())
+    return ExitStatus.PARTIAL if amiss else ExitStatus.DONE
 
 
 def _say_roles(detections: "Detections", session: Session) -> None:

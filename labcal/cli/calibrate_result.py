@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.freed_dots import FreedDots
     from labcal.solve.lens_choice import LensChoice
+    from labcal.solve.one_lens import TwoLenses
     from labcal.solve.outlying_dots import OutlyingDots
 
 MOST_OUTLIERS = 200
@@ -50,6 +51,9 @@ class CameraResult:
     """Of this camera alone: what dots scatter along each axis beyond their covariances."""
     undetermined: list[str]
     """Lens coefficients that the views leave open."""
+    two_lenses: "TwoLenses | None"
+    """Groups of views that were taken through different lenses, so that the numbers are of neither; null
+    where one lens explains all."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +138,7 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
         ),
         scatter_px=fit.scatter_px,
         undetermined=list(fit.undetermined),
+        two_lenses=fit.two_lenses,
     )  # fmt: skip
 
 

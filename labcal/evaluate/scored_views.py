@@ -74,8 +74,8 @@ def scored_warnings(n_ok: int, calibrated_on: int | None) -> tuple[str, ...]:
     if calibrated_on:
         warnings.append(
             "these figures are circular: by their names, all views that are scored are views that the "
-            "cameras were calibrated from. They tell how well the calibration repeats itself, not how right it is. "
-            "Score other views: 'labcal calibrate --hold-out 2' keeps two for that."
+            "cameras were calibrated from. They tell how well the calibration repeats itself, not how right "
+            "it is. Score other views: 'labcal calibrate --hold-out 2' keeps two for that."
         )
     if n_ok == 0:
         warnings.append("not one of the points that are scored is flagged 'ok'")

@@ -13,6 +13,7 @@ from labcal.run.progress import NoProgress, Progress
 from labcal.solve.calibration import HandheldCalibration
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.solve.lens_choice import LensChoice, choose_lens
+from labcal.solve.one_lens import TwoLenses
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 
@@ -121,7 +122,10 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
                 f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
                 "where dots were, but not these numbers, or let --lens auto choose"
             )
-        if found.freed is None and found.fits[name].uneven:
+        groups = found.fits[name].two_lenses
+        if groups is not None:
+            warnings.append(two_lenses_words(name, groups, lens))
+        elif found.freed is None and found.fits[name].uneven:
             warnings.append(
                 f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
                 "an uneven print or another lens; --free-dots estimates where each dot is on the print"
@@ -129,6 +133,17 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
     return warnings
+
+
+def two_lenses_words(name: str, found: TwoLenses, lens: str) -> str:
+    """Return what it means that two groups of a camera's views differ, the likeliest cause first."""
+    one, other = (", ".join(group) for group in found.groups)
+    return (
+        f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "
+        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one (tell "
+        "them apart with 'labcal detect --cameras'); the camera was refocused or zoomed in between; the lens "
+        f"model '{lens}' does not suit (try --lens auto)"
+    )
 
 
 def _middle_inside(camera: CameraRecord) -> bool:

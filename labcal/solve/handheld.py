@@ -5,7 +5,7 @@ with all views of all cameras. The first camera's frame is the world. Dots weigh
 what they scatter beyond them; what a centroid of area is off the image of the centre is taken off.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from labcal.solve.lens_start import (
     start_from_pictures,
 )
 from labcal.solve.lens_support import undetermined
+from labcal.solve.one_lens import TwoLenses, two_lenses
 from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.resection.resected import MOST_OFF
 from labcal.solve.rig_start import LoneCamera, rig_start
@@ -73,6 +74,7 @@ class _Alone:
     result: _Result
     lone: LoneCamera
     """What the rig's adjustment takes from it."""
+    two_lenses: TwoLenses | None = None
 
 
 @one_blas_thread()
@@ -110,6 +112,7 @@ def calibrate_handheld(
         entering, reasons = _without(odd, entering)
         skipped += reasons
         found = [_alone(name, entering, target, lens, settings) for name in cameras]
+    found = _told_apart(found, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
     observations = observations_of(entering, target, cameras, entering.views)
@@ -154,6 +157,25 @@ def _alone(
     views = np.array([number[view] for view in dots.views], dtype=np.int64)
     end = result.adjusted.state
     return _Alone(name, dots, result, LoneCamera(name, end.cameras[0], views, end.T_world_target))
+
+
+def _told_apart(found: list[_Alone], target: AnyTarget, settings: HandheldSettings) -> list[_Alone]:
+    """Return the cameras with the groups of their views that were taken through different lenses."""
+    if settings.lenses is Lenses.FIXED:
+        return found
+    return [
+        replace(
+            alone,
+            two_lenses=two_lenses(
+                alone.result.adjusted,
+                alone.result.observations,
+                alone.dots.views,
+                target,
+                settings.bias_rounds,
+            ),
+        )
+        for alone in found
+    ]
 
 
 def _odd_pictures(found: list[_Alone], target: AnyTarget) -> list[OddPicture]:
@@ -233,6 +255,7 @@ def _assemble(
             freed=result.freed,
             undetermined=undetermined(result.adjusted, result.observations),
             noise_px=float(np.sqrt(np.median(np.trace(alone.dots.covariance, axis1=1, axis2=2)) / 2.0)),
+            two_lenses=alone.two_lenses,
         )
     names = tuple(alone.name for alone in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)
