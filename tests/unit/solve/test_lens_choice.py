@@ -10,6 +10,7 @@ from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.run.progress import NoProgress
+from labcal.solve import lens_choice
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.solve.lens_choice import LensChoice, choose_lens
 from labcal.targets.grid import DotGrid
@@ -95,3 +96,29 @@ def test_few_views_choose_nothing(measured: Callable[..., Detections], grid: Dot
     dots = measured("pinhole", [0.0, 0.0, 0.0, 0.0, 0.0])
     with pytest.raises(InputError, match="4 usable views, but to choose a lens model needs 5"):
         chosen(dots.where(np.isin(dots.view, [f"pose-{number}" for number in range(4)])), grid)
+
+
+def test_lenses_are_compared_with_free_dots_where_these_will_be_freed(
+    measured: Callable[..., Detections],
+    grid: DotGrid,
+    poses: dict[str, np.ndarray],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lens_choice, "CANDIDATES", ("pinhole", "brown-k1k2"))
+    dots = measured("brown-k1k2", [-0.3, 0.09, 0.0, 0.0, 0.0])
+    off = 0.2 * np.random.default_rng(4).normal(size=(grid.count, 2))  # mm on the print, about 0.5 px
+    number = dots.index[:, 1] * grid.cols + dots.index[:, 0]
+    scale = 700.0 / np.array([T[2, 3] for T in poses.values()]).mean()
+    shift = np.zeros_like(dots.position)
+    for view, T in poses.items():
+        rows = dots.view == view
+        shift[rows] = scale * off[number[rows]] @ T[:2, :2].T
+    uneven = replace(dots, position=dots.position + shift)
+    held, freed = (
+        choose_lens(uneven, grid, HandheldSettings(bias_rounds=0, free_dots=free), NoProgress())
+        for free in (False, True)
+    )
+    flat = {trial.lens: trial.held_out_px for trial in held.trials}
+    free = {trial.lens: trial.held_out_px for trial in freed.trials}
+    assert freed.lens == "brown-k1k2"
+    assert free["brown-k1k2"] < 0.5 * flat["brown-k1k2"]

@@ -120,3 +120,12 @@ def test_what_mrcal_cannot_have_is_refused(seen: Detections, square: DotGrid, gr
         corners_text(spaced, square)
     with pytest.raises(InputError, match="has 4 x 4"):
         corners_text(seen, square.model_copy(update={"cols": 4}))
+
+
+def test_images_that_pair_up_are_not_taken_for_one_camera(
+    seen: Detections, square: DotGrid, tmp_path: Path
+) -> None:
+    path = tmp_path / "corners.vnl"
+    path.write_text(corners_text(seen, square).text)
+    with pytest.raises(InputError, match=r"names tell of 2 cameras .*--cameras"):
+        read_corners(path, square, {}, lambda _: (640, 480))
