@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, add_workers
+from labcal.cli.options import add_hold_out, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -37,11 +37,7 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="FILE",
         help="detections.csv of the shoot, instead of detecting anew",
     )
-    parser.add_argument(
-        "--hold-out",
-        metavar="N-or-VIEW[,VIEW]",
-        help="leave views out, so many or those named, for 'labcal evaluate' to score",
-    )
+    add_hold_out(parser)
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
     parser.add_argument(
         "--lens",
@@ -111,13 +107,17 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 def _say_roles(detections: "Detections", session: Session) -> None:
     """Say where a table is of a shoot that has views to test on, since all views in the table enter."""
+    from labcal.errors import InputError
     from labcal.shoot.dataset import is_shoot, open_shoot
     from labcal.shoot.manifest import Role
 
     home = Path(str(detections.image[0])).parent.parent if len(detections) else Path()
     if not is_shoot(home):
         return
-    tested = [view.name for view in open_shoot(home).views(Role.TEST) if view.name in detections.views]
+    try:
+        tested = [view.name for view in open_shoot(home).views(Role.TEST) if view.name in detections.views]
+    except InputError:  # nothing is wanted of that shoot
+        return
     if tested:
         session.warn(
             f"the views {', '.join(tested)} enter, which the shoot {home} keeps to test on. To leave them "

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.calibrate import AUTO
-from labcal.cli.options import add_output, add_seed, add_workers
+from labcal.cli.options import add_hold_out, add_output, add_seed, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -70,6 +70,7 @@ def add_parser(commands: CommandGroup) -> None:
         action="store_true",
         help="be quick: do not find out what error to expect, and never flag points 'model-misfit'",
     )
+    add_hold_out(parser)
     add_seed(parser)
     add_workers(parser)
 

@@ -26,6 +26,15 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_hold_out(parser: argparse.ArgumentParser) -> None:
+    """Add ``--hold-out``, which :func:`labcal.correspond.view_roles.parse_hold_out` reads."""
+    parser.add_argument(
+        "--hold-out",
+        metavar="N-or-VIEW[,VIEW]",
+        help="of a target in the hand: leave views out, so many or those named, for 'labcal evaluate'",
+    )
+
+
 def add_seed(parser: argparse.ArgumentParser) -> None:
     """Add ``--seed``, 0 where not given."""
     parser.add_argument(

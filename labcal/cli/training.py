@@ -1,7 +1,7 @@
 """What ``labcal fit`` learns from: views on a stage, or of a target that was held in the hand."""
 
 from argparse import Namespace
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from labcal.cli.session import Session
@@ -43,21 +43,26 @@ def read_training(arguments: Namespace, session: Session) -> "Training":
         As of :func:`~labcal.workflow.training_of`, or an option does not go with the source.
     """
     from labcal.cli.inputs import choose_target, dots_of, shoot_or_none
+    from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
     from labcal.solve.taught import on_stage
     from labcal.workflow import training_of
 
     shoot = shoot_or_none(arguments.source)
-    if shoot is not None and on_stage(shoot) and (arguments.free_dots or arguments.target is not None):
+    held_only = (arguments.free_dots, arguments.target is not None, arguments.hold_out is not None)
+    if shoot is not None and on_stage(shoot) and any(held_only):
         raise InputError(
-            "--free-dots and --target are for a target that was held, but a stage tells where that of this "
-            "shoot was. Leave them out."
+            "--free-dots, --target and --hold-out are for a target that was held, but a stage tells where "
+            "that of this shoot was. Leave them out."
         )
     target = choose_target(arguments.target, [arguments.source])
     detections = dots_of(arguments, target, session)
     source = shoot if shoot is None or shoot.target == target else shoot.showing(target)
+    settings = fit_settings(arguments)
+    if arguments.hold_out is not None:
+        settings = replace(settings, hold_out=parse_hold_out(arguments.hold_out, detections.views))
     with session.progress() as progress:
-        training = training_of(source or target, detections, fit_settings(arguments), progress)
+        training = training_of(source or target, detections, settings, progress)
     for warning in training.warnings:
         session.warn(warning)
     return training

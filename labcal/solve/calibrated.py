@@ -1,6 +1,6 @@
 """A calibration as it is made and told: a lens chosen, views held out, and what is not as it should be."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.errors import InputError
 from labcal.optim.solution import StopReason
 from labcal.run.progress import NoProgress, Progress
 from labcal.solve.calibration import HandheldCalibration
@@ -85,14 +86,16 @@ def calibrated(
     ------
     UnknownNameError, InputError
         As of :func:`~labcal.solve.handheld.calibrate_handheld` and, of ``auto``, of
-        :func:`~labcal.solve.lens_choice.choose_lens`; or there are no such views to hold out.
+        :func:`~labcal.solve.lens_choice.choose_lens`; there are no such views to hold out, or a rig to start
+        from is given with ``auto``.
     """
     settings = settings or HandheldSettings()
     held_out = held_out_views(detections.views, hold_out)
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
     if lens == AUTO:
-        settings = replace(settings, start=None)
+        if settings.start is not None:
+            raise InputError(f"The lens '{AUTO}' is tried from the beginning. Give no rig to start from.")
         choice = choose_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     found = calibrate_handheld(entering, target, lens, settings)

@@ -8,6 +8,7 @@ import numpy as np
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.correspond.training import TrainingData, training_data
+from labcal.correspond.view_roles import HoldOut
 from labcal.errors import InputError
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot
@@ -35,6 +36,8 @@ class FitSettings:
     """Whether the dots of a target in the hand are freed."""
     rehearsal: bool = True
     """Whether each method is tried between the trained dots, which tells what error to expect of it."""
+    hold_out: HoldOut = ()
+    """Views of a target in the hand that do not enter."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ def training_of(
         detections = detections.where(np.isin(detections.view, trained))
     target = source.target if isinstance(source, Shoot) else source
     how = HandheldSettings(free_dots=settings.free_dots)
-    found = calibrated(detections, target, settings.lens, how, progress=progress)
+    found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
     return Training(handheld_training(found.found, detections, target), found, found.warnings)
 
 

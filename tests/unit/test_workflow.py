@@ -14,7 +14,7 @@ import pytest
 from labcal import workflow
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
-from labcal.cameras.rig import read_rig, write_rig
+from labcal.cameras.rig import Rig, read_rig, write_rig
 from labcal.cli import main
 from labcal.correspond.detections import Detections, detections_csv
 from labcal.errors import InputError
@@ -163,6 +163,25 @@ def test_a_rig_keeps_what_it_was_calibrated_from(shoot: Shoot, dots: Detections,
     assert "calibrated_on" not in (tmp_path / "plain.json").read_text()
     assert command("convert", tmp_path / "rig.json", tmp_path / "left.json", "--only", "left")[0] == 0
     assert read_rig(tmp_path / "left.json").calibrated_on == made.rig.calibrated_on
+
+
+def test_a_method_can_be_kept_from_views_too(shoot: Shoot, dots: Detections, grid: DotGrid) -> None:
+    settings = workflow.FitSettings("brown-k1k2", rehearsal=False, hold_out=["pose-0", "pose-4"])
+    for source, views in ((grid, 6), (shoot, 4)):
+        training = workflow.training_of(source, dots, settings)
+        learned = set(training.centred.data.view.tolist())
+        assert len(learned) == views
+        assert not {"pose-0", "pose-4"} & learned
+    model = workflow.fit(shoot, dots, "affine", settings)
+    assert model.warnings == workflow.training_of(shoot, dots, settings).warnings
+
+
+def test_a_rig_to_start_from_does_not_go_with_trying_lenses(
+    shoot: Shoot, dots: Detections, pair: Cameras
+) -> None:
+    start = HandheldSettings(start=Rig.of(pair))
+    with pytest.raises(InputError, match="Give no rig to start from"):
+        workflow.calibrate(shoot, dots, "auto", start)
 
 
 def test_every_verb_that_takes_loose_pictures_asks_which_cameras_took_them(
