@@ -4,55 +4,63 @@
 
     render ─► SHOOT ─► detect ─► fit, or calibrate ─► reconstruct ─► evaluate
 
-The command line adds reading, writing and printing.
+What a command does is the function of its name; the command line adds reading, writing and printing. What a
+person should not miss is in the `warnings` of what is returned.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.measure import Measurement, detections_of, measure_pictures
 from labcal.correspond.points import ReconstructedPoints
-from labcal.correspond.sources import Source, shoot_sources
-from labcal.correspond.training import TrainingData, training_data
+from labcal.correspond.sources import Source, find_sources, shoot_sources
+from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.errors import InputError
 from labcal.evaluate.against_truth import Alignment, TruthErrors, errors_against_truth
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
+from labcal.evaluate.scored_views import learned_views
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress, Progress
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve
 from labcal.shoot.truth import has_truth
+from labcal.solve.calibrated import Calibrated, calibrated
 from labcal.solve.centre_bias import centred
-from labcal.solve.centred_training import centred_training
-from labcal.solve.estimator import PointEstimator
-from labcal.solve.fitted_model import FittedModel, TrainingBox
-from labcal.solve.handheld import calibrate_handheld as calibrate
-from labcal.solve.handheld_training import handheld_training
-from labcal.solve.reconstruction import reconstruct_points as reconstruct
-from labcal.solve.rehearsal import Twin, fitted_beside, rehearse, twin_of
+from labcal.solve.fitted_model import FittedModel
+from labcal.solve.handheld import HandheldSettings
+from labcal.solve.reconstruction import Reconstruction, reconstruct_centres
+from labcal.solve.reconstruction_warnings import reconstruction_warnings
+from labcal.solve.taught import FitSettings, estimators_of, taught, training_of
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
+from labcal.targets.target import Target
 
 __all__ = [
+    "FitSettings",
+    "HandheldSettings",
     "calibrate",
-    "centred_training",
     "detect",
+    "detections_of",
     "epipolar_rms",
+    "estimators_of",
     "evaluate",
+    "find_sources",
     "fit",
-    "handheld_training",
     "measure",
     "reconstruct",
     "render",
-    "training_data",
-    "twin_of",
+    "taught",
+    "training_of",
 ]
 
 
@@ -74,7 +82,7 @@ def measure(
 
 
 def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> Detections:
-    """Return the dots of a shoot, found by its own target.
+    """Return the dots of a shoot, found by its own target; :func:`measure` tells of each picture.
 
     Raises
     ------
@@ -84,35 +92,89 @@ def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> 
     return detections_of(measure(shoot_sources(shoot), shoot.target, workers, progress))
 
 
-def fit(
-    data: TrainingData,
-    estimator: PointEstimator,
-    resected: tuple[Camera, ...] | None = None,
-    twin: Twin | None = None,
-) -> FittedModel:
-    """Teach a method the dots of the training views, whose places the stage tells.
+def calibrate(
+    source: Shoot | AnyTarget,
+    detections: Detections,
+    lens: str | None = None,
+    settings: HandheldSettings | None = None,
+    hold_out: HoldOut = (),
+    progress: Progress | None = None,
+) -> Calibrated:
+    """Calibrate cameras from a target in the hand.
 
-    `resected` are the cameras of :func:`centred_training`, where it gave the data; `twin` is where the method
-    is rehearsed, so that it is known whether to trust it.
+    Parameters
+    ----------
+    source : Shoot or AnyTarget
+        A shoot, whose test views do not enter; or the target that the dots are of.
+    detections : Detections
+    lens, settings, hold_out, progress
+        As in :func:`~labcal.solve.calibrated.calibrated`, where errors are told, too.
     """
-    if "image_sizes" in estimator.get_params():
-        estimator.set_params(image_sizes=data.image_sizes)
-    box = TrainingBox.of(data.X, data.Y)
-    fitted = fitted_beside(twin, estimator, data.X, data.Y)
-    rehearsed = None if twin is None else rehearse(fitted, twin)
-    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)
+    if not isinstance(source, Shoot):
+        return calibrated(detections, source, lens, settings, hold_out, progress)
+    tested = {view.name for view in source.views(Role.TEST)}
+    rest = [view for view in detections.views if view not in tested]
+    kept_back = [
+        view for view in detections.views if view in tested or view in held_out_views(rest, hold_out)
+    ]
+    return calibrated(detections, source.target, lens, settings, kept_back, progress)
+
+
+def fit(
+    source: Shoot | AnyTarget,
+    detections: Detections,
+    method: str = "hybrid",
+    settings: FitSettings | None = None,
+) -> FittedModel:
+    """Teach a method the dots of a target; :func:`taught` teaches several the same :func:`training_of`.
+
+    Parameters
+    ----------
+    source : Shoot or AnyTarget
+        A shoot, of which training views are used; or the target, held in the hand in all views.
+    detections : Detections
+    method : str
+        Its name.
+    settings : FitSettings, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such method, or it cannot learn from these dots.
+    """
+    settings = settings or FitSettings()
+    estimators = estimators_of([method], settings)
+    (model,) = taught(training_of(source, detections, settings), estimators, settings)
+    if isinstance(model, InputError):
+        raise model
+    return model
+
+
+def reconstruct(
+    model: FittedModel | Rig, detections: Detections, target: Target | None = None
+) -> Reconstruction:
+    """Return the points of all dots that every camera measured; see :func:`reconstruct_centres`."""
+    found = reconstruct_centres(model, detections, target)
+    known = None if target is None else target.name
+    return replace(found, warnings=reconstruction_warnings(model, detections, found, known))
 
 
 def evaluate(
     points: ReconstructedPoints,
-    shoot: Shoot,
+    source: Shoot | AnyTarget | DotPlaces,
     detections: Detections | None = None,
     alignment: Alignment | None = None,
+    learned: Collection[str] | None = None,
 ) -> TruthErrors | LengthErrors:
-    """Return the errors of points, against the truth where the shoot has one, else against lengths."""
-    if has_truth(shoot.folder):
-        return errors_against_truth(points, shoot, detections, alignment)
-    return errors_of_lengths(points, shoot.target)
+    """Return the errors of points, against the truth where a shoot has one, else against lengths.
+
+    `learned` names the views that the cameras were calibrated from, where known: ``rig.calibrated_on``.
+    """
+    if not isinstance(source, Shoot):
+        return errors_of_lengths(points, source, learned)
+    if has_truth(source.folder):
+        return errors_against_truth(points, source, detections, alignment, learned)
+    return errors_of_lengths(points, source.target, learned or learned_views(source, points.view))
 
 
 def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:

@@ -1,9 +1,10 @@
 """A rig: cameras by name in one world, and its file ``rig.json``."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
@@ -24,6 +25,12 @@ class Rig(BaseModel):
     format: Literal["labcal-rig"] = "labcal-rig"
     format_version: Literal[1] = 1
     cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
+    calibrated_on: tuple[str, ...] = ()
+    """Names of the views that it was calibrated from, where that is known: figures of these are no check."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if key != "calibrated_on" or value}
 
     @classmethod
     def of(cls, cameras: dict[str, Camera]) -> "Rig":

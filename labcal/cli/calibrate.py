@@ -4,22 +4,18 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, add_workers
+from labcal.cli.options import add_hold_out, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
-    from labcal.solve.calibration import HandheldCalibration
-    from labcal.solve.freed_dots import FreedDots
+    from labcal.solve.calibrated import Calibrated
     from labcal.solve.handheld import HandheldSettings
-    from labcal.solve.lens_choice import LensChoice
-    from labcal.targets.catalogue import AnyTarget
 
-DEFAULT_LENS = "brown5"
-AUTO = "auto"
-"""In the place of a lens model: the one that explains views best that it was not fitted to."""
+DEFAULT_LENS, AUTO = "brown5", "auto"
+"""Those of :mod:`labcal.solve.calibrated`, which help must not import."""
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -30,7 +26,18 @@ def add_parser(commands: CommandGroup) -> None:
         "Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.",
         example="labcal calibrate detections.csv --target rings-10x8 --lens brown-k1k2 -o rig.json",
     )
-    parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
+    parser.add_argument(
+        "source",
+        metavar="SHOOT-or-detections.csv",
+        help="a shoot, whose test views are left out, or a table of dots",
+    )
+    parser.add_argument(
+        "--detections",
+        type=Path,
+        metavar="FILE",
+        help="detections.csv of the shoot, instead of detecting anew",
+    )
+    add_hold_out(parser)
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
     parser.add_argument(
         "--lens",
@@ -57,13 +64,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import KIND, write_rig
     from labcal.cli.calibrate_result import calibrate_result, calibrate_table
-    from labcal.cli.inputs import choose_target, paths_read, read_or_detect, refuse_idle_workers
+    from labcal.cli.inputs import choose_target, dots_of, paths_read, refuse_idle_workers, shoot_or_none
+    from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.shoot.pictures import picture_output
     from labcal.targets.places import KIND as DOTS_KIND
-    from labcal.workflow import epipolar_rms
+    from labcal.workflow import calibrate, epipolar_rms
 
     require_name(arguments.output)
     outputs = [FileOutput(arguments.output, KIND)]
@@ -73,39 +81,52 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         if not arguments.free_dots:
             raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
         outputs.append(picture_output(arguments.overlay))
-    read = paths_read([arguments.source, arguments.target, arguments.start])
+    read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_workers(arguments)
     target = choose_target(arguments.target, [arguments.source])
-    detections = read_or_detect(arguments.source, target, arguments.workers, session)
-    lens = arguments.lens or _lens_of(settings)
-    found, choice = calibrated(detections, target, lens, settings, session)
-    write_rig(arguments.output, found.rig, force=arguments.force)
-    if found.freed is not None:
-        _write_dots(arguments, found.freed)
-    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
-    session.emit(result, calibrate_table(result))
-    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
-
-
-def calibrated(
-    detections: "Detections", target: "AnyTarget", lens: str, settings: "HandheldSettings", session: Session
-) -> "tuple[HandheldCalibration, LensChoice | None]":
-    """Return a rig and, where views held out chose the lens, how; say what is not as it should be."""
-    from labcal.cli.calibrate_result import calibration_warnings
-    from labcal.solve.lens_choice import choose_lens
-    from labcal.workflow import calibrate
-
-    choice = None
-    if lens == AUTO:
-        with session.progress() as progress:
-            choice = choose_lens(detections, target, settings.bias_rounds, progress)
-        lens = choice.lens
-    found = calibrate(detections, target, lens, settings)
-    for warning in calibration_warnings(found, lens, target.name):
+    shoot = shoot_or_none(arguments.source)
+    detections = dots_of(arguments, target, session)
+    hold_out = parse_hold_out(arguments.hold_out, detections.views) if arguments.hold_out else ()
+    if shoot is None and not hold_out:
+        _say_roles(detections, session)
+    # A target that is named may be another one than the shoot's description says.
+    source = shoot if shoot is None or shoot.target == target else shoot.showing(target)
+    with session.progress() as progress:
+        made = calibrate(source or target, detections, arguments.lens, settings, hold_out, progress)
+    for warning in made.warnings:
         session.warn(warning)
-    return found, choice
+    if made.held_out:
+        session.say(f"left out, to be scored by 'labcal evaluate': {', '.join(made.held_out)}")
+    found = made.found
+    write_rig(arguments.output, made.rig, force=arguments.force)
+    if found.freed is not None:
+        _write_dots(arguments, made)
+    result = calibrate_result(made, epipolar_rms(found.rig, found.entering(detections), target))
+    session.emit(result, calibrate_table(result))
+    amiss = found.skipped or any(fit.two_lenses is not None for fit in found.fits.values())
+    return ExitStatus.PARTIAL if amiss else ExitStatus.DONE
+
+
+def _say_roles(detections: "Detections", session: Session) -> None:
+    """Say where a table is of a shoot that has views to test on, since all views in the table enter."""
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import is_shoot, open_shoot
+    from labcal.shoot.manifest import Role
+
+    home = Path(str(detections.image[0])).parent.parent if len(detections) else Path()
+    if not is_shoot(home):
+        return
+    try:
+        tested = [view.name for view in open_shoot(home).views(Role.TEST) if view.name in detections.views]
+    except InputError:  # nothing is wanted of that shoot
+        return
+    if tested:
+        session.warn(
+            f"the views {', '.join(tested)} enter, which the shoot {home} keeps to test on. To leave them "
+            f"out: labcal calibrate {home} --detections TABLE"
+        )
 
 
 def _settings(arguments: Namespace) -> "HandheldSettings":
@@ -128,24 +149,17 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
     )
 
 
-def _lens_of(settings: "HandheldSettings") -> str:
-    """Return the lens model where none is named: that of the rig to start from, if all are alike."""
-    if settings.start is None:
-        return DEFAULT_LENS
-    lenses = {record.lens for record in settings.start.cameras.values()}
-    return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS
-
-
 def _dots_path(output: Path) -> Path:
     return output.with_name(f"{output.stem}-dots.json")
 
 
-def _write_dots(arguments: Namespace, freed: "FreedDots") -> None:
+def _write_dots(arguments: Namespace, made: "Calibrated") -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
     from labcal.report.displacement_picture import draw_displacements
     from labcal.run.outputs import write_file
     from labcal.targets.places import write_places
 
-    write_places(_dots_path(arguments.output), freed.places(), force=arguments.force)
-    if arguments.overlay is not None:
-        write_file(arguments.overlay, draw_displacements(freed), force=arguments.force)
+    if made.places is not None:
+        write_places(_dots_path(arguments.output), made.places, force=arguments.force)
+    if arguments.overlay is not None and made.found.freed is not None:
+        write_file(arguments.overlay, draw_displacements(made.found.freed), force=arguments.force)

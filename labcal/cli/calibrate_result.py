@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from labcal.cameras.record import CameraRecord
     from labcal.evaluate.print_shape import PrintShape
+    from labcal.solve.calibrated import Calibrated
     from labcal.solve.calibration import HandheldCalibration
     from labcal.solve.centre_bias import CentreBias
     from labcal.solve.freed_dots import FreedDots
     from labcal.solve.lens_choice import LensChoice
+    from labcal.solve.one_lens import TwoLenses
     from labcal.solve.outlying_dots import OutlyingDots
 
 MOST_OUTLIERS = 200
@@ -54,6 +55,9 @@ class CameraResult:
     """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
     share_without_rays: float
     """Of the picture, where the lens folds."""
+    two_lenses: "TwoLenses | None"
+    """Groups of views that were taken through different lenses, so that the numbers are of neither; null
+    where one lens explains all."""
 
 
 @dataclass(frozen=True)
@@ -94,12 +98,15 @@ class CalibrateResult:
     free_dots: FreeDotsResult | None
     lens_choice: "LensChoice | None"
     """Of ``--lens auto``."""
+    held_out: list[str]
+    """Views that did not enter, since they are to be scored."""
+    calibrated_on: list[str]
+    """Views that entered."""
 
 
-def calibrate_result(
-    found: "HandheldCalibration", epipolar_rms_px: float, choice: "LensChoice | None"
-) -> CalibrateResult:
+def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateResult:
     """Return the JSON document."""
+    found = made.found
     return CalibrateResult(
         cameras={name: _camera(found, name) for name in found.rig.cameras},
         rms_px=found.rms_px,
@@ -110,7 +117,9 @@ def calibrate_result(
         centre_bias_px=found.bias,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
-        lens_choice=choice,
+        lens_choice=made.choice,
+        held_out=list(made.held_out),
+        calibrated_on=list(found.views),
     )
 
 
@@ -135,6 +144,7 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
         undetermined=list(fit.undetermined),
         open_lens=fit.open_lens,
         share_without_rays=found.rig.camera(name).share_without_rays,
+        two_lenses=fit.two_lenses,
     )  # fmt: skip
 
 
@@ -201,45 +211,3 @@ def _outlier_table(result: CalibrateResult) -> "Table":
     if result.outlier_count > _SHOWN_OUTLIERS:
         table.caption = f"the worst {_SHOWN_OUTLIERS}; --json lists up to {MOST_OUTLIERS}"
     return table
-
-
-def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -> list[str]:
-    """Return what is not as it should be, for people; `lens` and `target` are names."""
-    from labcal.cameras.blind_pixels import blind_pixels
-    from labcal.optim.solution import StopReason
-
-    warnings = [f"left out {reason}" for reason in found.skipped]
-    for name, camera in found.rig.cameras.items():
-        if not _middle_inside(camera):
-            warnings.append(
-                f"the principal point of {name} lies outside its picture: the views do not determine it, or "
-                f"the dots are not those of '{target}'"
-            )
-        if found.fits[name].open_lens:
-            warnings.append(
-                f"the dots of {name} leave its lens open towards the picture's border, where only an "
-                "assumption holds it: trust the rig where dots were, or take views with dots in the corners"
-            )
-        if blind := blind_pixels(name, found.rig.camera(name)):
-            warnings.append(blind)
-        left_open = ", ".join(found.fits[name].undetermined)
-        if left_open:
-            warnings.append(
-                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
-                "where dots were, but not these numbers, or let --lens auto choose"
-            )
-        if found.freed is None and found.fits[name].uneven:
-            warnings.append(
-                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; --free-dots estimates where each dot is on the print"
-            )
-    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
-        warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
-    return warnings
-
-
-def _middle_inside(camera: "CameraRecord") -> bool:
-    """Tell whether a camera's principal point lies in its picture."""
-    (_, _, cx), (_, _, cy), _ = camera.K
-    width, height = camera.size
-    return 0.0 <= cx <= width - 1 and 0.0 <= cy <= height - 1

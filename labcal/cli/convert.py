@@ -53,8 +53,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("--target", metavar="NAME", help="for corners.vnl: what the pictures show")
     parser.add_argument(
         "--cameras",
-        metavar="ENDINGS",
-        help="from corners.vnl: cameras by the end of the images' names: '_0=left,_1=right'",
+        metavar="NAMES",
+        help="from corners.vnl: cameras by the images' names, as of 'labcal detect': '_0=left,_1=right'",
     )
     parser.add_argument(
         "--size",
@@ -192,14 +192,16 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
         sides = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
         corners = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))
         detections = corners.detections
-        write_file(output, detections_csv(detections), force=arguments.force)
         ok = int(detections.ok.sum())
+        _require_points(ok, path)
+        write_file(output, detections_csv(detections), force=arguments.force)
         notes = [*corners.notes, *_taken_for_centroids(target)]
         return _converted(("mrcal", "labcal"), output, detections.cameras, ok, notes)
     detections = read_detections(path)
     if arguments.only:
         detections = detections.where(_of_cameras(detections.camera.tolist(), arguments.only.split(",")))
     found = corners_text(detections, target)
+    _require_points(found.points, path)
     write_file(output, found.text, force=arguments.force)
     spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
     told = (
@@ -231,6 +233,14 @@ def _taken_for_centroids(target: "AnyTarget") -> list[str]:
         "corners of a chessboard, name a target with a dot_diameter_mm of 0.001."
     )
     return [told]
+
+
+def _require_points(count: int, path: Path) -> None:
+    """Raise where no point is a measurement."""
+    from labcal.errors import InputError
+
+    if count == 0:
+        raise InputError(f"None of the points in {path} is a measurement, so there is nothing to convert.")
 
 
 def _of_cameras(cameras: "list[str]", wanted: "list[str]") -> "np.ndarray":

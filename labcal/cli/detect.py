@@ -96,7 +96,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         )
     if result.indexed == 0:
         session.emit(result, _table(result))
-        session.warn(f"no picture has dots with ids, so {arguments.output} was not written")
+        session.warn(f"no picture has dots that can be used, so {arguments.output} was not written")
         return ExitStatus.UNUSABLE
     write_file(arguments.output, detections_csv(detections_of(measurements)), force=arguments.force)
     session.emit(result, _table(result))

@@ -45,18 +45,25 @@ def add_parser(commands: CommandGroup) -> None:
         help="bring the points onto the truth first; rigid for a rig.json, whose world is its first camera "
         "(where not given: rigid for a hand-held target, else none)",
     )
+    parser.add_argument(
+        "--rig",
+        type=Path,
+        metavar="rig.json",
+        help="what the points were reconstructed with: views that it was calibrated from are not scored, or "
+        "are said to be; RIG-dots.json and a shoot tell so themselves",
+    )
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and tell."""
+    from labcal.cameras.rig import read_rig
     from labcal.correspond.detections import read_detections
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
-    from labcal.evaluate.own_lengths import errors_of_lengths
-    from labcal.shoot.dataset import open_shoot
+    from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
-    from labcal.targets.catalogue import load_target
-    from labcal.targets.places import read_places
+    from labcal.targets.catalogue import AnyTarget, load_target
+    from labcal.targets.places import DotPlaces, read_places
     from labcal.workflow import evaluate
 
     if [arguments.shoot, arguments.target, arguments.dots].count(None) != 2:  # noqa: PLR2004 -- one is given
@@ -70,23 +77,30 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             refuse_option(
                 arguments, option, "goes with the truth of a rendered shoot, which is not given here"
             )
-    if arguments.shoot is None:
-        printed = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
-        lengths = errors_of_lengths(points, printed)
-        session.emit(lengths, _of_lengths(lengths))
-        return ExitStatus.DONE
-    shoot = open_shoot(arguments.shoot)
+    learned = None if arguments.rig is None else read_rig(arguments.rig).calibrated_on
+    source: Shoot | AnyTarget | DotPlaces
+    if arguments.shoot is not None:
+        source = open_shoot(arguments.shoot)
+    else:
+        source = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
     detections = None if arguments.detections is None else read_detections(arguments.detections)
-    errors = evaluate(points, shoot, detections, arguments.alignment)
+    errors = evaluate(points, source, detections, arguments.alignment, learned or None)
+    for warning in errors.warnings:
+        session.warn(warning)
     session.emit(errors, _against_truth(errors) if isinstance(errors, TruthErrors) else _of_lengths(errors))
-    return ExitStatus.DONE
+    return ExitStatus.DONE if errors.n_ok else ExitStatus.PARTIAL
 
 
 def _against_truth(errors: "TruthErrors") -> object:
     from rich.table import Table
 
+    from labcal.evaluate.scored_views import scored_words
+
     x, y, z = errors.mean_signed_mm
-    caption = f"scored: {errors.scored}, not the {errors.not_scored} others; alignment: {errors.alignment}"
+    caption = (
+        f"scored: {errors.scored}, not the {errors.not_scored} others; alignment: {errors.alignment}\n"
+        f"{scored_words(len(errors.views_scored), errors.views_calibrated_on)}"
+    )
     table = Table("error against truth", "mm", caption=caption)
     table.add_row("points", str(errors.n))
     table.add_row("mean, with sign (x, y, z)", f"{x:+.4f}, {y:+.4f}, {z:+.4f}")
@@ -107,7 +121,10 @@ def _against_truth(errors: "TruthErrors") -> object:
 def _of_lengths(errors: "LengthErrors") -> object:
     from rich.table import Table
 
-    table = Table("error of lengths on the target", "", caption=f"{errors.n} lengths")
+    from labcal.evaluate.scored_views import scored_words
+
+    told = scored_words(len(errors.views_scored), errors.views_calibrated_on)
+    table = Table("error of lengths on the target", "", caption=f"{errors.n} lengths in {told}")
     table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.calibrate import AUTO
-from labcal.cli.options import add_output, add_seed, add_workers, refuse_option
+from labcal.cli.options import add_hold_out, add_output, add_seed, add_workers, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -14,9 +14,7 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.cli.training import HandheldResult
     from labcal.correspond.training import TrainingData
-    from labcal.errors import InputError
     from labcal.solve.centre_bias import CentreBias
-    from labcal.solve.centred_training import CentredTraining
     from labcal.solve.estimator import PointEstimator
     from labcal.solve.fitted_model import FittedModel
     from labcal.solve.rehearsal import Rehearsed
@@ -72,6 +70,7 @@ def add_parser(commands: CommandGroup) -> None:
         action="store_true",
         help="be quick: do not find out what error to expect, and never flag points 'model-misfit'",
     )
+    add_hold_out(parser)
     add_seed(parser)
     add_workers(parser)
 
@@ -109,16 +108,19 @@ class FitResult:
     """Why it was not."""
     handheld: "HandheldResult | None"
     """How the target was placed; null where a stage told."""
+    warnings: list[str]
+    """What was not as it should be with the dots that were taught."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
     from labcal.cli.inputs import paths_read
-    from labcal.cli.training import read_training
+    from labcal.cli.training import fit_settings, handheld_result, read_training
     from labcal.errors import InputError
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.solve.model_file import KIND
+    from labcal.workflow import taught
 
     estimators = _estimators(arguments)
     require_name(arguments.output)
@@ -126,10 +128,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.lens])
     claim_outputs([FileOutput(path, KIND) for path in paths], read, force=arguments.force)
-    training, handheld = read_training(arguments, session)
-    if training.reason is not None:
-        session.say(f"centroids are taken as they are: {training.reason}")
-    learned = _learned(training, estimators, arguments, session)
+    training = read_training(arguments, session)
+    centred, handheld = training.centred, handheld_result(training)
+    if centred.reason is not None:
+        session.say(f"centroids are taken as they are: {centred.reason}")
+    with session.progress() as progress:
+        learned = taught(training, estimators, fit_settings(arguments), progress)
     results, fitted = [], []
     for path, estimator, model in zip(paths, estimators, learned, strict=True):
         if isinstance(model, InputError):
@@ -139,11 +143,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             results.append(_refused(estimator.method, str(model)))
         else:
             fitted.append((path, model))
-            results.append(_fitted(model, training.data, path))
+            results.append(_fitted(model, centred.data, path))
             for told in _blind(model):
                 session.warn(_named(estimator.method, told))
     _save_all(fitted, force=arguments.force)
-    result = FitResult(results, training.bias, training.reason, handheld)
+    result = FitResult(results, centred.bias, centred.reason, handheld, list(training.warnings))
     session.emit(result, _table(result, rehearsed=not arguments.no_rehearsal))
     failed = len(results) - len(fitted)
     if failed == len(results):
@@ -154,47 +158,17 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     """Return the methods that are named, with the options that concern them."""
+    from labcal.cli.training import fit_settings
     from labcal.errors import InputError
-    from labcal.solve.registry import make_estimator
-    from labcal.solve.resection.lens_choice import camera_of_lens
+    from labcal.workflow import estimators_of
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):
         raise InputError(f"--method names a method twice: {arguments.method}. Name each once.")
-    estimators = [make_estimator(name) for name in names]
-    if arguments.lens != AUTO:
-        camera_of_lens(arguments.lens, (1, 1), None)  # tells now whether there is such a lens
+    estimators = estimators_of(names, fit_settings(arguments))
     if arguments.no_rehearsal and not any("random_state" in one.get_params() for one in estimators):
         refuse_option(arguments, "seed", f"means nothing to {arguments.method}, in which nothing is random")
-    wanted = {"random_state": arguments.seed, "lens": arguments.lens}
-    for estimator in estimators:
-        known = estimator.get_params()
-        estimator.set_params(**{key: value for key, value in wanted.items() if key in known})
     return estimators
-
-
-def _learned(
-    training: "CentredTraining", estimators: "list[PointEstimator]", arguments: Namespace, session: Session
-) -> "list[FittedModel | InputError]":
-    """Return what each method learned, or why it cannot."""
-    from labcal.errors import InputError
-    from labcal.workflow import fit, twin_of
-
-    data = training.data
-    learned: list[FittedModel | InputError] = []
-    with session.progress() as progress:
-        progress.start("methods", len(estimators) + 1)
-        twin = None
-        if not arguments.no_rehearsal:
-            twin = twin_of(data.X, data.Y, data.image_sizes, arguments.seed, arguments.lens)
-        progress.advance()
-        for estimator in estimators:
-            try:
-                learned.append(fit(data, estimator, training.cameras, twin))
-            except InputError as error:
-                learned.append(error)
-            progress.advance()
-    return learned
 
 
 def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:

@@ -12,6 +12,7 @@ from labcal.cli.session import Session
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
     from labcal.correspond.sources import Source
+    from labcal.shoot.dataset import Shoot
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -37,6 +38,32 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
         if found.reason is not None:
             session.warn(f"{found.source.image}: {found.reason}")
     return detections_of(measurements)
+
+
+def shoot_or_none(source: str) -> "Shoot | None":
+    """Return the shoot that a source is; None where it is a table."""
+    from labcal.shoot.dataset import is_shoot, open_shoot
+
+    require_shoot_or_table(source)
+    return open_shoot(Path(source)) if is_shoot(Path(source)) else None
+
+
+def dots_of(arguments: Namespace, target: "AnyTarget", session: Session) -> "Detections":
+    """Return the dots of the source that is named, or of its shoot those in ``--detections``.
+
+    Raises
+    ------
+    InputError
+        ``--detections`` does not go with the source.
+    """
+    from labcal.correspond.detections import read_detections
+    from labcal.errors import InputError
+
+    if arguments.detections is None:
+        return read_or_detect(arguments.source, target, arguments.workers, session)
+    if shoot_or_none(arguments.source) is None:
+        raise InputError("--detections goes with the folder of a shoot. Give the table alone.")
+    return read_detections(arguments.detections)
 
 
 def require_shoot_or_table(source: str) -> None:

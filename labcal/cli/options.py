@@ -24,8 +24,18 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
     parser.add_argument(
         "--cameras",
-        metavar="ENDINGS",
-        help="cameras of loose pictures by the end of the name: '_0=left,_1=right'",
+        metavar="NAMES",
+        help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
+        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' says that one camera took all",
+    )
+
+
+def add_hold_out(parser: argparse.ArgumentParser) -> None:
+    """Add ``--hold-out``, which :func:`labcal.correspond.view_roles.parse_hold_out` reads."""
+    parser.add_argument(
+        "--hold-out",
+        metavar="N-or-VIEW[,VIEW]",
+        help="of a target in the hand: leave views out, so many or those named, for 'labcal evaluate'",
     )
 
 

@@ -46,20 +46,21 @@ class ReconstructResult:
     """Centroid minus centre, which was taken off; null where it was not."""
     miss_px: float | None
     """By how much the rays of a dot miss each other, the median; null where the model has no cameras."""
+    warnings: list[str]
+    """What is not as it should be."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
     from collections import Counter
 
-    from labcal.cameras.rig import Rig
     from labcal.cli.inputs import paths_read, read_or_detect, refuse_idle_workers
-    from labcal.correspond.points import KIND, points_csv
+    from labcal.correspond.points import KIND, PointFlag, points_csv
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
     from labcal.solve.fitted_model import FittedModel
-    from labcal.solve.ray_misses import MOST_PX
-    from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
+    from labcal.solve.reconstruction import load_reconstructor
+    from labcal.workflow import reconstruct
 
     refuse_idle_workers(arguments)
     read = paths_read([arguments.model, arguments.source, arguments.target])
@@ -71,33 +72,21 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         )
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
     target = _target(arguments)
-    found = reconstruct_centres(model, detections, target)
+    found = reconstruct(model, detections, target)
     points = found.points
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
     miss_px = found.miss_px if found.miss_px is None or isfinite(found.miss_px) else None  # no ray meets
-    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias, miss_px)
+    result = ReconstructResult(
+        str(arguments.output), len(points), flags, found.bias, miss_px, list(found.warnings)
+    )
     if found.bias is not None:
         told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
-    elif target is None and (isinstance(model, Rig) or model.resected is not None):
-        session.warn(
-            "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
-            "--target NAME"
-        )
-    if isinstance(model, FittedModel) and model.misfit:
-        session.warn(
-            f"when it was fitted, '{model.estimator.method}' was found to err by far more than the noise "
-            "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "
-            "the one to begin with."
-        )
-    if isinstance(model, Rig) and found.miss_px is not None and found.miss_px > MOST_PX:
-        session.warn(
-            f"the rays of a dot miss each other by {found.miss_px:.3g} px: the cameras are not as they were "
-            "when this rig was calibrated, or not the same. Calibrate again."
-        )
+    for warning in found.warnings:
+        session.warn(warning)
     session.emit(result, f"{arguments.output}: {told}.")
-    return ExitStatus.DONE
+    return ExitStatus.DONE if PointFlag.OK.value in flags else ExitStatus.PARTIAL
 
 
 def _target(arguments: Namespace) -> "Target | None":

@@ -1,17 +1,13 @@
 """What ``labcal fit`` learns from: views on a stage, or of a target that was held in the hand."""
 
 from argparse import Namespace
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from labcal.cli.session import Session
 
 if TYPE_CHECKING:
-    from labcal.correspond.detections import Detections
-    from labcal.shoot.dataset import Shoot
-    from labcal.solve.centred_training import CentredTraining
-    from labcal.targets.catalogue import AnyTarget
+    from labcal.solve.taught import FitSettings, Training
 
 
 @dataclass(frozen=True)
@@ -38,79 +34,58 @@ class HandheldResult:
         )
 
 
-def read_training(arguments: Namespace, session: Session) -> "tuple[CentredTraining, HandheldResult | None]":
-    """Return the training data of the source that is named, and how its target was placed without a stage.
+def read_training(arguments: Namespace, session: Session) -> "Training":
+    """Return what the source that is named teaches, and say what is not as it should be.
 
     Raises
     ------
     InputError
-        As of :func:`~labcal.workflow.training_data`, of :func:`~labcal.workflow.calibrate`, or an option
-        does not go with the source.
+        As of :func:`~labcal.workflow.training_of`, or an option does not go with the source.
     """
-    import numpy as np
-
-    from labcal.cli.inputs import (
-        choose_target,
-        read_or_detect,
-        refuse_idle_workers,
-        require_shoot_or_table,
-    )
-    from labcal.correspond.detections import read_detections
+    from labcal.cli.inputs import choose_target, dots_of, refuse_idle_workers, shoot_or_none
+    from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
-    from labcal.shoot.dataset import is_shoot, open_shoot
-    from labcal.shoot.manifest import Role
-    from labcal.workflow import centred_training, training_data
+    from labcal.solve.taught import on_stage
+    from labcal.workflow import training_of
 
-    require_shoot_or_table(arguments.source)
     refuse_idle_workers(arguments)
-    shoot = open_shoot(Path(arguments.source)) if is_shoot(Path(arguments.source)) else None
-    if shoot is None and arguments.detections is not None:
-        raise InputError("--detections goes with the folder of a shoot. Give the table alone.")
-    on_stage = shoot is not None and _on_stage(shoot)
-    if on_stage and (arguments.free_dots or arguments.target is not None):
+    shoot = shoot_or_none(arguments.source)
+    held_only = (arguments.free_dots, arguments.target is not None, arguments.hold_out is not None)
+    if shoot is not None and on_stage(shoot) and any(held_only):
         raise InputError(
-            "--free-dots and --target are for a target that was held, but a stage tells where that of this "
-            "shoot was. Leave them out."
+            "--free-dots, --target and --hold-out are for a target that was held, but a stage tells where "
+            "that of this shoot was. Leave them out."
         )
     target = choose_target(arguments.target, [arguments.source])
-    detections = (
-        read_detections(arguments.detections)
-        if arguments.detections is not None
-        else read_or_detect(arguments.source, target, arguments.workers, session)
+    detections = dots_of(arguments, target, session)
+    source = shoot if shoot is None or shoot.target == target else shoot.showing(target)
+    settings = fit_settings(arguments)
+    if arguments.hold_out is not None:
+        settings = replace(settings, hold_out=parse_hold_out(arguments.hold_out, detections.views))
+    with session.progress() as progress:
+        training = training_of(source or target, detections, settings, progress)
+    for warning in training.warnings:
+        session.warn(warning)
+    return training
+
+
+def fit_settings(arguments: Namespace) -> "FitSettings":
+    """Return how methods are taught."""
+    from labcal.solve.taught import FitSettings
+
+    return FitSettings(arguments.lens, arguments.seed, arguments.free_dots, not arguments.no_rehearsal)
+
+
+def handheld_result(training: "Training") -> HandheldResult | None:
+    """Return how a target was placed that was held; None where a stage told."""
+    held = training.held
+    if held is None:
+        return None
+    return HandheldResult(
+        lens=held.lens,
+        views=len(held.found.views),
+        left_out=held.found.skipped,
+        rms_px=held.found.rms_px,
+        outlier_count=len(held.found.outliers),
+        free_dots=held.found.freed is not None,
     )
-    if shoot is None:
-        return _held(arguments, detections, target, session)
-    if on_stage:
-        data = training_data(shoot, detections)
-        return centred_training(data, shoot.target, shoot.nominal_poses()), None
-    trained = [view.name for view in shoot.views(Role.TRAIN)]
-    return _held(arguments, detections.where(np.isin(detections.view, trained)), target, session)
-
-
-def _on_stage(shoot: "Shoot") -> bool:
-    """Tell whether a stage says where the target was in training views."""
-    from labcal.shoot.manifest import Role
-
-    poses = shoot.nominal_poses()
-    return any(view.name in poses for view in shoot.views(Role.TRAIN))
-
-
-def _held(
-    arguments: Namespace, detections: "Detections", target: "AnyTarget", session: Session
-) -> "tuple[CentredTraining, HandheldResult]":
-    """Return the training data of a target that was held."""
-    from labcal.cli.calibrate import calibrated
-    from labcal.solve.handheld import HandheldSettings
-    from labcal.workflow import handheld_training
-
-    settings = HandheldSettings(free_dots=arguments.free_dots)
-    found, choice = calibrated(detections, target, arguments.lens, settings, session)
-    how = HandheldResult(
-        lens=choice.lens if choice else arguments.lens,
-        views=len(found.views),
-        left_out=found.skipped,
-        rms_px=found.rms_px,
-        outlier_count=len(found.outliers),
-        free_dots=arguments.free_dots,
-    )
-    return handheld_training(found, detections, target), how

@@ -39,8 +39,9 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "--cameras",
-        metavar="ENDINGS",
-        help="cameras of loose pictures by the end of the name: '_0=left,_1=right'; else one camera",
+        metavar="NAMES",
+        help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
+        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' says that one camera took all",
     )
     parser.add_argument(
         "--rectify", action="store_true", help="turn a pair so that a point has the same row in both pictures"

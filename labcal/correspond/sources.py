@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.correspond.name_patterns import ANY, best_pattern, view_in
+from labcal.correspond.named_cameras import named_cameras
 from labcal.errors import InputError
 from labcal.run.names import is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
@@ -51,7 +53,10 @@ class Source:
 
 
 def parse_camera_endings(text: str) -> dict[str, str]:
-    """Return camera by ending of the file name, from text like ``_0=left,_1=right``.
+    """Return camera by ending or pattern of the file name, from text like ``_0=left,_1=right``.
+
+    In a pattern ``*`` stands for what the view is called: ``left*=left,right*=right`` or, of folders,
+    ``LEFT/*=left,RIGHT/*=right``. ``*=camera`` says that all pictures are of one camera.
 
     Raises
     ------
@@ -63,8 +68,8 @@ def parse_camera_endings(text: str) -> dict[str, str]:
         ending, equals, camera = part.partition("=")
         if not (ending and equals and is_name(camera)) or ending in endings:
             raise InputError(
-                "--cameras takes endings of file names, each once, and names of letters, digits and hyphens, "
-                f"as in '_0=left,_1=right', but got '{text}'."
+                "--cameras takes endings of file names or patterns, each once, and names of letters, digits "
+                f"and hyphens, as in '_0=left,_1=right' or 'left*=left,right*=right', but got '{text}'."
             )
         endings[ending] = camera
     return endings
@@ -85,19 +90,21 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     Parameters
     ----------
     paths : sequence of str
-        Files and folders as given.
+        Files and folders as given; of a folder without pictures, those in its folders.
     endings : mapping of str to str
-        Camera by ending of the name without its suffix; the view is the rest of the name. Where empty, all
-        are of one camera named ``camera`` and the view is the whole name.
+        Camera by ending or pattern of the name (see :func:`parse_camera_endings`); the view is the rest of
+        the name. Where empty, all are of one camera named ``camera`` and the view is the whole name.
 
     Raises
     ------
     InputError
-        A path does not exist, a name fits no ending, two pictures are the same view of the same camera, or
-        there is no picture at all.
+        A path does not exist, a name fits no ending, two pictures are the same view of the same camera,
+        there is no picture at all, or names tell of several cameras and `endings` is empty.
     """
     sources: dict[tuple[str, str], Source] = {}
-    for image in _files(paths):
+    images = _files(paths)
+    refuse_unnamed_cameras(images, endings)
+    for image in images:
         source = loose_source(image, endings)
         twin = sources.setdefault((source.view, source.camera), source)
         if twin is not source:
@@ -110,6 +117,19 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     return [sources[key] for key in sorted(sources)]
 
 
+def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) -> None:
+    """Raise where names of pictures tell of several cameras, and nobody said which or that it is one.
+
+    Raises
+    ------
+    InputError
+        They do; it says what to give for `endings`.
+    """
+    cameras = None if endings else named_cameras(images)
+    if cameras is not None:
+        raise InputError(cameras.words())
+
+
 def loose_source(image: str, endings: Mapping[str, str]) -> Source:
     """Return what the name of a loose picture says about it.
 
@@ -118,16 +138,15 @@ def loose_source(image: str, endings: Mapping[str, str]) -> Source:
     InputError
         The name fits no ending.
     """
-    stem = Path(image).stem
     if not endings:
-        return Source(stem, "camera", image, None)
-    fitting = [ending for ending in endings if stem.endswith(ending) and stem != ending]
-    if not fitting:
+        return Source(Path(image).stem, "camera", image, None)
+    pattern = best_pattern(image, endings)
+    if pattern is None:
+        fits = "fits" if any(ANY in known for known in endings) else "ends in"
         raise InputError(
-            f"The name of {image} ends in none of {', '.join(endings)}, so its camera is not known."
+            f"The name of {image} {fits} none of {', '.join(endings)}, so its camera is not known."
         )
-    ending = max(fitting, key=len)
-    return Source(stem.removesuffix(ending), endings[ending], image, None)
+    return Source(view_in(image, pattern) or "", endings[pattern], image, None)
 
 
 def _files(paths: Sequence[str]) -> list[str]:
@@ -135,12 +154,21 @@ def _files(paths: Sequence[str]) -> list[str]:
     for given in paths:
         path = Path(given)
         if path.is_dir():
-            found += sorted(str(entry) for entry in path.iterdir() if entry.suffix.lower() in SUFFIXES)
+            found += _pictures_in(path) or [
+                image
+                for folder in sorted(path.iterdir())
+                if folder.is_dir()
+                for image in _pictures_in(folder)
+            ]
         elif path.is_file():
             found.append(given)
         else:
             raise InputError(f"There is no picture or folder {given}.")
     return found
+
+
+def _pictures_in(folder: Path) -> list[str]:
+    return sorted(str(entry) for entry in folder.iterdir() if entry.suffix.lower() in SUFFIXES)
 
 
 def find_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Source]:

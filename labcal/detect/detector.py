@@ -8,7 +8,7 @@ import numpy as np
 from labcal.detect.charuco import detect_charuco
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
-from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.flags import SPOILT, DotFlag, Refusal
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.lost import lost_dots
 from labcal.detect.numbering import AnyNumbering
@@ -34,6 +34,7 @@ _MISFIT, _RING_MISFIT = (
 )  # of the usual noise; clean dots of the photographs reach 1.4, and small rings,
 # whose holes shine into the fit, 1.6
 _PALE = 0.2  # of the step; what hides part of a small dot. Rings lighten with their holes, so they may
+_USABLE = 0.1  # of the dots that are whole in the picture; what is left where fewer fit is left by chance
 _ALIKE = 0.5  # in the logarithm of the radius
 
 
@@ -73,6 +74,19 @@ def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
     InputTypeError, InputError
         `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
     """
+    found = _detect_dots(image, target)
+    return found.unusable() if found.indexed and _hardly_measured(found) else found
+
+
+def _hardly_measured(dots: PictureDots) -> bool:
+    """Tell whether hardly any of the dots that are whole in the picture could be measured."""
+    usable = int(dots.ok.sum())
+    whole = usable + sum(flag in SPOILT for flag in dots.flag)
+    return usable == 0 or usable < _USABLE * whole
+
+
+def _detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
+    """Find dots or corners, of whatever polarity."""
     grey = grey_picture(image)
     if isinstance(target, CharucoBoard):
         return detect_charuco(grey, target)

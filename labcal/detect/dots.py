@@ -23,7 +23,7 @@ class PictureDots:
     polarity : Polarity
         What the picture shows, which need not be what the target declares.
     refusal : Refusal or None
-        Why no dot has an id; None where the picture is indexed.
+        Why no dot has an id, or none is measured; None where the picture is indexed.
     index : ndarray of int, shape (n, 2)
         (col, row). Negative indices and those past the end are real where the print goes on beyond the
         declared grid; (0, 0) where `has_id` is false.
@@ -90,6 +90,19 @@ class PictureDots:
             covariance=np.full((n, 2, 2), np.nan),
             misfit=np.full(n, np.nan),
             flag=(DotFlag.NO_ID,) * n,
+        )
+
+    def unusable(self) -> "PictureDots":
+        """Return the dots as they were found, but refused: hardly any fits, the others by chance."""
+        ok = self.ok
+        return replace(
+            self,
+            refusal=Refusal.NO_USABLE_DOTS,
+            others=(),
+            position=np.where(ok[:, None], np.nan, self.position),
+            covariance=np.where(ok[:, None, None], np.nan, self.covariance),
+            misfit=np.where(ok, np.nan, self.misfit),
+            flag=tuple(DotFlag.BAD_FIT if flag is DotFlag.OK else flag for flag in self.flag),
         )
 
     @property

@@ -48,8 +48,8 @@ _HOLE_BLURS = 1.5
 _CLUTTER_SIGMAS, _CLUTTER_STEP, _CLUTTER_PX = 5.0, 0.08, 2.0
 """Clutter differs by so many standard deviations and so much of the step, away from the edge; it takes its
 neighbours with it."""
-_LEAST_BLUR = 0.2
-"""px."""
+LEAST_BLUR = 0.2
+"""px. An edge that is sharper, as where a picture was drawn without grey, has this blur."""
 _SHIFT, _REBLUR = 0.02, 0.04
 """px, and of the blur: Gauss-Newton is done after so small a step, since its next one would be about their
 product."""
@@ -230,7 +230,7 @@ def _settle(
         _reshape(state, step[2] * short, step[3] * short, step[4] * short)
         state[0] += step[0] * short
         state[1] += step[1] * short
-        state[5] = max(min(max(state[5] + step[5], 0.5 * state[5]), 2.0 * state[5]), _LEAST_BLUR)
+        state[5] = max(min(max(state[5] + step[5], 0.5 * state[5]), 2.0 * state[5]), LEAST_BLUR)
         state[6] += step[6]
         state[7] += step[7]
         for i in range(SHADING):
@@ -241,7 +241,7 @@ def _settle(
             number > 0
             and shift < _SHIFT
             and stretch * radius < 2.0 * _SHIFT
-            and abs(step[5]) < _REBLUR * state[5]
+            and (abs(step[5]) < _REBLUR * state[5] or (step[5] < 0.0 and state[5] == LEAST_BLUR))
         ):
             _write_certainty(step, work[1], system)
             return True

@@ -24,8 +24,12 @@ class DotFlag(StrEnum):
     """Looks like a dot but has no certain place in the grid."""
 
 
+SPOILT = (DotFlag.SATURATED, DotFlag.BLURRED, DotFlag.BAD_FIT)
+"""Flags of dots that are whole in the picture, but cannot be measured."""
+
+
 class Refusal(StrEnum):
-    """Why a whole picture got no ids."""
+    """Why a whole picture got no ids, or is not measured."""
 
     NO_DOTS = "no-dots"
     """Nothing in the picture looks like a dot."""
@@ -49,6 +53,8 @@ class Refusal(StrEnum):
     """Markers are seen, but not where the target has them."""
     MIRRORED = "mirrored"
     """The rings fit the target only as in a mirror."""
+    NO_USABLE_DOTS = "no-usable-dots"
+    """The grid is found, but hardly any of its dots can be measured; ids and flags say what each one is."""
     GRID_INCONSISTENT = "grid-inconsistent"
     """The dots do not lie on one smooth grid, so their ids cannot be trusted."""
 
@@ -95,6 +101,11 @@ _ADVICE = {
     Refusal.MIRRORED: (
         "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "
         "seen from its front and not in a mirror, and that it was printed without mirroring."
+    ),
+    Refusal.NO_USABLE_DOTS: (
+        "The target was found, but none of its dots, or fewer than a tenth of those in sight, can be "
+        "measured. See the dots' flags: 'cut' and 'hidden' want more of the target in sight, 'blurred' "
+        "focus, 'saturated' another exposure, 'bad-fit' a clean print that nothing covers."
     ),
     Refusal.GRID_INCONSISTENT: (
         "The dots do not lie on one smooth grid. Check that the target is in one piece and flat, and that "

@@ -10,8 +10,9 @@ from labcal.arrays import Mask, Points
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
+from labcal.evaluate.scored_views import ScoredViews, learned_views, scored_warnings
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.hull import inside_hull
@@ -43,6 +44,16 @@ class TruthErrors(ErrorStatistics):
     """Which points count, in words."""
     not_scored: int
     """Reconstructed points that do not count: trained on, outside the trained hull, or without a solution."""
+    n_ok: int
+    """How many of those that count are flagged ``ok``."""
+    views_scored: tuple[str, ...]
+    views_calibrated_on: int | None
+    """How many of these were learned from, so that errors in them are no check; None where not known."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is not as it should be, for people."""
+        return scored_warnings(self.n_ok, self.views_calibrated_on)
 
 
 def errors_against_truth(
@@ -50,10 +61,12 @@ def errors_against_truth(
     shoot: Shoot,
     detections: Detections | None,
     alignment: Alignment | None = None,
+    learned: Collection[str] | None = None,
 ) -> TruthErrors:
     """Compare points with where the dots truly were.
 
-    Where the shoot has test views at known places, only their dots within the hull of the trained dots count.
+    Where the shoot has test views at known places, only their dots within the hull of the trained dots count;
+    of a hand-held target, only views that were not learned from, where there are such.
 
     Parameters
     ----------
@@ -65,6 +78,8 @@ def errors_against_truth(
     alignment : {"none", "rigid"}, optional
         Whether to bring the points onto the truth by a rigid motion first. Where left out, only for a
         hand-held target, whose world is the first camera's frame.
+    learned : collection of str, optional
+        Names of the views that were learned from. Where left out, those to train on, if there are others.
 
     Raises
     ------
@@ -80,7 +95,8 @@ def errors_against_truth(
         )
     places = _true_places(shoot)
     true = _true_points(points.view, points.index, places)
-    counts, scored = _scored(points, true, shoot)
+    views = ScoredViews.of(points.view, learned_views(shoot, points.view) if learned is None else learned)
+    counts, scored = _scored(points, true, shoot, views)
     counts &= np.isfinite(points.point).all(axis=1) & np.isfinite(true).all(axis=1)
     if not counts.any():
         raise InputError(f"None of the {len(points)} points can be scored; {scored} would be.")
@@ -104,6 +120,9 @@ def errors_against_truth(
         alignment=alignment,
         scored=scored,
         not_scored=int((~counts).sum()),
+        n_ok=int((kept.flag == PointFlag.OK.value).sum()),
+        views_scored=tuple(dict.fromkeys(kept.view.tolist())),
+        views_calibrated_on=views.calibrated_on,
     )
 
 
@@ -146,13 +165,13 @@ def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Points:
     return np.array([places.get(key, unknown) for key in keys], dtype=np.float64).reshape(-1, 3)
 
 
-def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot) -> tuple[Mask, str]:
+def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
     """Return which points count, and that in words."""
     nominal = shoot.nominal_poses()
     tested = {view.name for view in shoot.views(Role.TEST)}
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in nominal]
     if not (tested and trained):
-        return np.ones(len(points), dtype=bool), "all points"
+        return views.holds(points.view), "points of views held out" if views.others else "all points"
     p_target = shoot.target.points()
     hull_of = np.concatenate([transform(nominal[name], p_target) for name in trained])
     of_test = np.isin(points.view, sorted(tested))

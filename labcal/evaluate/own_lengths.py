@@ -1,12 +1,14 @@
 """Errors of reconstructed points against the target's own lengths, for shoots without a truth."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.distance import pdist
 
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
+from labcal.evaluate.scored_views import ScoredViews, scored_warnings
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 
@@ -32,9 +34,21 @@ class LengthErrors:
     """NaN: points alone do not tell it; ``labcal calibrate`` does."""
     scale_ppm: float
     """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
+    n_ok: int
+    """How many of the points that count are flagged ``ok``."""
+    views_scored: tuple[str, ...]
+    views_calibrated_on: int | None
+    """How many of these were learned from, so that errors in them are no check; None where not known."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is not as it should be, for people."""
+        return scored_warnings(self.n_ok, self.views_calibrated_on)
 
 
-def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -> LengthErrors:
+def errors_of_lengths(
+    points: ReconstructedPoints, target: Target | DotPlaces, learned: Collection[str] | None = None
+) -> LengthErrors:
     """Compare the distance of every two dots of a view with their distance on the target.
 
     Parameters
@@ -43,6 +57,9 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -
     target : Target or DotPlaces
         Its dots are taken as exactly placed: where they were declared, or where they were found to be. Of
         places, only those that were found count.
+    learned : collection of str, optional
+        Names of the views that were learned from: where there are others, only these count. Where left out,
+        those that told the places.
 
     Raises
     ------
@@ -56,6 +73,9 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -
     counted = np.isfinite(points.point).all(axis=1)
     if isinstance(target, DotPlaces):
         counted &= target.freed()[numbers]
+        learned = learned or target.calibrated_on or None
+    scored = ScoredViews.of(points.view, learned)
+    counted &= scored.holds(points.view)
     measured, nominal = [], []
     for view in dict.fromkeys(points.view[counted].tolist()):
         rows = counted & (points.view == view)
@@ -73,6 +93,9 @@ def errors_of_lengths(points: ReconstructedPoints, target: Target | DotPlaces) -
         length_error_mm=LengthError(max=float(np.abs(error).max()), rms=float(np.sqrt((error**2).mean()))),
         epipolar_rms_px=float("nan"),
         scale_ppm=float(1e6 * ((lengths @ expected) / (expected @ expected) - 1.0)),
+        n_ok=int((points.flag[counted] == PointFlag.OK.value).sum()),
+        views_scored=tuple(dict.fromkeys(points.view[counted].tolist())),
+        views_calibrated_on=scored.calibrated_on,
     )
 
 

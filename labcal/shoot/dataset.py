@@ -1,6 +1,6 @@
 """A shoot on disk: pictures, and a manifest that says what they show."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +35,10 @@ class Shoot:
     def views(self, role: Role | None = None) -> tuple[ViewEntry, ...]:
         """Return the views of a role, or all."""
         return tuple(view for view in self.manifest.views if role is None or view.role is role)
+
+    def showing(self, target: AnyTarget) -> "Shoot":
+        """Return the shoot with another target in the place of the one that it says it shows."""
+        return replace(self, manifest=self.manifest.model_copy(update={"target": target}))
 
     def nominal_poses(self) -> dict[str, Pose]:
         """Return ``T_world_target_nominal`` (mm) of the views that have one."""

@@ -13,6 +13,7 @@ from labcal.solve.adjustment.rounds import Adjusted
 from labcal.solve.adjustment.state import POSE
 from labcal.solve.centre_bias import CentreBias
 from labcal.solve.freed_dots import FreedDots
+from labcal.solve.one_lens import TwoLenses
 from labcal.solve.outlying_dots import OutlyingDots
 
 UNEVEN, UNEVEN_PX = 5.0, 0.1
@@ -63,6 +64,8 @@ class CameraFit:
     """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
     noise_px: float
     """Of the dots, along each axis, by their covariances; the median."""
+    two_lenses: TwoLenses | None = None
+    """Groups of its views that were taken through different lenses; None where one lens explains all."""
 
     @property
     def uneven(self) -> bool:

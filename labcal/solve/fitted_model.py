@@ -63,6 +63,8 @@ class FittedModel:
         Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
     rehearsed : Rehearsed, optional
         How the method did on points between the trained ones; None where that could not be rehearsed.
+    warnings : tuple of str
+        What was not as it should be when it was fitted, for people; not kept in the file.
 
     Raises
     ------
@@ -76,6 +78,7 @@ class FittedModel:
     box: TrainingBox
     resected: tuple[Camera, ...] | None = None
     rehearsed: Rehearsed | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def misfit(self) -> bool:

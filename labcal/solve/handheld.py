@@ -5,7 +5,7 @@ with all views of all cameras. The first camera's frame is the world. Dots weigh
 what they scatter beyond them; what a centroid of area is off the image of the centre is taken off.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,10 +29,11 @@ from labcal.solve.lens_start import (
     start_from_pictures,
 )
 from labcal.solve.lens_support import undetermined
+from labcal.solve.one_lens import TwoLenses, two_lenses
 from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.resection.resected import MOST_OFF
 from labcal.solve.rig_start import LoneCamera, rig_start
-from labcal.solve.usable_dots import in_full_pictures, usable_dots
+from labcal.solve.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
 from labcal.targets.catalogue import AnyTarget
 
@@ -74,6 +75,7 @@ class _Alone:
     result: _Result
     lone: LoneCamera
     """What the rig's adjustment takes from it."""
+    two_lenses: TwoLenses | None = None
 
 
 @one_blas_thread()
@@ -103,13 +105,15 @@ def calibrate_handheld(
     settings = settings or HandheldSettings()
     require_adjustable(lens)
     usable = usable_dots(detections, target)
-    cameras = usable.cameras
+    cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
+    skipped = (*unmeasured_pictures(detections), *skipped)
     found = [_alone(name, entering, target, lens, settings) for name in cameras]
     while odd := _odd_pictures(found, target):
         entering, reasons = _without(odd, entering)
         skipped += reasons
         found = [_alone(name, entering, target, lens, settings) for name in cameras]
+    found = _told_apart(found, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
     observations = observations_of(entering, target, cameras, entering.views)
@@ -117,6 +121,18 @@ def calibrate_handheld(
     whole = _adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
     return _assemble(found, whole, target, entering.views, skipped)
+
+
+def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
+    """Return the cameras; raise where one has pictures, but no dot that is a measurement."""
+    for name in detections.cameras:
+        if name not in usable.cameras:
+            views = len(set(detections.view[detections.camera == name].tolist()))
+            raise InputError(
+                f"Camera '{name}' has {views} views, but not one dot with an id that is measured. See the "
+                "flags in the detections; take its pictures anew, or leave them out."
+            )
+    return usable.cameras
 
 
 def _refuse_far(whole: _Result, entering: Detections, target: AnyTarget) -> None:
@@ -142,6 +158,25 @@ def _alone(
     views = np.array([number[view] for view in dots.views], dtype=np.int64)
     end = result.adjusted.state
     return _Alone(name, dots, result, LoneCamera(name, end.cameras[0], views, end.T_world_target))
+
+
+def _told_apart(found: list[_Alone], target: AnyTarget, settings: HandheldSettings) -> list[_Alone]:
+    """Return the cameras with the groups of their views that were taken through different lenses."""
+    if settings.lenses is Lenses.FIXED:
+        return found
+    return [
+        replace(
+            alone,
+            two_lenses=two_lenses(
+                alone.result.adjusted,
+                alone.result.observations,
+                alone.dots.views,
+                target,
+                settings.bias_rounds,
+            ),
+        )
+        for alone in found
+    ]
 
 
 def _odd_pictures(found: list[_Alone], target: AnyTarget) -> list[OddPicture]:
@@ -222,6 +257,7 @@ def _assemble(
             undetermined=undetermined(result.adjusted, result.observations),
             open_lens=result.adjusted.prior_width is PriorWidth.NARROW,
             noise_px=float(np.sqrt(np.median(np.trace(alone.dots.covariance, axis1=1, axis2=2)) / 2.0)),
+            two_lenses=alone.two_lenses,
         )
     names = tuple(alone.name for alone in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)

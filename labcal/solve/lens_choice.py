@@ -6,16 +6,20 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.arrays import Points
 from labcal.correspond.detections import Detections, joined
 from labcal.errors import InputError
 from labcal.run.progress import Progress
+from labcal.solve.adjustment.free_dots import adjust_dots
 from labcal.solve.adjustment.observations import Observations, observations_of
 from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.solve.adjustment.state import Freedom, Lenses, RigState
 from labcal.solve.blas_threads import one_blas_thread
+from labcal.solve.freed_dots import FreedDots
+from labcal.solve.handheld import HandheldSettings
 from labcal.solve.lens_start import LensStart, start_from_camera, start_from_pictures
 from labcal.solve.lens_support import undetermined
-from labcal.solve.usable_dots import in_full_pictures, usable_dots
+from labcal.solve.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
 from labcal.targets.catalogue import AnyTarget
 
 CANDIDATES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "fisheye-kb4")
@@ -58,21 +62,22 @@ class LensChoice:
 
 @one_blas_thread()
 def choose_lens(
-    detections: Detections, target: AnyTarget, bias_rounds: int, progress: Progress
+    detections: Detections, target: AnyTarget, settings: HandheldSettings, progress: Progress
 ) -> LensChoice:
-    """Try lens models on views that they were not fitted to, each camera alone.
+    """Try lens models on views that they were not fitted to, each camera alone, as it will be calibrated.
 
     Views are split into :data:`FOLDS` parts, each of which is held out once: only its poses are estimated,
-    with the lens that the other views give. Of the models that chance does not tell from the best (by one
-    standard error of the difference, picture by picture) the first of :data:`CANDIDATES` is chosen.
+    with the lens, and where dots are freed with their places on the print, that the other views give. Of the
+    models that chance does not tell from the best (by one standard error of the difference, picture by
+    picture) the first of :data:`CANDIDATES` is chosen.
 
     Parameters
     ----------
     detections : Detections
         Only dots flagged ``ok`` enter.
     target : AnyTarget
-    bias_rounds : int
-        How often centroid minus centre is predicted.
+    settings : HandheldSettings
+        Of the calibration to come; lenses are free, and the rig to start from does not count.
     progress : Progress
 
     Raises
@@ -97,7 +102,7 @@ def choose_lens(
     for lens in lenses:
         try:
             squares[lens] = np.concatenate(
-                [_held_out(pictures, target, lens, bias_rounds) for pictures in cameras]
+                [_held_out(pictures, target, lens, settings) for pictures in cameras]
             )
         except InputError as error:
             refused[lens] = str(error)
@@ -123,27 +128,30 @@ def _trial(
 
 
 def _held_out(
-    pictures: Sequence[Detections], target: AnyTarget, lens: str, bias_rounds: int
+    pictures: Sequence[Detections], target: AnyTarget, lens: str, settings: HandheldSettings
 ) -> Float64[np.ndarray, " pictures"]:
     """Return the mean square residual of every picture of one camera when it was held out, px squared.
 
     Raises
     ------
     InputError
-        The other views determine no camera, or leave coefficients of the lens open.
+        The other views determine no camera, leave coefficients of the lens open, or cannot free the dots.
     """
-    squares = []
+    squares, rounds = [], settings.bias_rounds
     for fold in range(FOLDS):
         held = list(pictures[fold::FOLDS])
         others = [picture for number, picture in enumerate(pictures) if number % FOLDS != fold]
         learned = _Problem.of(others, target)
-        fitted = learned.adjusted(start_from_pictures(others, target, lens), Lenses.FREE, bias_rounds)
-        left_open = undetermined(fitted, learned.observations)
+        fitted = learned.adjusted(start_from_pictures(others, target, lens), Lenses.FREE, rounds)
+        entered, judged = learned.observations, _Problem.of(held, target)
+        if settings.free_dots:
+            free = adjust_dots(fitted, entered, target, Lenses.FREE, rounds)
+            fitted, entered, judged = free.adjusted, free.observations, judged.at(free.dots)
+        left_open = undetermined(fitted, entered)
         if left_open:
             raise InputError(f"The views do not determine its coefficients {', '.join(left_open)}.")
         known = start_from_camera(held, target, fitted.state.cameras[0])
-        judged = _Problem.of(held, target)
-        squares.append(judged.squares(judged.adjusted(known, Lenses.FIXED, bias_rounds)))
+        squares.append(judged.squares(judged.adjusted(known, Lenses.FIXED, rounds)))
     return np.concatenate(squares)
 
 
@@ -153,16 +161,32 @@ class _Problem:
 
     observations: Observations
     target: AnyTarget
+    dots: Points
+    """Where they are on the print, mm."""
 
     @classmethod
     def of(cls, pictures: Sequence[Detections], target: AnyTarget) -> "_Problem":
         """Return them as numbers."""
         dots = joined(pictures)
-        return cls(observations_of(dots, target, dots.cameras, dots.views), target)
+        return cls(observations_of(dots, target, dots.cameras, dots.views), target, target.points())
+
+    def at(self, freed: FreedDots) -> "_Problem":
+        """Return the same pictures of dots that were found elsewhere; only those count.
+
+        Raises
+        ------
+        InputError
+            A picture has too few of them.
+        """
+        observations = self.observations.where(freed.freed[self.observations.dot])
+        views = len({picture.view for picture in self.observations.pictures})
+        if np.bincount(observations.view, minlength=views).min() < MIN_DOTS:
+            raise InputError("Views that are held out show too few dots that the others do.")
+        return _Problem(observations, self.target, freed.place)
 
     def adjusted(self, start: LensStart, lenses: Lenses, bias_rounds: int) -> Adjusted:
         """Adjust from a start."""
-        state = RigState((start.camera,), start.T_cam_target, self.target.points())
+        state = RigState((start.camera,), start.T_cam_target, self.dots)
         freedom = Freedom(lenses, np.zeros((3 * self.target.count, 0)))
         radii = 0.5 * self.target.outer_diameters_mm()
         return adjust_in_rounds(state, self.observations, freedom, radii, bias_rounds)

@@ -41,6 +41,8 @@ class Reconstruction:
     miss_px: float | None
     """By how much the rays of a dot miss each other, the median; infinite where they meet nowhere; None where
     the model has no cameras."""
+    warnings: tuple[str, ...] = ()
+    """What is not as it should be, for people."""
 
 
 def reconstruct_points(

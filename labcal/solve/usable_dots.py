@@ -1,5 +1,7 @@
 """Which detections enter a calibration, and what must not be among them."""
 
+from collections import Counter
+
 import numpy as np
 
 from labcal.correspond.detections import Detections
@@ -24,6 +26,21 @@ def usable_dots(detections: Detections, target: Target) -> Detections:
         raise InputError("There are no dots with ids to calibrate with. See the flags in the detections.")
     require_on_target(usable, target)
     return usable
+
+
+def unmeasured_pictures(detections: Detections) -> tuple[str, ...]:
+    """Return which pictures have no dot that is a measurement, and what their dots are, for people."""
+    pictures = np.stack([detections.camera_number, detections.view_number], axis=1)
+    measured = {tuple(picture) for picture in pictures[detections.ok].tolist()}
+    flags: dict[tuple[int, int], Counter[str]] = {}
+    for picture, flag in zip(map(tuple, pictures.tolist()), detections.flag.tolist(), strict=True):
+        if picture not in measured:
+            flags.setdefault(picture, Counter())[flag] += 1
+    return tuple(
+        f"view '{detections.views[view]}' of camera '{detections.cameras[camera]}': none of its dots is "
+        f"measured ({', '.join(f'{count} {flag}' for flag, count in sorted(found.items()))})"
+        for (camera, view), found in flags.items()
+    )
 
 
 def in_full_pictures(usable: Detections) -> tuple[Detections, tuple[str, ...]]:

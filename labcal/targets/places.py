@@ -1,11 +1,12 @@
 """Where the dots of one copy of a target really are: the file of ``labcal calibrate --free-dots``."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float64
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_validator
 
 from labcal.arrays import Points
 from labcal.bounds import MOST_MM, Millimetres
@@ -49,6 +50,12 @@ class DotPlaces(BaseModel):
     format_version: Literal[1] = 1
     target: AnyTarget
     dots: tuple[DotPlace, ...]
+    calibrated_on: tuple[str, ...] = ()
+    """Names of the views that tell the places: lengths in these are no check of it."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if key != "calibrated_on" or value}
 
     @model_validator(mode="after")
     def _every_dot_once(self) -> "DotPlaces":

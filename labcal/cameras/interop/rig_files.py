@@ -194,7 +194,7 @@ def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
     """
     for name in names:
         rig.camera(name)
-    return Rig(cameras={name: rig.cameras[name] for name in names})
+    return rig.model_copy(update={"cameras": {name: rig.cameras[name] for name in names}})
 
 
 def _folder(path: Path, chosen: RigFormat, texts: RigTexts) -> dict[str, str] | None:

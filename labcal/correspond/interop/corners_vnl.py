@@ -21,7 +21,7 @@ from jaxtyping import Float64
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
 from labcal.correspond.sense import measured_soundly
-from labcal.correspond.sources import Source, loose_source
+from labcal.correspond.sources import Source, loose_source, refuse_unnamed_cameras
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.run.claims import FileKind
@@ -155,6 +155,7 @@ def read_corners(
         notes = (told,)
     else:
         parts = [_turned_over(part, target) for part in parts]
+    refuse_unnamed_cameras(list(images), endings)
     sources = _sources(list(images), endings, path)
     n = target.count
     xyw = np.concatenate(parts)

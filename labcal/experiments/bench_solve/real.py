@@ -18,8 +18,8 @@ from labcal.solve.fitted_model import FittedModel
 from labcal.solve.handheld import calibrate_handheld
 from labcal.solve.handheld_training import handheld_training
 from labcal.solve.registry import make_estimator
+from labcal.solve.taught import teach
 from labcal.targets.catalogue import AnyTarget, load_target
-from labcal.workflow import fit
 
 LENS = "brown-k1k2"
 RENDERED, RENDERED_TARGET, RENDERED_PICTURES = "rendered_black", "rings-14x10", 20
@@ -61,7 +61,7 @@ def real_findings(bench: Bench) -> Findings:
         found, places = print_and_rig(learned, target, LENS)
         training = handheld_training(found, learned, target).data
         models: dict[str, Rig | FittedModel] = {"rig": found.rig}
-        models |= {method: fit(training, make_estimator(method)) for method in TAUGHT}
+        models |= {method: teach(training, make_estimator(method)) for method in TAUGHT}
         for name, model in models.items():
             lengths = lengths_elsewhere(model, places, others, target).length_error_mm
             what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal.detect import detector
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal, advice
@@ -255,3 +256,18 @@ def test_what_a_rod_covers_or_touches_is_not_measured(make_board: MakeBoard, gre
     dots = detect_dots(as_bytes(picture), TARGET)
     assert check(board, dots, 0.12) > 95
     assert np.nanmax(dots.misfit) < 1.6
+
+
+@pytest.mark.parametrize(("measured", "refused"), [(0, True), (3, True), (20, False)])
+def test_a_picture_with_hardly_a_measured_dot_is_refused_by_name(
+    make_board: MakeBoard, monkeypatch: pytest.MonkeyPatch, measured: int, *, refused: bool
+) -> None:
+    clean = detect_dots(as_bytes(make_board(TARGET, **WHOLE).draw()), TARGET)
+    flags = tuple(DotFlag.BAD_FIT if i >= measured else flag for i, flag in enumerate(clean.flag))
+    monkeypatch.setattr(detector, "_detect_dots", lambda *_: replace(clean, flag=flags))
+    found = detect_dots(as_bytes(np.zeros((9, 9))), TARGET)
+    assert found.indexed is not refused
+    assert (found.refusal is Refusal.NO_USABLE_DOTS) is refused
+    assert found.ok.sum() == (0 if refused else measured)
+    assert np.isnan(found.position[~found.ok & found.has_id]).all() or not refused
+    np.testing.assert_array_equal(found.index, clean.index)  # what each dot is stays told

@@ -140,3 +140,18 @@ def test_dots_in_one_light_are_measured_better_and_those_that_are_not_say_so(own
     # By itself a dot is known to 0.0045 px.
     rms = np.sqrt((errors**2).mean())
     assert (0.003 < rms < 0.004) if own_slope == 0.0 else (0.004 < rms < 0.005)
+
+
+@pytest.mark.parametrize("radius", [8.0, 20.0])
+def test_an_outline_in_steps_is_measured_as_well_as_it_says(radius: float) -> None:
+    rng, normed = np.random.default_rng(5), []
+    for _ in range(150):
+        centre = radius + 13 + rng.uniform(-0.5, 0.5, 2)
+        side = int(2 * radius + 26)
+        x, y = np.meshgrid(np.arange(side), np.arange(side))
+        hard = np.where((x - centre[0]) ** 2 + (y - centre[1]) ** 2 < radius**2, 40.0, 225.0)
+        found = fit(hard + rng.normal(0, 1.0, hard.shape), centre + rng.uniform(-0.3, 0.3, 2), radius)
+        if found.ok[0]:
+            normed.append(np.linalg.solve(np.linalg.cholesky(found.covariance[0]), found.centre[0] - centre))
+    assert len(normed) > 0.9 * 150
+    assert 0.6 < np.mean(np.array(normed) ** 2) < 1.5

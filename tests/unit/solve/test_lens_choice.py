@@ -10,6 +10,7 @@ from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.run.progress import NoProgress
+from labcal.solve import lens_choice
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.solve.lens_choice import LensChoice, choose_lens
 from labcal.targets.grid import DotGrid
@@ -34,7 +35,7 @@ def measured(
 
 
 def chosen(detections: Detections, grid: DotGrid) -> LensChoice:
-    return choose_lens(detections, grid, 0, NoProgress())
+    return choose_lens(detections, grid, HandheldSettings(bias_rounds=0), NoProgress())
 
 
 @pytest.mark.parametrize(
@@ -74,7 +75,9 @@ def test_a_fisheye_is_told_from_a_lens_that_is_none(centroids: See, grid: DotGri
         poses[f"pose-{number}"] = T
     exact = centroids({"only": true}, grid, poses)
     noise = 0.03 * random.normal(size=exact.position.shape)
-    choice = choose_lens(replace(exact, position=exact.position + noise), grid, 1, NoProgress())
+    choice = choose_lens(
+        replace(exact, position=exact.position + noise), grid, HandheldSettings(bias_rounds=1), NoProgress()
+    )
     assert choice.lens == "fisheye-kb4"
     simple = {trial.lens: trial for trial in choice.trials}["brown-k1k2"]
     assert not simple.as_good
@@ -93,3 +96,29 @@ def test_few_views_choose_nothing(measured: Callable[..., Detections], grid: Dot
     dots = measured("pinhole", [0.0, 0.0, 0.0, 0.0, 0.0])
     with pytest.raises(InputError, match="4 usable views, but to choose a lens model needs 5"):
         chosen(dots.where(np.isin(dots.view, [f"pose-{number}" for number in range(4)])), grid)
+
+
+def test_lenses_are_compared_with_free_dots_where_these_will_be_freed(
+    measured: Callable[..., Detections],
+    grid: DotGrid,
+    poses: dict[str, np.ndarray],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lens_choice, "CANDIDATES", ("pinhole", "brown-k1k2"))
+    dots = measured("brown-k1k2", [-0.3, 0.09, 0.0, 0.0, 0.0])
+    off = 0.2 * np.random.default_rng(4).normal(size=(grid.count, 2))  # mm on the print, about 0.5 px
+    number = dots.index[:, 1] * grid.cols + dots.index[:, 0]
+    scale = 700.0 / np.array([T[2, 3] for T in poses.values()]).mean()
+    shift = np.zeros_like(dots.position)
+    for view, T in poses.items():
+        rows = dots.view == view
+        shift[rows] = scale * off[number[rows]] @ T[:2, :2].T
+    uneven = replace(dots, position=dots.position + shift)
+    held, freed = (
+        choose_lens(uneven, grid, HandheldSettings(bias_rounds=0, free_dots=free), NoProgress())
+        for free in (False, True)
+    )
+    flat = {trial.lens: trial.held_out_px for trial in held.trials}
+    free = {trial.lens: trial.held_out_px for trial in freed.trials}
+    assert freed.lens == "brown-k1k2"
+    assert free["brown-k1k2"] < 0.5 * flat["brown-k1k2"]

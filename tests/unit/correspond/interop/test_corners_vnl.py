@@ -280,3 +280,12 @@ def test_mrcal_calibrates_what_is_exported(
     for found, camera in zip(read.rig.cameras, pair.values(), strict=True):
         np.testing.assert_allclose(read.rig.camera(found).K, camera.K, atol=0.05)
         np.testing.assert_allclose(read.rig.camera(found).T_cam_world, camera.T_cam_world, atol=0.05)
+
+
+def test_images_that_pair_up_are_not_taken_for_one_camera(
+    seen: Detections, square: DotGrid, tmp_path: Path
+) -> None:
+    path = tmp_path / "corners.vnl"
+    path.write_text(corners_text(seen, square).text)
+    with pytest.raises(InputError, match=r"names tell of 2 cameras .*--cameras"):
+        read_corners(path, square, {}, lambda _: (640, 480))

@@ -1,0 +1,66 @@
+"""Parts and patterns of picture names; a pattern, as ``--cameras`` takes it, tells camera and view."""
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+ANY = "*"
+"""In a pattern: whatever the view is called. Alone it says that all pictures are of one camera."""
+_PART = re.compile(
+    r"(?P<moment>\d{4}([-_.])\d\d\2\d\d(?:[-_.T ]+\d\d([-_.h]?)\d\d(?:\3\d\d)?)?(?!\d)"
+    r"|\d\d([-_.])\d\d\4\d\d(?!\d))"
+    r"|(?P<number>\d+)|(?P<word>[^\W\d_]+)|(?P<between>[\W_]+)"
+)
+
+
+@dataclass(frozen=True)
+class NameParts:
+    """A picture's name in parts, from where the paths of all pictures begin to differ."""
+
+    image: str
+    """The path as given."""
+    kinds: tuple[str, ...]
+    """Of each part: ``folder``, ``word``, ``number``, ``moment`` (a date or time) or ``between``."""
+    parts: tuple[str, ...]
+
+
+def name_parts(images: Sequence[str]) -> list[NameParts]:
+    """Return the parts of every picture's name, without its suffix."""
+    paths = [Path(os.path.abspath(image)).with_suffix("") for image in images]  # noqa: PTH100 -- as in view_in
+    home = Path(os.path.commonpath([path.parent for path in paths])) if paths else Path()
+    found = []
+    for image, path in zip(images, paths, strict=True):
+        *folders, stem = path.relative_to(home).parts
+        parts = [part for folder in folders for part in (("folder", folder), ("between", "/"))]
+        parts += [(str(part.lastgroup), part.group()) for part in _PART.finditer(stem)]
+        found.append(NameParts(image, tuple(kind for kind, _ in parts), tuple(text for _, text in parts)))
+    return found
+
+
+def view_in(name: str, pattern: str) -> str | None:
+    """Return the view that a picture's name tells where it fits a pattern, else None.
+
+    Parameters
+    ----------
+    name : str
+        Path of the picture.
+    pattern : str
+        The end of its name without suffix, or with ``*`` for whatever the view is called: ``left*``,
+        ``*_camA_*``; with a slash it is the end of the path: ``LEFT/*``.
+    """
+    path = Path(os.path.abspath(name)).with_suffix("").as_posix()  # noqa: PTH100 -- links stay as they are
+    stem = path.rpartition("/")[2]
+    if ANY not in pattern:
+        return stem.removesuffix(pattern) if stem.endswith(pattern) and stem != pattern else None
+    text, start = (path, r"(?:.*/)?") if "/" in pattern else (stem, "")
+    found = re.fullmatch(start + "(.*)".join(map(re.escape, pattern.split(ANY))), text)
+    view = "" if found is None else "-".join(filter(None, found.groups())).replace("/", "-").strip("-_ .")
+    return (stem if pattern == ANY else view) or None
+
+
+def best_pattern(name: str, patterns: Mapping[str, str]) -> str | None:
+    """Return the pattern that a picture's name fits, that with most letters of its own; None for none."""
+    fitting = [pattern for pattern in patterns if view_in(name, pattern) is not None]
+    return max(fitting, key=lambda pattern: len(pattern.replace(ANY, "")), default=None)

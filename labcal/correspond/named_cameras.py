@@ -1,0 +1,242 @@
+"""Which cameras the names of loose pictures tell of: two cameras are never taken for one in silence.
+
+A name is split into parts: folders, words, numbers, dates and times, what stands between. Pictures of
+several cameras differ in one part that takes every value in every view; those of one camera count on.
+"""
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+from labcal.correspond.name_patterns import ANY, NameParts, best_pattern, name_parts, view_in
+from labcal.run.names import is_name
+
+_SIDES = ({"left", "right"}, {"l", "r"}, {"links", "rechts"}, {"gauche", "droite"}, {"lft", "rgt"})
+_SIDE_NAMES = {"left": "left", "l": "left", "right": "right", "r": "right"}
+_CAMERA = {"cam", "cams", "camera", "cameras", "kamera", "sensor", "eye"}
+_NO_CAMERA = {
+    "x", "y", "z", "row", "col", "column", "tilt", "pan", "yaw", "pitch", "roll", "angle", "deg", "pos",
+    "position", "view", "pose", "frame", "img", "image", "pic", "picture", "photo", "shot", "set", "series",
+    "session", "take", "run", "day", "exp", "exposure", "gain", "part", "plane", "height",
+}  # fmt: skip
+"""Words before a number that does not count cameras."""
+_MOST_CAMERAS = 8
+_SERIAL_DIGITS = 5
+_FULL, _FULL_VIEWS = 0.8, 3
+"""Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
+end of the names is the camera's."""
+
+
+@dataclass(frozen=True)
+class NamedCameras:
+    """Cameras that names tell of.
+
+    Attributes
+    ----------
+    option : str or None
+        What tells them apart, as ``--cameras`` takes it; None where the names give the views no name.
+    pictures : tuple of str
+        One picture of every camera.
+    """
+
+    option: str | None
+    pictures: tuple[str, ...]
+
+    def words(self) -> str:
+        """Return what the names look like and what to do about it, for people."""
+        first, *others = (Path(picture) for picture in self.pictures)
+        shown = [str(Path(path.parent.name) / path.name) for path in (first, *others)]
+        apart = (
+            "Name the views, too, as in left1.png and right1.png"
+            if self.option is None
+            else f"Tell them apart: --cameras '{self.option}'"
+        )
+        return (
+            f"The pictures' names tell of {len(shown)} cameras ({', '.join(shown)} ...), and cameras "
+            f"measured as one give wrong numbers. {apart}; or say that one camera took them all: --cameras "
+            f"'{ANY}=camera'."
+        )
+
+
+def named_cameras(images: Sequence[str]) -> NamedCameras | None:
+    """Return the cameras that the names of pictures tell of; None where they may be one camera's.
+
+    Names tell of cameras where they differ in a side (left and right) or in the number or letter of what is
+    called a camera, or where one part of them takes two values or more and crosses completely with the rest.
+    """
+    alike: dict[tuple[str, ...], list[NameParts]] = defaultdict(list)
+    for name in name_parts(images):
+        alike[name.kinds].append(name)
+    for kinds, splits in sorted(alike.items(), key=lambda item: -len(item[1])):
+        if found := _Names(kinds, tuple(splits)).cameras():
+            return found
+    return None
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Pictures whose names are built alike."""
+
+    kinds: tuple[str, ...]
+    splits: tuple[NameParts, ...]
+
+    def cameras(self) -> NamedCameras | None:
+        """Return the cameras that these names tell of."""
+        told = [places for places in self._together() if self._tells(places)]
+        if not told:
+            return None
+        places = min(told, key=self._doubt)
+        values = self._values(places)
+        pictures = [
+            next(split.image for split in self.splits if self._at(split, places) == value) for value in values
+        ]
+        return NamedCameras(self._option(places), tuple(pictures))
+
+    def _doubt(self, places: tuple[int, ...]) -> tuple[bool, int, int]:
+        """Return what to order places by: the likeliest to tell the camera comes first."""
+        return (not self._is_named(places), len(self._values(places)), -places[-1])
+
+    def _together(self) -> list[tuple[int, ...]]:
+        """Return the places at which names differ; those that change together in one."""
+        changing: dict[tuple[int, ...], list[int]] = defaultdict(list)
+        for place in range(len(self.kinds)):
+            texts = [split.parts[place] for split in self.splits]
+            order = {text: number for number, text in enumerate(dict.fromkeys(texts))}
+            if len(order) > 1:
+                changing[tuple(order[text] for text in texts)].append(place)
+        return [tuple(places) for places in changing.values()]
+
+    def _at(self, split: NameParts, places: Sequence[int]) -> tuple[str, ...]:
+        return tuple(split.parts[place] for place in places)
+
+    def _values(self, places: tuple[int, ...]) -> list[tuple[str, ...]]:
+        return sorted({self._at(split, places) for split in self.splits})
+
+    def _tells(self, places: tuple[int, ...]) -> bool:
+        """Tell whether what stands at places is which camera it is."""
+        if len(self._values(places)) > _MOST_CAMERAS:
+            return False
+        return self._is_named(places) or (self._may_number(places) and self._crosses(places))
+
+    def _is_named(self, places: tuple[int, ...]) -> bool:
+        """Tell whether the parts are sides, or numbers or letters of what is called a camera."""
+        often = Counter(self._at(split, places) for split in self.splits)
+        for place in places:
+            texts = {split.parts[place].casefold() for split in self.splits}
+            common = _common_start(texts)
+            if any(_without(start, texts) in _SIDES for start in ("", common)):
+                return True
+            before = {common.rstrip("-_ .0"), self._word_before(place)}
+            if before & _CAMERA and min(often.values()) > 1 and self.kinds[place] != "moment":
+                return True
+        return False
+
+    def _word_before(self, place: int) -> str:
+        """Return the word that stands before a part, where it is the same in all names."""
+        before = place - 1
+        if before >= 0 and self.kinds[before] == "between":
+            before -= 1
+        if before < 0 or self.kinds[before] != "word":
+            return ""
+        words = {split.parts[before].casefold() for split in self.splits}
+        return words.pop() if len(words) == 1 else ""
+
+    def _may_number(self, places: tuple[int, ...]) -> bool:
+        """Tell whether the parts could be what cameras are called: not a time, an exposure or a row."""
+        return any(self.kinds[place] in ("folder", "word") for place in places) or any(
+            self.kinds[place] == "number"
+            and self._word_before(place) not in _NO_CAMERA
+            and _counts([split.parts[place] for split in self.splits])
+            for place in places
+        )
+
+    def _crosses(self, places: tuple[int, ...]) -> bool:
+        """Tell whether every view has every camera, or nearly so where the name ends with the camera's."""
+        rest = [place for place in range(len(self.kinds)) if place not in places]
+        views = Counter(self._at(split, rest) for split in self.splits)
+        cameras = len(self._values(places))
+        whole = sum(count == cameras for count in views.values())
+        if len(views) < max(2, cameras):
+            return False
+        if whole == len(views):
+            return True
+        last = places[-1] == len(self.kinds) - 1 and all(len(split.parts[-1]) == 1 for split in self.splits)
+        return last and whole >= _FULL_VIEWS and len(self.splits) >= _FULL * cameras * len(views)
+
+    def _option(self, places: tuple[int, ...]) -> str | None:
+        """Return what ``--cameras`` takes to tell the cameras apart."""
+        values = self._values(places)
+        for pattern_of in (self._short, self._long):
+            patterns = {pattern_of(value, places): _camera(value) for value in values}
+            plain = not any(mark in pattern for pattern in patterns for mark in ",=")
+            if (
+                plain
+                and len(set(patterns.values())) == len(values) == len(patterns)
+                and self._holds(patterns)
+            ):
+                return ",".join(f"{pattern}={camera}" for pattern, camera in patterns.items())
+        return None
+
+    def _holds(self, patterns: Mapping[str, str]) -> bool:
+        """Tell whether patterns give every picture a place of its own, and use all patterns."""
+        best = [best_pattern(split.image, patterns) for split in self.splits]
+        views = {(p, view_in(s.image, p)) for p, s in zip(best, self.splits, strict=True) if p is not None}
+        return len(views) == len(self.splits) and len(set(best)) == len(patterns)
+
+    def _short(self, value: tuple[str, ...], places: tuple[int, ...]) -> str:
+        """Return the beginning or the end of the name, where the camera is told there alone."""
+        first, last = places[0], places[-1]
+        if len(self.kinds) == 1:
+            return self._long(value, places)
+        if len(places) == 1 and last == len(self.kinds) - 1:
+            called = self.kinds[max(last - 2, 0) : last] == ("between", "word")
+            return (self._constant(last - 2) if called else "") + self._constant(last - 1) + value[0]
+        if len(places) == 1 and first == 0:
+            return value[0] + (self._constant(1) if self.kinds[1] == "between" else "") + ANY
+        return self._long(value, places)
+
+    def _constant(self, place: int) -> str:
+        """Return what stands at a place, where that is the same in all names."""
+        if not (0 <= place < len(self.kinds) and self.kinds[place] in ("between", "word")):
+            return ""
+        texts = {split.parts[place] for split in self.splits}
+        return texts.pop() if len(texts) == 1 else ""
+
+    def _long(self, value: tuple[str, ...], places: tuple[int, ...]) -> str:
+        """Return the whole name with stars for what changes from view to view."""
+        told = dict(zip(places, value, strict=True))
+        texts = []
+        for place in range(len(self.kinds)):
+            found = {split.parts[place] for split in self.splits}
+            texts.append(told.get(place, next(iter(found)) if len(found) == 1 else ANY))
+        return "".join(
+            ANY if star else "".join(run) for star, run in groupby(texts, lambda text: text == ANY)
+        )
+
+
+def _common_start(texts: set[str]) -> str:
+    """Return what all texts begin with."""
+    first, last = min(texts), max(texts)
+    return first[: next((n for n, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))]
+
+
+def _without(start: str, texts: set[str]) -> set[str]:
+    """Return texts without what they begin with."""
+    return {text.removeprefix(start) for text in texts}
+
+
+def _counts(texts: Sequence[str]) -> bool:
+    """Tell whether numbers are 0, 1, 2 ... or 1, 2 ..., or serial numbers."""
+    values = sorted({int(text) for text in texts})
+    serial = min(map(len, texts)) >= _SERIAL_DIGITS
+    return serial or (values[0] in (0, 1) and values == list(range(values[0], values[0] + len(values))))
+
+
+def _camera(value: tuple[str, ...]) -> str:
+    """Return the name of a camera from how the pictures call it."""
+    text = re.sub(r"[^A-Za-z0-9]+", "-", value[0]).strip("-")
+    text = _SIDE_NAMES.get(text.casefold(), text)
+    return f"cam{text}" if text.isdecimal() or not is_name(text) else text

@@ -1,0 +1,82 @@
+"""Which views are scored: those that the cameras or the method did not learn from, where there are such."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.arrays import Mask
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+
+
+@dataclass(frozen=True)
+class ScoredViews:
+    """The views of points that count.
+
+    Attributes
+    ----------
+    views : tuple of str
+        Those that count.
+    calibrated_on : int or None
+        How many of these the cameras or the method learned from; None where that is not known.
+    others : int
+        Views that do not count, since they were learned from.
+    """
+
+    views: tuple[str, ...]
+    calibrated_on: int | None
+    others: int
+
+    @classmethod
+    def of(cls, view: np.ndarray, learned: Collection[str] | None) -> "ScoredViews":
+        """Return which views of points count.
+
+        Parameters
+        ----------
+        view : ndarray of str, shape (n,)
+            Of every point.
+        learned : collection of str or None
+            Names of the views that were learned from; None where that is not known.
+        """
+        views = tuple(dict.fromkeys(view.tolist()))
+        if learned is None:
+            return cls(views, None, 0)
+        new = tuple(name for name in views if name not in learned)
+        return cls(new, 0, len(views) - len(new)) if new else cls(views, len(views), 0)
+
+    def holds(self, view: np.ndarray) -> Mask:
+        """Return which points are in views that count."""
+        return np.isin(view, self.views)
+
+
+def learned_views(shoot: Shoot, view: np.ndarray) -> Collection[str] | None:
+    """Return the views that a calibration learns from; None where the points are of none to test on."""
+    tested = {entry.name for entry in shoot.views(Role.TEST)}
+    if not tested & set(view.tolist()):
+        return None
+    return {entry.name for entry in shoot.views(Role.TRAIN)}
+
+
+def scored_words(scored: int, calibrated_on: int | None) -> str:
+    """Return which views are scored, for people: how many, and how many of these were learned from."""
+    views = f"{scored} view{'' if scored == 1 else 's'}"
+    if calibrated_on is None:
+        return f"{views}; not known which of them were calibrated from (--rig tells)"
+    if calibrated_on:
+        return f"{views}, all of them calibrated from: circular, no check of how right the points are"
+    return f"{views} held out from the calibration"
+
+
+def scored_warnings(n_ok: int, calibrated_on: int | None) -> tuple[str, ...]:
+    """Return what a person who is told errors should not miss."""
+    warnings = []
+    if calibrated_on:
+        warnings.append(
+            "these figures are circular: by their names, all views that are scored are views that the "
+            "cameras were calibrated from. They tell how well the calibration repeats itself, not how right "
+            "it is. Score other views: 'labcal calibrate --hold-out 2' keeps two for that."
+        )
+    if n_ok == 0:
+        warnings.append("not one of the points that are scored is flagged 'ok'")
+    return tuple(warnings)

@@ -1,0 +1,125 @@
+import itertools
+from pathlib import Path
+
+import pytest
+
+from labcal.correspond.name_patterns import view_in
+from labcal.correspond.named_cameras import named_cameras
+from labcal.correspond.sources import loose_source, loose_sources, parse_camera_endings
+from labcal.errors import InputError
+
+
+def crossed(pattern: str, cameras: tuple[str, ...], views: int = 6) -> list[str]:
+    return [pattern.format(c=camera, n=view) for view, camera in itertools.product(range(views), cameras)]
+
+
+PAIRED = {
+    "folders": (crossed("{c}/{n:02d}.png", ("LEFT", "RIGHT")), "LEFT/*=left,RIGHT/*=right"),
+    "prefixes": (crossed("{c}{n:02d}.png", ("left", "right")), "left*=left,right*=right"),
+    "infix": (
+        crossed("shot_{n:02d}_{c}_x.png", ("camA", "camB")),
+        "shot_*_camA_x=camA,shot_*_camB_x=camB",
+    ),
+    "hyphen": (crossed("{n:02d}-cam{c}.png", ("0", "1")), "-cam0=cam0,-cam1=cam1"),
+    "endings": (crossed("CalB-sys2-{n:04d}_{c}.jpeg", ("0", "1")), "_0=cam0,_1=cam1"),
+    "three": (crossed("view{n}_cam{c}.png", ("0", "1", "2")), "_cam0=cam0,_cam1=cam1,_cam2=cam2"),
+    "letters": (crossed("{n:03d}{c}.png", ("L", "R")), "L=left,R=right"),
+    "serials": (
+        crossed("{c}_{n:04d}.tif", ("22534567", "22534571")),
+        "22534567_*=cam22534567,22534571_*=cam22534571",
+    ),
+    "folder and name": (
+        [f"{side}/{side}{n:02d}.png" for side in ("left", "right") for n in range(5)],
+        "left/left*=left,right/right*=right",
+    ),
+    "folders below": (crossed("{c}/data/{n}.png", ("cam0", "cam1")), "cam0/*=cam0,cam1/*=cam1"),
+    "a folder a view": (crossed("scene{n}/im{c}.png", ("0", "1")), "*/im0=cam0,*/im1=cam1"),
+    "words": (crossed("{c}_{n:04d}.png", ("master", "slave")), "master_*=master,slave_*=slave"),
+    "one picture lost": (crossed("{n:04d}_{c}.png", ("0", "1"))[:-1], "_0=cam0,_1=cam1"),
+    "right ones lost": (crossed("{c}{n:02d}.png", ("left", "right"))[:-3], "left*=left,right*=right"),
+}
+
+ONE_CAMERA = {
+    "a digital camera's": [f"IMG_{n}.JPG" for n in range(2034, 2046)],
+    "counted": [f"img_{n:04d}.png" for n in range(1, 13)],
+    "frames": [f"frame-{n:03d}.png" for n in range(12)],
+    "without a sign": [f"DSC0{n:04d}.JPG" for n in range(98, 107)],
+    "moments": [f"2026-11-26_10{n:02d}{7 * n % 60:02d}.png" for n in range(12)],
+    "every half minute": [f"2026-11-26_10-{n // 2:02d}-{30 * (n % 2):02d}.png" for n in range(12)],
+    "Windows": [f"WIN_20261126_10_{n // 2:02d}_{30 * (n % 2):02d}_Pro.jpg" for n in range(12)],
+    "clock": [f"10-1{m}-{s:02d}.png" for m in range(3) for s in (0, 30)],
+    "two pictures": ["view1.png", "view2.png"],
+    "two endings": ["a_0.jpeg", "a_1.jpeg"],
+    "white": [f"white_dot_{n:02d}.jpeg" for n in range(5)],
+    "one of a pair": [f"dot_{n:02d}_0.png" for n in range(10)],
+    "left alone": [f"left{n:02d}.png" for n in range(6)],
+    "camera and a count": [f"camera_{n:03d}.png" for n in range(12)],
+    "serial and count": [f"acA1920__22534567__1015{n:02d}123_{n:04d}.tiff" for n in range(9)],
+    "places": ["left.png", "right.png", "top.png", "middle.png"],
+    "stage": [f"x{a}_y{b}.png" for a in range(3) for b in range(3)],
+    "tilts": [f"tilt{a}_pan{b}.png" for a in (0, 15, 30) for b in (0, 15)],
+    "exposures": [f"view{a}_{b}us.png" for a in range(5) for b in (100, 200)],
+    "days": [f"day{1 + n // 6}/{n:03d}.png" for n in range(12)],
+    "edited": ["IMG_2034.JPG", "IMG_E2034.JPG", "IMG_2035.JPG", "IMG_E2035.JPG"],
+    "copies": ["a.png", "a (1).png", "a (2).png"],
+    "near and far": [*(f"near{n}.png" for n in range(4)), *(f"far{n}.png" for n in range(3))],
+    "milliseconds": [f"{1732615200123 + 517 * n}.png" for n in range(9)],
+    "none": [],
+}
+
+
+@pytest.mark.parametrize("names", PAIRED)
+def test_pictures_of_several_cameras_are_not_taken_for_one(names: str) -> None:
+    images, option = PAIRED[names]
+    told = named_cameras(images)
+    assert told is not None
+    assert told.option == option
+    assert f"--cameras '{option}'" in told.words()
+    endings = parse_camera_endings(option)
+    sources = [loose_source(image, endings) for image in images]  # what is said to be typed works
+    assert len({source.camera for source in sources}) == len(endings)
+    assert len({(source.view, source.camera) for source in sources}) == len(images)
+    assert len({source.view for source in sources}) == -(-len(images) // len(endings)) or "lost" in names
+
+
+@pytest.mark.parametrize("names", ONE_CAMERA)
+def test_pictures_of_one_camera_are_accused_of_nothing(names: str) -> None:
+    assert named_cameras(ONE_CAMERA[names]) is None
+
+
+def test_a_pair_without_a_name_for_the_view_is_told_to_get_one() -> None:
+    told = named_cameras(["left.png", "right.png"])
+    assert told is not None
+    assert told.option is None
+    assert "left1.png and right1.png" in told.words()
+
+
+def test_patterns_tell_the_view() -> None:
+    assert view_in("home/LEFT/00.png", "LEFT/*") == "00"
+    assert view_in("home/LEFT/deep/00.png", "LEFT/*") == "deep-00"
+    assert view_in("home/NOTLEFT/00.png", "LEFT/*") is None
+    assert view_in("shot_07_camA_x.png", "*_camA_*") == "shot_07-x"
+    assert view_in("left07.png", "left*") == "07"
+    assert view_in("left.png", "left*") is None  # nothing is left for the view
+    assert view_in("a.b_1.png", "*") == "a.b_1"
+
+
+def test_loose_pictures_are_refused_until_somebody_says(tmp_path: Path) -> None:
+    home = tmp_path / "photos"
+    for image in PAIRED["folders"][0]:
+        (home / image).parent.mkdir(parents=True, exist_ok=True)
+        (home / image).write_bytes(b"x")
+    for given in ([home], [home / "LEFT", home / "RIGHT"]):
+        paths = [str(path) for path in given]
+        with pytest.raises(InputError, match=r"2 cameras .*--cameras 'LEFT/\*=left,RIGHT/\*=right'"):
+            loose_sources(paths, {})
+        found = loose_sources(paths, {"LEFT/*": "left", "RIGHT/*": "right"})
+        assert [(source.view, source.camera) for source in found[:2]] == [("00", "left"), ("00", "right")]
+        assert len(found) == 12
+    alone = loose_sources([str(home / "LEFT")], {})  # one folder is one camera
+    assert {source.camera for source in alone} == {"camera"}
+    for image in PAIRED["prefixes"][0]:
+        (tmp_path / image).write_bytes(b"x")
+    one = loose_sources([str(tmp_path)], parse_camera_endings("*=camera"))
+    assert [source.view for source in one[:2]] == ["left00", "left01"]
+    assert {source.camera for source in one} == {"camera"}
