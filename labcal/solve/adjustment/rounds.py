@@ -10,6 +10,7 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.robust import SQUARES, Huber, Loss
 from labcal.optim.solution import Stopping, StopReason
+from labcal.solve.adjustment.blocks import Blocks
 from labcal.solve.adjustment.lens_prior import LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.outliers import outliers
@@ -46,6 +47,8 @@ class Adjusted:
     scatter_px: float
     """What dots scatter (per axis) beyond their covariances."""
     reason: StopReason
+    normal: Blocks
+    """The normal equations at the end, with the scatter."""
 
     def rms_px(self, observations: Observations) -> Float64[np.ndarray, " cameras"]:
         """Return OpenCV's figure by camera, without outliers: the root mean square of the 2-D distance."""
@@ -112,6 +115,7 @@ def adjust_in_rounds(
         outlier=now.aside,
         scatter_px=float(np.sqrt(now.extra)),
         reason=solution.reason,
+        normal=end.blocks,
     )
 
 
