@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import Rig
+from labcal.cameras.rig import CalibrationRecord, Rig
 from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
@@ -89,18 +89,20 @@ def fit(
     estimator: PointEstimator,
     resected: tuple[Camera, ...] | None = None,
     twin: Twin | None = None,
+    calibration: CalibrationRecord | None = None,
 ) -> FittedModel:
     """Teach a method the dots of the training views, whose places the stage tells.
 
     `resected` are the cameras of :func:`centred_training`, where it gave the data; `twin` is where the method
-    is rehearsed, so that it is known whether to trust it.
+    is rehearsed, so that it is known whether to trust it; `calibration` is how well the cameras agree, from
+    where they come.
     """
     if "image_sizes" in estimator.get_params():
         estimator.set_params(image_sizes=data.image_sizes)
     box = TrainingBox.of(data.X, data.Y)
     fitted = fitted_beside(twin, estimator, data.X, data.Y)
     rehearsed = None if twin is None else rehearse(fitted, twin)
-    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)
+    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed, calibration)
 
 
 def evaluate(

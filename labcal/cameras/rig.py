@@ -1,9 +1,10 @@
 """A rig: cameras by name in one world, and its file ``rig.json``."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
@@ -11,6 +12,22 @@ from labcal.errors import InputError
 from labcal.run.documents import read_document
 from labcal.run.names import Name
 from labcal.run.outputs import write_file
+
+Pixel = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+"""A length in px."""
+
+
+class CalibrationRecord(BaseModel):
+    """How well cameras agreed when they were calibrated; what is not known is left out of files."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    triangulation_rms_px: Pixel | None = None
+    """RMS triangulation residual of the dots that they were calibrated from."""
+    scatter_px: Pixel | None = None
+    """What of it is beyond the dots' covariances, as a standard deviation of pixels along each axis."""
+    inconsistent: tuple[str, ...] = ()
+    """Why the views contradict each other, the likeliest cause first; empty where they do not."""
 
 
 class Rig(BaseModel):
@@ -21,6 +38,12 @@ class Rig(BaseModel):
     format: Literal["labcal-rig"] = "labcal-rig"
     format_version: Literal[1] = 1
     cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
+    calibration: CalibrationRecord | None = None
+    """Of these cameras; left out of the file where nothing is known."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if value is not None}
 
     @classmethod
     def of(cls, cameras: dict[str, Camera]) -> "Rig":

@@ -82,7 +82,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         _write_dots(arguments, found.freed)
     result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
     session.emit(result, calibrate_table(result))
-    return ExitStatus.PARTIAL if found.skipped else ExitStatus.DONE
+    return ExitStatus.PARTIAL if found.skipped or result.inconsistent else ExitStatus.DONE
 
 
 def calibrated(

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_result, inconsistent_warnings
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -90,6 +92,10 @@ class CalibrateResult:
     free_dots: FreeDotsResult | None
     lens_choice: "LensChoice | None"
     """Of ``--lens auto``."""
+    triangulation_rms_px: float | None
+    """By how much rays of the dots miss each other; null for one camera."""
+    inconsistent: InconsistentResult | None
+    """Why the cameras do not agree on where the target was; null where they do."""
 
 
 def calibrate_result(
@@ -107,6 +113,10 @@ def calibrate_result(
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=choice,
+        triangulation_rms_px=None
+        if found.rig.calibration is None
+        else found.rig.calibration.triangulation_rms_px,
+        inconsistent=inconsistent_result(found),
     )
 
 
@@ -201,7 +211,7 @@ def calibration_warnings(found: "HandheldCalibration", lens: str, target: str) -
     """Return what is not as it should be, for people; `lens` and `target` are names."""
     from labcal.optim.solution import StopReason
 
-    warnings = [f"left out {reason}" for reason in found.skipped]
+    warnings = inconsistent_warnings(found) + [f"left out {reason}" for reason in found.skipped]
     for name, camera in found.rig.cameras.items():
         if not _middle_inside(camera):
             warnings.append(

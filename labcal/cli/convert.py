@@ -104,6 +104,11 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
     texts = wanted.write(rig, output.suffix)
     files = write_rig_files(output, wanted, texts, force=arguments.force)
     notes = [*read.notes, *texts.notes]
+    if rig.calibration is not None and rig.calibration.inconsistent:
+        notes.append(
+            f"The views that this rig was calibrated from contradict each other (likely "
+            f"{rig.calibration.inconsistent[0]}): do not rely on it. Calibrate again."
+        )
     return ConvertResult(
         source.name, wanted.name, [str(file) for file in files], list(rig.cameras), None, notes
     )

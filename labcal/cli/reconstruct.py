@@ -11,7 +11,10 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.cameras.rig import Rig
     from labcal.solve.centre_bias import CentreBias
+    from labcal.solve.fitted_model import FittedModel
+    from labcal.solve.triangulation_check import TriangulationCheck
     from labcal.targets.target import Target
 
 
@@ -35,6 +38,16 @@ def add_parser(commands: CommandGroup) -> None:
 
 
 @dataclass(frozen=True)
+class InconsistentPoints:
+    """The key ``inconsistent`` in the JSON document."""
+
+    causes: list[str]
+    """Why the calibration itself is inconsistent, the likeliest first; empty where it is not."""
+    views: list[str]
+    """Those in which rays miss each other by far more than expected."""
+
+
+@dataclass(frozen=True)
 class ReconstructResult:
     """The JSON document of ``labcal reconstruct``."""
 
@@ -45,6 +58,12 @@ class ReconstructResult:
     """Centroid minus centre, which was taken off; null where it was not."""
     miss_px: float | None
     """By how much the rays of a dot miss each other, the median; null where the model has no cameras."""
+    triangulation_rms_px: float | None
+    """The same as a root mean square: the triangulation residual."""
+    expected_px: float | None
+    """What that would be with the pixels' noise and the scatter that the calibration found."""
+    inconsistent: InconsistentPoints | None
+    """Why points are not to be relied on, beside a method's own errors; null where nothing is found."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -56,7 +75,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.points import points_csv
     from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
     from labcal.solve.fitted_model import FittedModel
-    from labcal.solve.ray_misses import MOST_PX
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
 
     refuse_existing(arguments.output, force=arguments.force)
@@ -69,7 +87,20 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
-    result = ReconstructResult(str(arguments.output), len(points), flags, found.bias, found.miss_px)
+    check = found.check
+    inconsistent = _inconsistent(model, check)
+    result = ReconstructResult(
+        str(arguments.output),
+        len(points),
+        flags,
+        found.bias,
+        found.miss_px,
+        None if check is None else check.rms_px,
+        None if check is None else check.expected_px,
+        inconsistent,
+    )
+    if check is not None:
+        told += f"; triangulation residual: RMS {check.rms_px:.4f} px, expected {check.expected_px:.4f} px"
     if found.bias is not None:
         told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
     elif target is None and (isinstance(model, Rig) or model.resected is not None):
@@ -83,13 +114,42 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "
             "the one to begin with."
         )
-    if isinstance(model, Rig) and result.miss_px is not None and result.miss_px > MOST_PX:
-        session.warn(
-            f"the rays of a dot miss each other by {result.miss_px:.3g} px: the cameras are not as they were "
-            "when this rig was calibrated, or not the same. Calibrate again."
-        )
+    for warning in _warnings(check, inconsistent):
+        session.warn(warning)
     session.emit(result, f"{arguments.output}: {told}.")
-    return ExitStatus.DONE
+    return ExitStatus.PARTIAL if inconsistent else ExitStatus.DONE
+
+
+def _inconsistent(
+    model: "FittedModel | Rig", check: "TriangulationCheck | None"
+) -> InconsistentPoints | None:
+    """Return what speaks against the points; None where nothing does."""
+    causes = [] if model.calibration is None else list(model.calibration.inconsistent)
+    views = [] if check is None else list(check.views)
+    return InconsistentPoints(causes, views) if causes or views else None
+
+
+def _warnings(check: "TriangulationCheck | None", inconsistent: InconsistentPoints | None) -> list[str]:
+    """Return the same for people."""
+    warnings = []
+    if inconsistent is not None and inconsistent.causes:
+        warnings.append(
+            "the views that these cameras were calibrated from contradict each other, likely cause: "
+            f"{', or '.join(inconsistent.causes)}. All points are flagged 'model-misfit'. Calibrate again."
+        )
+    if check is not None and check.inconsistent:
+        warnings.append(
+            f"rays miss each other by {check.rms_px:.3g} px RMS, but the calibration lets expect "
+            f"{check.expected_px:.3g} px: the cameras are not as they were when they were calibrated, or not "
+            "the same. All points are flagged 'model-misfit'. Calibrate again."
+        )
+    elif check is not None and check.views:
+        warnings.append(
+            "in some views rays miss each other by far more than the calibration lets expect: a camera or "
+            "the target moved there. Their points are flagged 'model-misfit'. Views: "
+            f"{', '.join(check.views)}."
+        )
+    return warnings
 
 
 def _target(arguments: Namespace) -> "Target | None":

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from labcal.cli.session import Session
 
 if TYPE_CHECKING:
+    from labcal.cli.inconsistent_result import InconsistentResult
     from labcal.correspond.detections import Detections
     from labcal.shoot.dataset import Shoot
     from labcal.solve.centred_training import CentredTraining
@@ -27,6 +28,8 @@ class HandheldResult:
     outlier_count: int
     free_dots: bool
     """Whether the places of the dots on the print were estimated."""
+    inconsistent: "InconsistentResult | None"
+    """Why the cameras do not agree on where the target was; null where they do."""
 
     def words(self) -> str:
         """Return it for people."""
@@ -94,6 +97,7 @@ def _held(
 ) -> "tuple[CentredTraining, HandheldResult]":
     """Return the training data of a target that was held."""
     from labcal.cli.calibrate import calibrated
+    from labcal.cli.inconsistent_result import inconsistent_result
     from labcal.solve.handheld import HandheldSettings
     from labcal.workflow import handheld_training
 
@@ -106,5 +110,6 @@ def _held(
         rms_px=found.rms_px,
         outlier_count=len(found.outliers),
         free_dots=arguments.free_dots,
+        inconsistent=inconsistent_result(found),
     )
     return handheld_training(found, detections, target), how

@@ -101,7 +101,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             name: _write_map(working, name, rig.camera(name), ideal, arguments.distance_mm)
             for name, ideal in ideals.items()
         }
-        write_rig(working / "rig.json", Rig.of(ideals), force=True)
+        ideal = Rig.of(ideals).model_copy(update={"calibration": rig.calibration})
+        write_rig(working / "rig.json", ideal, force=True)
         written, skipped = [], []
         with session.progress() as progress:
             progress.start("undistorting", len(sources))

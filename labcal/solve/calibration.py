@@ -92,6 +92,12 @@ class HandheldCalibration:
     disagreement: Disagreement | None = None
     """What is wrong where the cameras do not agree on where the target was."""
 
+    @property
+    def rms_alone_px(self) -> float:
+        """OpenCV's RMS over all cameras, each calibrated alone."""
+        fits = self.fits.values()
+        return float(np.sqrt(sum(f.dots * f.rms_px**2 for f in fits) / sum(f.dots for f in fits)))
+
     def entering(self, detections: Detections) -> Detections:
         """Return the detections of the pictures and dots that entered."""
         seen = {(view, name) for name, fit in self.fits.items() for view in fit.views}

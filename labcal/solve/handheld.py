@@ -11,6 +11,7 @@ import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.solve.adjustment.observations import observations_of
 from labcal.solve.agreement.causes import Calibrated, disagreement
@@ -18,7 +19,7 @@ from labcal.solve.agreement.finding import Disagreement
 from labcal.solve.agreement.slight import slight_contradictions
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.calibration import CameraFit, CameraSigma, HandheldCalibration
-from labcal.solve.centre_bias import CentreBias
+from labcal.solve.centre_bias import CentreBias, centred
 from labcal.solve.lens_start import require_adjustable
 from labcal.solve.lens_support import undetermined
 from labcal.solve.lone_calibration import (
@@ -31,6 +32,7 @@ from labcal.solve.lone_calibration import (
 from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.resection.resected import MOST_OFF
 from labcal.solve.rig_start import rig_start
+from labcal.solve.triangulation_check import calibration_record
 from labcal.solve.usable_dots import in_full_pictures, usable_dots
 from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
 from labcal.targets.catalogue import AnyTarget
@@ -38,6 +40,8 @@ from labcal.targets.catalogue import AnyTarget
 __all__ = ["HandheldSettings", "calibrate_handheld", "require_handheld_lens"]
 
 require_handheld_lens = require_adjustable
+_MOST_DOTS = 20_000
+"""Measurements from which the triangulation residual is found, about: more add nothing."""
 
 
 @one_blas_thread()
@@ -86,7 +90,8 @@ def calibrate_handheld(
         return _assemble(found, found[0].result, target, entering.views, skipped)
     doubt = disagreement(Calibrated(found, entering, alone))
     whole = _whole(found, entering, target, settings, doubt)
-    return replace(_assemble(found, whole, target, entering.views, skipped), disagreement=doubt)
+    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
 def _whole(
@@ -108,6 +113,21 @@ def _whole(
             raise
         raise InputError(f"{error} The cameras contradict each other: {doubt.causes[0].why}") from error
     return whole
+
+
+def _recorded(
+    found: HandheldCalibration, entering: Detections, target: AnyTarget, doubt: Disagreement | None
+) -> Rig:
+    """Return the rig with what its calibration left, by some of the views where there are very many."""
+    dots = found.outliers.left_out(entering)
+    some = dots.views[:: -(-len(dots) // _MOST_DOTS)]
+    cameras = [found.rig.camera(name) for name in found.rig.cameras]
+    matches = match(dots.where(np.isin(dots.view, some)), tuple(found.rig.cameras))
+    if len(matches):
+        matches, _ = centred(cameras, matches, target)
+    causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
+    record = calibration_record(cameras, matches, causes)
+    return found.rig.model_copy(update={"calibration": record})
 
 
 def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) -> None:

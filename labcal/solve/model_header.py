@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig import CalibrationRecord
 
 VERSION = 2
 """Version of the format that this program writes, and the one that it reads."""
@@ -41,6 +42,8 @@ class ModelHeader(BaseModel):
         The cameras that tell what a centroid is off its dot's centre; left out where there are none.
     rehearsed : mapping, optional
         The figures of a `Rehearsed`, null for NaN; left out where there are none.
+    calibration : CalibrationRecord, optional
+        How well the resected cameras agreed on the training data; left out where that is not known.
     digest : str
         SHA-256 over this header, with an empty digest, and all arrays.
     """
@@ -60,6 +63,7 @@ class ModelHeader(BaseModel):
     digest: str
     resected: tuple[CameraRecord, ...] | None = None
     rehearsed: dict[str, float | None] | None = None
+    calibration: CalibrationRecord | None = None
 
     def text(self) -> str:
         """Return the header as JSON, always the same for the same content."""

@@ -100,7 +100,7 @@ def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
     """
     for name in names:
         rig.camera(name)
-    return Rig(cameras={name: rig.cameras[name] for name in names})
+    return Rig(cameras={name: rig.cameras[name] for name in names}, calibration=rig.calibration)
 
 
 def _write_folder(path: Path, texts: dict[str, str], *, force: bool) -> list[Path]:
