@@ -77,8 +77,11 @@ def calibrate_handheld(
     def alone(name: str, dots: Detections) -> CameraAlone:
         return calibrate_alone(name, dots, target, lens, settings)
 
+    def flat(name: str, dots: Detections) -> CameraAlone:
+        return calibrate_alone(name, dots, target, lens, replace(settings, free_dots=False))
+
     found = [alone(name, entering) for name in cameras]
-    while odd := _odd_pictures(found, target):
+    while odd := _odd_pictures(found, target, settings):
         entering, reasons = _without(odd, entering)
         skipped += reasons
         touched = {picture.camera for picture in odd}
@@ -88,8 +91,14 @@ def calibrate_handheld(
         ]
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
-    doubt = disagreement(Calibrated(found, entering, alone))
-    whole = _whole(found, entering, target, settings, doubt)
+    if settings.free_dots:
+        whole = _whole(found, entering, target, settings, None)
+        print_ = whole.freed
+        judged = [camera if print_ is None else camera.on_print(print_, settings) for camera in found]
+        doubt = disagreement(Calibrated(judged, entering, flat))
+    else:
+        doubt = disagreement(Calibrated(found, entering, alone))
+        whole = _whole(found, entering, target, settings, doubt)
     rig_found = _assemble(found, whole, target, entering.views, skipped)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
@@ -141,13 +150,17 @@ def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) ->
         )
 
 
-def _odd_pictures(found: list[CameraAlone], target: AnyTarget) -> list[OddPicture]:
+def _odd_pictures(
+    found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings
+) -> list[OddPicture]:
     """Return the pictures that cannot be what they are said to be."""
     lone = [alone.lone for alone in found]
     odd = [picture for camera in lone for picture in seen_from_behind(camera)]
     if odd or len(lone) == 1:
         return odd
-    return contradictions(lone, target.points()) or slight_contradictions(found)
+    gross = contradictions(lone, target.points())
+    # Cameras that each find a print of their own agree too little for slight ones.
+    return gross if gross or settings.free_dots else slight_contradictions(found)
 
 
 def _without(odd: list[OddPicture], entering: Detections) -> tuple[Detections, tuple[str, ...]]:

@@ -59,6 +59,19 @@ class CameraAlone:
     lone: LoneCamera
     """What the rig's adjustment takes from it."""
 
+    def on_print(self, dots: FreedDots, settings: HandheldSettings) -> "CameraAlone":
+        """Return the camera adjusted once more, with dots where several cameras together found them."""
+        before = self.result
+        seen = before.observations.where(dots.freed[before.observations.dot])
+        state = replace(before.adjusted.state, dots=dots.place)
+        freedom = Freedom(settings.lenses, np.zeros((dots.place.size, 0)))
+        radii = 0.5 * dots.target.outer_diameters_mm()
+        adjusted = adjust_in_rounds(state, seen, freedom, radii, settings.bias_rounds)
+        lone = replace(
+            self.lone, camera=adjusted.state.cameras[0], T_cam_target=adjusted.state.T_world_target
+        )
+        return replace(self, result=AdjustedDots(adjusted, seen, None), lone=lone)
+
     def among(self, views: tuple[str, ...]) -> "CameraAlone":
         """Return the same camera with its views numbered as they stand among `views`, the rig's."""
         number = {view: place for place, view in enumerate(views)}

@@ -16,6 +16,7 @@ from labcal.solve.agreement.hypotheses import (
     explained,
     moves,
     telling_views,
+    times,
     together,
 )
 from labcal.solve.agreement.pair import PairAgreement
@@ -61,14 +62,9 @@ def disagreement(found: Calibrated) -> Disagreement | None:
     apart = [pair for pair in pairs if disagrees(pair, len(pairs))]
     if not apart:
         return None
-    worst = max(apart, key=_times)
+    worst = max(apart, key=times)
     causes = _causes(found, worst, [{pair.first, pair.second} for pair in apart])
-    return Disagreement(causes, _times(worst))
-
-
-def _times(pair: PairAgreement) -> float:
-    groups = together(pair)
-    return pair.misfit(groups) / (6.0 * (len(groups) - 1)) / pair.inflation
+    return Disagreement(causes, times(worst))
 
 
 def _causes(found: Calibrated, pair: PairAgreement, apart: list[set[str]]) -> tuple[Cause, ...]:

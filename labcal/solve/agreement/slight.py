@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import combinations
 
-from labcal.solve.agreement.hypotheses import disagrees, odd_views
+from labcal.solve.agreement.hypotheses import odd_views
 from labcal.solve.agreement.pair import PairAgreement
 from labcal.solve.lone_calibration import CameraAlone
 from labcal.solve.view_agreement import OddPicture, outvoted
@@ -24,7 +24,7 @@ def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[OddPicture]:
     against: dict[int, list[tuple[int, int]]] = {}
     reasons: dict[int, str] = {}
     for (one, other), pair in zip(numbers, pairs, strict=True):
-        if pair is None or not disagrees(pair, len(pairs)):
+        if pair is None:
             continue
         for place in odd_views(pair):
             view = int(pair.poses.views[place])
