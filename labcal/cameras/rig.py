@@ -15,6 +15,21 @@ from labcal.run.names import Name
 from labcal.run.outputs import write_file
 
 KIND = beginning_with("a rig.json", b'{\n  "format": "labcal-rig"')
+Pixel = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+"""A length in px."""
+
+
+class CalibrationRecord(BaseModel):
+    """How well cameras agreed when they were calibrated; what is not known is left out of files."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    triangulation_rms_px: Pixel | None = None
+    """RMS triangulation residual of the dots that they were calibrated from."""
+    scatter_px: Pixel | None = None
+    """What of it is beyond the dots' covariances, as a standard deviation of pixels along each axis."""
+    inconsistent: tuple[str, ...] = ()
+    """Why the views contradict each other, the likeliest cause first; empty where they do not."""
 
 
 class Rig(BaseModel):
@@ -27,10 +42,12 @@ class Rig(BaseModel):
     cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
     calibrated_on: tuple[str, ...] = ()
     """Names of the views that it was calibrated from, where that is known: figures of these are no check."""
+    calibration: CalibrationRecord | None = None
+    """How well these cameras agreed; left out of the file where nothing is known."""
 
     @model_serializer(mode="wrap")
-    def _without_what_is_not_there(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
-        return {key: value for key, value in dump(self).items() if key != "calibrated_on" or value}
+    def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if value is not None and value != ()}
 
     @classmethod
     def of(cls, cameras: dict[str, Camera]) -> "Rig":

@@ -29,7 +29,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--only",
         metavar="GROUP,...",
         help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile; "
-        "of solve: limits, training, adjustment, real, mrcal",
+        "of solve: limits, training, adjustment, mistakes, real, mrcal",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)

@@ -105,7 +105,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         _write_dots(arguments, made)
     result = calibrate_result(made, epipolar_rms(found.rig, found.entering(detections), target))
     session.emit(result, calibrate_table(result))
-    amiss = found.skipped or any(fit.two_lenses is not None for fit in found.fits.values())
+    two_lenses = any(fit.two_lenses is not None for fit in found.fits.values())
+    amiss = found.skipped or two_lenses or result.inconsistent
     return ExitStatus.PARTIAL if amiss else ExitStatus.DONE
 
 

@@ -102,6 +102,10 @@ class CalibrateResult:
     """Views that did not enter, since they are to be scored."""
     calibrated_on: list[str]
     """Views that entered."""
+    triangulation_rms_px: float | None
+    """By how much rays of the dots miss each other; null for one camera."""
+    inconsistent: InconsistentResult | None
+    """Why the cameras do not agree on where the target was; null where they do."""
 
 
 def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateResult:
@@ -120,6 +124,10 @@ def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateRes
         lens_choice=made.choice,
         held_out=list(made.held_out),
         calibrated_on=list(found.views),
+        triangulation_rms_px=None
+        if found.rig.calibration is None
+        else found.rig.calibration.triangulation_rms_px,
+        inconsistent=inconsistent_result(found),
     )
 
 
@@ -168,7 +176,8 @@ def calibrate_table(result: CalibrateResult) -> object:
     from rich.table import Table
     from rich.text import Text
 
-    from labcal.cli.lens_table import lens_table
+    from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_result
+from labcal.cli.lens_table import lens_table
     from labcal.report.print_words import print_words
 
     caption = f"rig: RMS {result.rms_px:.4f} px"

@@ -146,7 +146,13 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
     texts = wanted.write(rig, output.suffix)
     claim_outputs(rig_outputs(output, wanted, texts), paths_read(arguments.inputs), force=arguments.force)
     files = write_rig_files(output, wanted, texts, force=arguments.force)
-    blind = [blind_pixels(name, rig.camera(name)) for name in rig.cameras]
+    notes = [*read.notes, *texts.notes]
+    if rig.calibration is not None and rig.calibration.inconsistent:
+        notes.append(
+            f"The views that this rig was calibrated from contradict each other (likely "
+            f"{rig.calibration.inconsistent[0]}): do not rely on it. Calibrate again."
+        )
+    notes += [note for name in rig.cameras if (note := blind_pixels(name, rig.camera(name))) is not None]
     return ConvertResult(
         source=source.name,
         wanted=wanted.name,
@@ -155,7 +161,7 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
         points=None,
         unit=read_unit(source, given).value,
         baseline_mm=baseline_mm(read.rig),
-        notes=[*read.notes, *texts.notes, *(note for note in blind if note is not None)],
+        notes=notes,
     )
 
 

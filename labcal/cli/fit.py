@@ -152,8 +152,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     failed = len(results) - len(fitted)
     if failed == len(results):
         return ExitStatus.UNUSABLE
-    left_out = handheld is not None and handheld.left_out
-    return ExitStatus.PARTIAL if failed or left_out else ExitStatus.DONE
+    doubtful = handheld is not None and (handheld.left_out or handheld.inconsistent is not None)
+    return ExitStatus.PARTIAL if failed or doubtful else ExitStatus.DONE
 
 
 def _estimators(arguments: Namespace) -> "list[PointEstimator]":

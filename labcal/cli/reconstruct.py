@@ -12,7 +12,10 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.cameras.rig import Rig
     from labcal.solve.centre_bias import CentreBias
+    from labcal.solve.fitted_model import FittedModel
+    from labcal.solve.triangulation_check import TriangulationCheck
     from labcal.targets.target import Target
 
 
@@ -36,6 +39,16 @@ def add_parser(commands: CommandGroup) -> None:
 
 
 @dataclass(frozen=True)
+class InconsistentPoints:
+    """The key ``inconsistent`` in the JSON document."""
+
+    causes: list[str]
+    """Why the calibration itself is inconsistent, the likeliest first; empty where it is not."""
+    views: list[str]
+    """Those in which rays miss each other by far more than expected."""
+
+
+@dataclass(frozen=True)
 class ReconstructResult:
     """The JSON document of ``labcal reconstruct``."""
 
@@ -46,6 +59,12 @@ class ReconstructResult:
     """Centroid minus centre, which was taken off; null where it was not."""
     miss_px: float | None
     """By how much the rays of a dot miss each other, the median; null where the model has no cameras."""
+    triangulation_rms_px: float | None
+    """The same as a root mean square: the triangulation residual."""
+    expected_px: float | None
+    """What that would be with the pixels' noise and the scatter that the calibration found."""
+    inconsistent: InconsistentPoints | None
+    """Why points are not to be relied on, beside a method's own errors; null where nothing is found."""
     warnings: list[str]
     """What is not as it should be."""
 
@@ -77,16 +96,36 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_file(arguments.output, points_csv(points), force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
+    check, inconsistent = found.check, _inconsistent(model, found.check)
     miss_px = found.miss_px if found.miss_px is None or isfinite(found.miss_px) else None  # no ray meets
     result = ReconstructResult(
-        str(arguments.output), len(points), flags, found.bias, miss_px, list(found.warnings)
+        str(arguments.output),
+        len(points),
+        flags,
+        found.bias,
+        miss_px,
+        None if check is None else check.rms_px,
+        None if check is None else check.expected_px,
+        inconsistent,
+        list(found.warnings),
     )
+    if check is not None:
+        told += f"; triangulation residual: RMS {check.rms_px:.4f} px, expected {check.expected_px:.4f} px"
     if found.bias is not None:
         told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
     for warning in found.warnings:
         session.warn(warning)
     session.emit(result, f"{arguments.output}: {told}.")
-    return ExitStatus.DONE if PointFlag.OK.value in flags else ExitStatus.PARTIAL
+    return ExitStatus.PARTIAL if inconsistent or PointFlag.OK.value not in flags else ExitStatus.DONE
+
+
+def _inconsistent(
+    model: "FittedModel | Rig", check: "TriangulationCheck | None"
+) -> InconsistentPoints | None:
+    """Return what speaks against the points; None where nothing does."""
+    causes = [] if model.calibration is None else list(model.calibration.inconsistent)
+    views = [] if check is None else list(check.views)
+    return InconsistentPoints(causes, views) if causes or views else None
 
 
 def _target(arguments: Namespace) -> "Target | None":

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from labcal.cli.session import Session
 
 if TYPE_CHECKING:
+    from labcal.cli.inconsistent_result import InconsistentResult
     from labcal.solve.taught import FitSettings, Training
 
 
@@ -23,6 +24,8 @@ class HandheldResult:
     outlier_count: int
     free_dots: bool
     """Whether the places of the dots on the print were estimated."""
+    inconsistent: "InconsistentResult | None"
+    """Why the cameras do not agree on where the target was; null where they do."""
 
     def words(self) -> str:
         """Return it for people."""
@@ -81,6 +84,8 @@ def handheld_result(training: "Training") -> HandheldResult | None:
     held = training.held
     if held is None:
         return None
+    from labcal.cli.inconsistent_result import inconsistent_result
+
     return HandheldResult(
         lens=held.lens,
         views=len(held.found.views),
@@ -88,4 +93,5 @@ def handheld_result(training: "Training") -> HandheldResult | None:
         rms_px=held.found.rms_px,
         outlier_count=len(held.found.outliers),
         free_dots=held.found.freed is not None,
+        inconsistent=inconsistent_result(held.found),
     )

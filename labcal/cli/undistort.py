@@ -112,7 +112,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             for name, ideal in ideals.items()
             if any(source.camera == name and _fits(source, rig) for source in sources)
         }
-        write_rig(working / "rig.json", Rig.of(ideals), force=True)
+        ideal = Rig.of(ideals).model_copy(update={"calibration": rig.calibration})
+        write_rig(working / "rig.json", ideal, force=True)
         written, skipped = [], []
         with session.progress() as progress:
             progress.start("undistorting", len(sources))

@@ -47,6 +47,8 @@ class Shooting:
     """Views that are trained on."""
     seed: int
     """Seed of the run."""
+    size: float = 1.0
+    """How large the mistake is, as a multiple of its usual size."""
 
     @property
     def views(self) -> list[str]:
@@ -71,15 +73,13 @@ class Outcome:
     """Names of the views in which it is not."""
 
 
-def printed_target(target: DotGrid, mistake: Mistake | None) -> DotGrid:
+def printed_target(target: DotGrid, mistake: Mistake | None, size: float = 1.0) -> DotGrid:
     """Return the target as it is printed, which by mistake is another one than everybody believes."""
     if mistake is not Mistake.WRONG_PITCH:
         return target
+    factor = _pitch_factor(size)
     return target.model_copy(
-        update={
-            "pitch_x_mm": PITCH_FACTOR * target.pitch_x_mm,
-            "pitch_y_mm": PITCH_FACTOR * target.pitch_y_mm,
-        }
+        update={"pitch_x_mm": factor * target.pitch_x_mm, "pitch_y_mm": factor * target.pitch_y_mm}
     )
 
 
@@ -92,6 +92,7 @@ def make_mistake(mistake: Mistake, shooting: Shooting) -> Outcome:
         The mistake cannot be made here: it takes two cameras, several views, or a stage.
     """
     _require_possible(mistake, shooting)
+    _require_size(mistake, shooting.size)
     return _MADE[mistake](shooting)
 
 
@@ -113,6 +114,24 @@ def _require_possible(mistake: Mistake, shooting: Shooting) -> None:
         )
 
 
+def _require_size(mistake: Mistake, size: float) -> None:
+    """Raise where a mistake of that size means nothing."""
+    if mistake is Mistake.BOARD_TURNED and size != 1.0:
+        raise InputError(
+            f"The mistake '{mistake}' has no size: a board lies turned or not. Leave mistake_size out."
+        )
+    if mistake is Mistake.SWAPPED_CAMERAS and size > 1.0:
+        raise InputError(
+            f"The size of the mistake '{mistake}' is the share of the later views that are exchanged: "
+            f"at most 1, but mistake_size is {size:g}."
+        )
+
+
+def _pitch_factor(size: float) -> float:
+    """Return by how much dots are further apart than the target says."""
+    return 1.0 + size * (PITCH_FACTOR - 1.0) if size != 1.0 else PITCH_FACTOR
+
+
 def _later_views(shooting: Shooting) -> tuple[str, ...]:
     """Return the views from the middle one on."""
     views = shooting.views
@@ -126,10 +145,11 @@ def _direction(shooting: Shooting, *names: str) -> np.ndarray:
 
 
 def _swap_cameras(shooting: Shooting) -> Outcome:
-    """Exchange the first two cameras' pictures, as when their cables are."""
+    """Exchange the first two cameras' pictures, as when their cables are; a small one in the last views."""
     first, second, *_ = shooting.cameras
     other = {first: second, second: first}
     later = _later_views(shooting)
+    later = later[-max(1, round(shooting.size * len(later))) :]
     by_name = {(take.view, take.camera): take for take in shooting.takes}
     sizes = {name: by_name[(later[0], name)].device.size for name in (first, second)}
     if sizes[first] != sizes[second]:
@@ -167,10 +187,10 @@ def _half_turned(track: Track) -> Track:
 
 def _print_another_pitch(shooting: Shooting) -> Outcome:
     """Say what :func:`printed_target` does."""
-    percent = 100.0 * (PITCH_FACTOR - 1.0)
+    percent = 100.0 * (_pitch_factor(shooting.size) - 1.0)
     return Outcome(
         shooting.takes,
-        f"The dots are printed {percent:.0f}% further apart than the target says, from dot (0, 0); their "
+        f"The dots are printed {percent:.3g}% further apart than the target says, from dot (0, 0); their "
         "diameters are right.",
         tuple(shooting.views),
     )
@@ -179,11 +199,12 @@ def _print_another_pitch(shooting: Shooting) -> Outcome:
 def _expose_later(shooting: Shooting) -> Outcome:
     """Let the target drift between the exposures of the first two cameras, in each view another way."""
     second = shooting.cameras[1]
+    drift_mm, drift_deg = shooting.size * DRIFT_MM, shooting.size * DRIFT_DEG
     takes = []
     for take in shooting.takes:
         if take.camera == second:
-            turn = np.radians(DRIFT_DEG) * _direction(shooting, Mistake.UNSYNCHRONISED, take.view, "turn")
-            move = DRIFT_MM * _direction(shooting, Mistake.UNSYNCHRONISED, take.view, "move")
+            turn = np.radians(drift_deg) * _direction(shooting, Mistake.UNSYNCHRONISED, take.view, "turn")
+            move = drift_mm * _direction(shooting, Mistake.UNSYNCHRONISED, take.view, "move")
             drift = replace(take.track, velocity=move, rotation=turn).at(1.0)
             track = replace(take.track, T_world_target=drift, middle=take.track.middle + move)
             takes.append(replace(take, track=track))
@@ -191,8 +212,8 @@ def _expose_later(shooting: Shooting) -> Outcome:
             takes.append(take)
     return Outcome(
         tuple(takes),
-        f"Camera '{second}' exposes later than the others; the target has drifted by {DRIFT_MM:g} mm and "
-        f"{DRIFT_DEG:g} degrees by then.",
+        f"Camera '{second}' exposes later than the others; the target has drifted by {drift_mm:g} mm and "
+        f"{drift_deg:g} degrees by then.",
         tuple(shooting.views),
     )
 
@@ -200,8 +221,9 @@ def _expose_later(shooting: Shooting) -> Outcome:
 def _knock_camera(shooting: Shooting) -> Outcome:
     """Move and turn the second camera about its own centre, for good."""
     second, later = shooting.cameras[1], _later_views(shooting)
-    turn = np.radians(KNOCK_DEG) * _direction(shooting, Mistake.CAMERA_KNOCKED, "turn")
-    move = KNOCK_MM * _direction(shooting, Mistake.CAMERA_KNOCKED, "move")
+    knock_mm, knock_deg = shooting.size * KNOCK_MM, shooting.size * KNOCK_DEG
+    turn = np.radians(knock_deg) * _direction(shooting, Mistake.CAMERA_KNOCKED, "turn")
+    move = knock_mm * _direction(shooting, Mistake.CAMERA_KNOCKED, "move")
     knock = from_rotation_vector(turn, move)
     takes = tuple(
         replace(take, device=replace(take.device, T_cam_world=knock @ take.device.T_cam_world))
@@ -211,7 +233,7 @@ def _knock_camera(shooting: Shooting) -> Outcome:
     )
     return Outcome(
         takes,
-        f"Camera '{second}' has been knocked: turned by {KNOCK_DEG:g} degrees and moved by {KNOCK_MM:g} mm.",
+        f"Camera '{second}' has been knocked: turned by {knock_deg:g} degrees and moved by {knock_mm:g} mm.",
         later,
     )
 
@@ -219,13 +241,14 @@ def _knock_camera(shooting: Shooting) -> Outcome:
 def _lose_focus(shooting: Shooting) -> Outcome:
     """Blur the pictures of the second camera, or of the only one."""
     blurred = shooting.cameras[:2][-1]
+    defocus = shooting.size * DEFOCUS
     takes = tuple(
-        replace(take, defocus_px=DEFOCUS * take.device.size[0]) if take.camera == blurred else take
+        replace(take, defocus_px=defocus * take.device.size[0]) if take.camera == blurred else take
         for take in shooting.takes
     )
     return Outcome(
         takes,
-        f"Camera '{blurred}' is out of focus: a blur with a standard deviation of {100.0 * DEFOCUS:g}% of "
+        f"Camera '{blurred}' is out of focus: a blur with a standard deviation of {100.0 * defocus:g}% of "
         "the picture's width on top of the lens's own.",
         tuple(shooting.views),
     )

@@ -22,6 +22,7 @@ from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 
 MOST_SAMPLES = 65536
+MOST_MISTAKE = 100.0
 
 
 class _WrittenOut(yaml.SafeDumper):
@@ -56,6 +57,8 @@ class Scene(BaseModel):
     """With a rolling shutter, the time from the first row's exposure to the last one's."""
     mistake: Mistake | None = None
     """Something that goes wrong on purpose; `none` is nothing."""
+    mistake_size: Annotated[float, Field(gt=0, le=MOST_MISTAKE, allow_inf_nan=False)] | None = None
+    """How large the mistake is, as a multiple of its usual size; the usual size where left out."""
     noise: bool = True
     """Whatever is random in the sensors: photon and read noise, fixed patterns; off to test the geometry."""
     spp: Annotated[int, Field(ge=1, le=MOST_SAMPLES)] = 64
@@ -111,6 +114,7 @@ class Scene(BaseModel):
 
     def to_yaml(self) -> str:
         """Return the scene with all its keys as a file that can be rendered again."""
-        content = self.model_dump(mode="json")
+        usual = {"mistake_size"} if self.mistake_size is None else set()
+        content = self.model_dump(mode="json", exclude=usual)
         text: str = yaml.dump(content, Dumper=_WrittenOut, sort_keys=False, allow_unicode=True)
         return text

@@ -14,7 +14,9 @@ from labcal.shoot.manifest import Role
 
 def built_scene(scene: Scene) -> Scene:
     """Return the scene as it really stands, which by mistake may be with another print."""
-    return scene.model_copy(update={"target": printed_target(scene.target, scene.mistake)})
+    return scene.model_copy(
+        update={"target": printed_target(scene.target, scene.mistake, scene.mistake_size or 1.0)}
+    )
 
 
 def planned_takes(scene: Scene, views: tuple[PlannedView, ...], seed: int) -> Outcome:
@@ -43,7 +45,7 @@ def planned_takes(scene: Scene, views: tuple[PlannedView, ...], seed: int) -> Ou
     if scene.mistake is None:
         return Outcome(takes)
     training = frozenset(view.name for view in views if view.role is Role.TRAIN)
-    shooting = Shooting(takes, isinstance(scene.placement, Stage), training, seed)
+    shooting = Shooting(takes, isinstance(scene.placement, Stage), training, seed, scene.mistake_size or 1.0)
     return make_mistake(scene.mistake, shooting)
 
 

@@ -12,6 +12,7 @@ from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.optim.solution import StopReason
 from labcal.run.progress import NoProgress, Progress
+from labcal.solve.agreement.words import contradiction_words
 from labcal.solve.calibration import HandheldCalibration
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.solve.lens_choice import LensChoice, choose_lens
@@ -113,7 +114,7 @@ def _lens_of(settings: HandheldSettings) -> str:
 
 def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> list[str]:
     """Return what is not as it should be, for people; `lens` and `target` are names."""
-    warnings = [f"left out {reason}" for reason in found.skipped]
+    warnings = contradiction_words(found) + [f"left out {reason}" for reason in found.skipped]
     for name, camera in found.rig.cameras.items():
         if not _middle_inside(camera):
             warnings.append(

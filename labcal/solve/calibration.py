@@ -11,6 +11,7 @@ from labcal.correspond.detections import Detections
 from labcal.optim.solution import StopReason
 from labcal.solve.adjustment.rounds import Adjusted
 from labcal.solve.adjustment.state import POSE
+from labcal.solve.agreement.finding import Disagreement
 from labcal.solve.centre_bias import CentreBias
 from labcal.solve.freed_dots import FreedDots
 from labcal.solve.one_lens import TwoLenses
@@ -93,6 +94,14 @@ class HandheldCalibration:
     freed: FreedDots | None
     """The dots as all cameras together find them."""
     reason: StopReason
+    disagreement: Disagreement | None = None
+    """What is wrong where the cameras do not agree on where the target was."""
+
+    @property
+    def rms_alone_px(self) -> float:
+        """OpenCV's RMS over all cameras, each calibrated alone."""
+        fits = self.fits.values()
+        return float(np.sqrt(sum(f.dots * f.rms_px**2 for f in fits) / sum(f.dots for f in fits)))
 
     def entering(self, detections: Detections) -> Detections:
         """Return the detections of the pictures and dots that entered."""

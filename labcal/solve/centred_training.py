@@ -7,6 +7,8 @@ import numpy as np
 
 from labcal.arrays import Pixels, Points, Pose
 from labcal.cameras.camera import Camera
+from labcal.cameras.rig import CalibrationRecord
+from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.solve.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
@@ -15,9 +17,12 @@ from labcal.solve.ray_misses import MOST_PX
 from labcal.solve.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.solve.resection.resected import ResectedCamera, resect
 from labcal.solve.swapped_pictures import refuse_swapped_training
+from labcal.solve.triangulation_check import calibration_record
 from labcal.targets.target import Target
 
 _NAME = "resection"
+_NO_NOISE = 1e-12 * np.eye(2)
+"""Covariance of training pixels, which is not known: all of the triangulation residual counts as scatter."""
 _ON_ONE_PLANE = (
     "all trained dots are on one plane, where no camera is needed: what they are off is learned with the rest"
 )
@@ -34,6 +39,8 @@ class CentredTraining:
     """What was taken off."""
     reason: str | None
     """Why nothing was, for people."""
+    calibration: CalibrationRecord | None = None
+    """How well the cameras agree on the training data."""
 
 
 def centred_training(
@@ -78,7 +85,10 @@ def centred_training(
     if max(one.sigma_px for one in cameras) > MOST_PX:
         refuse_swapped_training(data)
     centred = replace(data, X=(q - shift).reshape(data.X.shape))
-    return CentredTraining(centred, tuple(one.camera for one in cameras), CentreBias.of(shift), None)
+    found = tuple(one.camera for one in cameras)
+    exact = np.tile(_NO_NOISE, (*q.shape[:2], 1, 1))
+    matches = Matches(data.cameras, data.view, data.index, q - shift, exact)
+    return CentredTraining(centred, found, CentreBias.of(shift), None, calibration_record(found, matches))
 
 
 def _resected(q: Pixels, p: Points, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:

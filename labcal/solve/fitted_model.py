@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from labcal.cameras.camera import Camera
+from labcal.cameras.rig import CalibrationRecord
 from labcal.errors import InputError
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.rehearsal import Rehearsed
@@ -63,6 +64,8 @@ class FittedModel:
         Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
     rehearsed : Rehearsed, optional
         How the method did on points between the trained ones; None where that could not be rehearsed.
+    calibration : CalibrationRecord, optional
+        How well the resected cameras agreed on the training data.
     warnings : tuple of str
         What was not as it should be when it was fitted, for people; not kept in the file.
 
@@ -78,6 +81,7 @@ class FittedModel:
     box: TrainingBox
     resected: tuple[Camera, ...] | None = None
     rehearsed: Rehearsed | None = None
+    calibration: CalibrationRecord | None = None
     warnings: tuple[str, ...] = ()
 
     @property

@@ -5,77 +5,46 @@ with all views of all cameras. The first camera's frame is the world. Dots weigh
 what they scatter beyond them; what a centroid of area is off the image of the centre is taken off.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match
 from labcal.errors import InputError
-from labcal.solve.adjustment.free_dots import adjust_dots
-from labcal.solve.adjustment.observations import Observations, observations_of
-from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
-from labcal.solve.adjustment.state import Freedom, Lenses, RigState
+from labcal.solve.adjustment.observations import observations_of
+from labcal.solve.adjustment.state import Lenses
+from labcal.solve.agreement.causes import Calibrated, disagreement
+from labcal.solve.agreement.finding import Disagreement
+from labcal.solve.agreement.slight import slight_contradictions
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.calibration import CameraFit, CameraSigma, HandheldCalibration
-from labcal.solve.centre_bias import ROUNDS, CentreBias
-from labcal.solve.freed_dots import FreedDots
+from labcal.solve.centre_bias import CentreBias, centred
 from labcal.solve.lens_prior import PriorWidth
-from labcal.solve.lens_start import (
-    LensStart,
-    camera_as_lens,
-    require_adjustable,
-    start_from_camera,
-    start_from_pictures,
-)
+from labcal.solve.lens_start import require_adjustable
 from labcal.solve.lens_support import undetermined
-from labcal.solve.one_lens import TwoLenses, two_lenses
+from labcal.solve.lone_calibration import (
+    AdjustedDots,
+    CameraAlone,
+    HandheldSettings,
+    adjusted,
+    calibrate_alone,
+)
+from labcal.solve.one_lens import two_lenses
 from labcal.solve.outlying_dots import OutlyingDots
 from labcal.solve.resection.resected import MOST_OFF
-from labcal.solve.rig_start import LoneCamera, rig_start
+from labcal.solve.rig_start import rig_start
+from labcal.solve.triangulation_check import calibration_record
 from labcal.solve.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
 from labcal.targets.catalogue import AnyTarget
 
-MIN_VIEWS = 3
-"""Views that a camera needs: two fix four intrinsics of a plane target, the third checks them."""
+__all__ = ["HandheldSettings", "calibrate_handheld", "require_handheld_lens"]
 
 require_handheld_lens = require_adjustable
-
-
-@dataclass(frozen=True)
-class HandheldSettings:
-    """How a hand-held target is used."""
-
-    lenses: Lenses = Lenses.FREE
-    """Whether lenses are estimated, or kept as `start` has them."""
-    start: Rig | None = None
-    """Where to begin; OpenCV begins where not given."""
-    free_dots: bool = False
-    """Whether the dots' places on the print are estimated."""
-    bias_rounds: int = ROUNDS
-    """How often centroid minus centre is predicted; 0 where the pixels are images of centres."""
-
-
-@dataclass(frozen=True)
-class _Result:
-    """An adjustment of one camera or of several."""
-
-    adjusted: Adjusted
-    observations: Observations
-    freed: FreedDots | None
-
-
-@dataclass(frozen=True)
-class _Alone:
-    """A camera calibrated from all its views."""
-
-    name: str
-    dots: Detections
-    result: _Result
-    lone: LoneCamera
-    """What the rig's adjustment takes from it."""
-    two_lenses: TwoLenses | None = None
+_MOST_DOTS = 20_000
+"""Measurements from which the triangulation residual is found, about: more add nothing."""
 
 
 @one_blas_thread()
@@ -108,19 +77,56 @@ def calibrate_handheld(
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
-    found = [_alone(name, entering, target, lens, settings) for name in cameras]
-    while odd := _odd_pictures(found, target):
+
+    def alone(name: str, dots: Detections) -> CameraAlone:
+        return calibrate_alone(name, dots, target, lens, settings)
+
+    def flat(name: str, dots: Detections) -> CameraAlone:
+        return calibrate_alone(name, dots, target, lens, replace(settings, free_dots=False))
+
+    found = [alone(name, entering) for name in cameras]
+    while odd := _odd_pictures(found, target, settings):
         entering, reasons = _without(odd, entering)
         skipped += reasons
-        found = [_alone(name, entering, target, lens, settings) for name in cameras]
+        touched = {picture.camera for picture in odd}
+        found = [
+            alone(camera.name, entering) if camera.name in touched else camera.among(entering.views)
+            for camera in found
+        ]
     found = _told_apart(found, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
+    if settings.free_dots:
+        whole = _whole(found, entering, target, settings, None)
+        print_ = whole.freed
+        judged = [camera if print_ is None else camera.on_print(print_, settings) for camera in found]
+        doubt = disagreement(Calibrated(judged, entering, flat))
+    else:
+        doubt = disagreement(Calibrated(found, entering, alone))
+        whole = _whole(found, entering, target, settings, doubt)
+    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
+
+
+def _whole(
+    found: list[CameraAlone],
+    entering: Detections,
+    target: AnyTarget,
+    settings: HandheldSettings,
+    doubt: Disagreement | None,
+) -> AdjustedDots:
+    """Adjust the rig; where that fails, say what is likely to have happened."""
+    cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
-    start = rig_start([alone.lone for alone in found], target.points())
-    whole = _adjusted(start, observations, target, settings)
-    _refuse_far(whole, entering, target)
-    return _assemble(found, whole, target, entering.views, skipped)
+    try:
+        start = rig_start([camera.lone for camera in found], target.points())
+        whole = adjusted(start, observations, target, settings)
+        _refuse_far(whole, entering, target)
+    except InputError as error:
+        if doubt is None:
+            raise
+        raise InputError(f"{error} The cameras contradict each other: {doubt.causes[0].why}") from error
+    return whole
 
 
 def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
@@ -135,7 +141,22 @@ def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
     return usable.cameras
 
 
-def _refuse_far(whole: _Result, entering: Detections, target: AnyTarget) -> None:
+def _recorded(
+    found: HandheldCalibration, entering: Detections, target: AnyTarget, doubt: Disagreement | None
+) -> Rig:
+    """Return the rig with what its calibration left, by some of the views where there are very many."""
+    dots = found.outliers.left_out(entering)
+    some = dots.views[:: -(-len(dots) // _MOST_DOTS)]
+    cameras = [found.rig.camera(name) for name in found.rig.cameras]
+    matches = match(dots.where(np.isin(dots.view, some)), tuple(found.rig.cameras))
+    if len(matches):
+        matches, _ = centred(cameras, matches, target)
+    causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
+    record = calibration_record(cameras, matches, causes)
+    return found.rig.model_copy(update={"calibration": record})
+
+
+def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) -> None:
     """Raise where the rig's dots are nowhere near where they were measured."""
     rms = whole.adjusted.rms_px(whole.observations)
     widths = [entering.picture_size(name)[0] for name in entering.cameras]
@@ -146,21 +167,7 @@ def _refuse_far(whole: _Result, entering: Detections, target: AnyTarget) -> None
         )
 
 
-def _alone(
-    name: str, entering: Detections, target: AnyTarget, lens: str, settings: HandheldSettings
-) -> "_Alone":
-    """Calibrate one camera from all its views."""
-    dots = entering.where(entering.camera == name)
-    start = _lens_start(dots, name, target, lens, settings)
-    state = RigState((start.camera,), start.T_cam_target, target.points())
-    result = _adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
-    number = {view: place for place, view in enumerate(entering.views)}
-    views = np.array([number[view] for view in dots.views], dtype=np.int64)
-    end = result.adjusted.state
-    return _Alone(name, dots, result, LoneCamera(name, end.cameras[0], views, end.T_world_target))
-
-
-def _told_apart(found: list[_Alone], target: AnyTarget, settings: HandheldSettings) -> list[_Alone]:
+def _told_apart(found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings) -> list[CameraAlone]:
     """Return the cameras with the groups of their views that were taken through different lenses."""
     if settings.lenses is Lenses.FIXED:
         return found
@@ -179,13 +186,17 @@ def _told_apart(found: list[_Alone], target: AnyTarget, settings: HandheldSettin
     ]
 
 
-def _odd_pictures(found: list[_Alone], target: AnyTarget) -> list[OddPicture]:
+def _odd_pictures(
+    found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings
+) -> list[OddPicture]:
     """Return the pictures that cannot be what they are said to be."""
     lone = [alone.lone for alone in found]
     odd = [picture for camera in lone for picture in seen_from_behind(camera)]
     if odd or len(lone) == 1:
         return odd
-    return contradictions(lone, target.points())
+    gross = contradictions(lone, target.points())
+    # Cameras that each find a print of their own agree too little for slight ones.
+    return gross if gross or settings.free_dots else slight_contradictions(found)
 
 
 def _without(odd: list[OddPicture], entering: Detections) -> tuple[Detections, tuple[str, ...]]:
@@ -198,47 +209,12 @@ def _without(odd: list[OddPicture], entering: Detections) -> tuple[Detections, t
     return entering.where(enters), tuple(reasons)
 
 
-def _lens_start(
-    dots: Detections, name: str, target: AnyTarget, lens: str, settings: HandheldSettings
-) -> LensStart:
-    """Return where a camera begins, from the rig to start from or from its own pictures."""
-    needed = MIN_VIEWS if settings.lenses is Lenses.FREE else 1
-    if len(dots.views) < needed:
-        raise InputError(
-            f"Camera '{name}' has {len(dots.views)} usable views, but needs {needed} at different tilts."
-        )
-    pictures = dots.by_view()
-    size = dots.picture_size(name)
-    if settings.start is None:
-        if settings.lenses is Lenses.FIXED:
-            raise InputError(
-                "Intrinsics can be kept only where a rig to start from gives them. Add --start rig.json."
-            )
-        return start_from_pictures(pictures, target, lens)
-    known = settings.start.camera(name)
-    if known.size != size:
-        raise InputError(
-            f"Camera '{name}' of the rig to start from takes pictures of {known.size[0]} x {known.size[1]}, "
-            f"but these are {size[0]} x {size[1]}."
-        )
-    return start_from_camera(pictures, target, camera_as_lens(known, lens, name))
-
-
-def _adjusted(
-    start: RigState, observations: Observations, target: AnyTarget, settings: HandheldSettings
-) -> _Result:
-    """Adjust with the dots as declared and, where asked, once more with free dots."""
-    freedom = Freedom(settings.lenses, np.zeros((3 * target.count, 0)))
-    radii = 0.5 * target.outer_diameters_mm()
-    flat = adjust_in_rounds(start, observations, freedom, radii, settings.bias_rounds)
-    if not settings.free_dots:
-        return _Result(flat, observations, None)
-    free = adjust_dots(flat, observations, target, settings.lenses, settings.bias_rounds)
-    return _Result(free.adjusted, free.observations, free.dots)
-
-
 def _assemble(
-    found: list[_Alone], whole: _Result, target: AnyTarget, views: tuple[str, ...], skipped: tuple[str, ...]
+    found: list[CameraAlone],
+    whole: AdjustedDots,
+    target: AnyTarget,
+    views: tuple[str, ...],
+    skipped: tuple[str, ...],
 ) -> HandheldCalibration:
     """Return the rig and its figures."""
     adjusted = whole.adjusted

@@ -52,4 +52,4 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
     centred = replace(matches, q=matches.q - shift)
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
-    return CentredTraining(data, tuple(cameras), CentreBias.of(shift), None)
+    return CentredTraining(data, tuple(cameras), CentreBias.of(shift), None, found.rig.calibration)

@@ -103,6 +103,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
         digest="",
         resected=None if model.resected is None else tuple(map(CameraRecord.of, model.resected)),
         rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
+        calibration=model.calibration,
     ).signed(arrays)
     write_file(path, safetensors.numpy.save(arrays, {METADATA_KEY: header.text()}), force=force)
 
@@ -151,7 +152,9 @@ def load_model(path: Path) -> FittedModel:
         pairs = zip(header.cameras, header.resected, strict=False)
         resected = tuple(record.sensible_camera(name) for name, record in pairs)
     rehearsed = None if header.rehearsed is None else _rehearsed(path, header.rehearsed)
-    return FittedModel(estimator, header.cameras, header.image_sizes, box, resected, rehearsed)
+    return FittedModel(
+        estimator, header.cameras, header.image_sizes, box, resected, rehearsed, header.calibration
+    )
 
 
 def _header(path: Path, text: str | None) -> ModelHeader:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.bounds import Side
 from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig import CalibrationRecord
 from labcal.run.names import Name
 
 VERSION = 2
@@ -44,6 +45,8 @@ class ModelHeader(BaseModel):
         The cameras that tell what a centroid is off its dot's centre; left out where there are none.
     rehearsed : mapping, optional
         The figures of a `Rehearsed`, null for NaN; left out where there are none.
+    calibration : CalibrationRecord, optional
+        How well the resected cameras agreed on the training data; left out where that is not known.
     digest : str
         SHA-256 over this header, with an empty digest, and all arrays.
     """
@@ -63,6 +66,7 @@ class ModelHeader(BaseModel):
     digest: str
     resected: tuple[CameraRecord, ...] | None = None
     rehearsed: dict[str, Annotated[float, Field(ge=0)] | None] | None = None
+    calibration: CalibrationRecord | None = None
 
     def text(self) -> str:
         """Return the header as JSON, always the same for the same content."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from labcal.cameras.rig import Rig, read_rig
+from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match, require_on_target
@@ -14,9 +14,10 @@ from labcal.errors import InputError
 from labcal.solve.centre_bias import CentreBias, centred, shifts_of_matches
 from labcal.solve.fitted_model import FittedModel
 from labcal.solve.model_file import ModelKind, load_model, model_kind
-from labcal.solve.ray_misses import MOST_PX, RayMisses
+from labcal.solve.ray_misses import RayMisses
 from labcal.solve.sound_points import predicted, within_sense
 from labcal.solve.swapped_pictures import refuse_swapped
+from labcal.solve.triangulation_check import TriangulationCheck
 from labcal.targets.target import Target
 
 
@@ -41,6 +42,8 @@ class Reconstruction:
     miss_px: float | None
     """By how much the rays of a dot miss each other, the median; infinite where they meet nowhere; None where
     the model has no cameras."""
+    check: TriangulationCheck | None
+    """Whether that is more than the calibration lets expect; None where the model has no cameras."""
     warnings: tuple[str, ...] = ()
     """What is not as it should be, for people."""
 
@@ -108,18 +111,20 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
         matches, bias = centred(cameras, matches, target)
     found = triangulate(cameras, matches.q, matches.covariance)
     misses = RayMisses.at(cameras, matches, found)
-    moved = misses.typical_px > MOST_PX
-    flag = np.where(misses.outlying | moved, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    check = TriangulationCheck.of(misses, matches, rig.calibration)
+    doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration)
+    flag = np.where(misses.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
         ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag),
         bias,
         misses.typical_px,
+        check,
     )
 
 
 def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> Reconstruction:
-    bias, outlying, typical_px = None, np.zeros(len(matches), dtype=bool), None
+    bias, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
     if model.resected is not None:
         refuse_swapped(model.resected, matches)
         if target is not None:
@@ -127,11 +132,18 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
             shift = shifts_of_matches(model.resected, matches, roughly, target)
             matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
         misses = RayMisses.of(model.resected, matches)
-        outlying, typical_px = misses.outlying, misses.typical_px
+        check = TriangulationCheck.of(misses, matches, model.calibration)
+        outlying, typical_px = misses.outlying | np.isin(matches.view, check.views), misses.typical_px
     outputs, covariance = predicted(model.estimator, matches)
     point = np.ascontiguousarray(outputs[:, :3])
-    flag = np.where(outlying | model.misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    misfit = model.misfit or _inconsistent(model.calibration)
+    flag = np.where(outlying | misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)
     flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
     points = ReconstructedPoints(matches.view, matches.index, point, covariance, flag)
-    return Reconstruction(points, bias, typical_px)
+    return Reconstruction(points, bias, typical_px, check)
+
+
+def _inconsistent(calibration: CalibrationRecord | None) -> bool:
+    """Tell whether the views that cameras were calibrated from contradict each other."""
+    return calibration is not None and bool(calibration.inconsistent)

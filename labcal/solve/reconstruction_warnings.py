@@ -4,8 +4,8 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import PointFlag
 from labcal.solve.fitted_model import FittedModel
-from labcal.solve.ray_misses import MOST_PX
 from labcal.solve.reconstruction import Reconstruction
+from labcal.solve.triangulation_check import TriangulationCheck
 
 
 def reconstruction_warnings(
@@ -34,14 +34,36 @@ def reconstruction_warnings(
             "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "
             "the one to begin with."
         )
-    if isinstance(model, Rig) and found.miss_px is not None and found.miss_px > MOST_PX:
+    if model.calibration is not None and model.calibration.inconsistent:
         warnings.append(
-            f"the rays of a dot miss each other by {found.miss_px:.3g} px: the cameras are not as they were "
-            "when this rig was calibrated, or not the same. Calibrate again."
+            "the views that these cameras were calibrated from contradict each other, likely cause: "
+            f"{', or '.join(model.calibration.inconsistent)}. All points are flagged 'model-misfit'. "
+            "Calibrate again."
         )
+    if found.check is not None:
+        warnings += _residual_warnings(found.check)
     without = [view for view in detections.views if view not in set(found.points.view.tolist())]
     if without:
         warnings.append(f"no dot was measured by all cameras in {len(without)} views: {', '.join(without)}")
     if not (found.points.flag == PointFlag.OK.value).any():
         warnings.append("not one of the points is 'ok': see their flags before they are used")
     return tuple(warnings)
+
+
+def _residual_warnings(check: TriangulationCheck) -> list[str]:
+    """Return what speaks against points whose rays miss each other, for people."""
+    if check.inconsistent:
+        told = (
+            f"rays miss each other by {check.rms_px:.3g} px RMS, but the calibration lets expect "
+            f"{check.expected_px:.3g} px: the cameras are not as they were when they were calibrated, or not "
+            "the same. All points are flagged 'model-misfit'. Calibrate again."
+        )
+        return [told]
+    if check.views:
+        told = (
+            "in some views rays miss each other by far more than the calibration lets expect: a camera or "
+            f"the target moved there. Their points are flagged 'model-misfit'. Views: "
+            f"{', '.join(check.views)}."
+        )
+        return [told]
+    return []

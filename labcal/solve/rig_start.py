@@ -89,11 +89,11 @@ def placed_cameras(cameras: Sequence[LoneCamera]) -> list[Pose]:
                 f"Cameras {known} and '{cameras[new].name}' share no view with enough dots in both. Shoot "
                 "the target where both see it, and check that --cameras names the pairs."
             )
-        placed[new] = _between(shared[old, new]) @ placed[old]
+        placed[new] = pose_between(shared[old, new]) @ placed[old]
     return [placed[number] for number in range(len(cameras))]
 
 
-def _between(shared: SharedViews) -> Pose:
+def pose_between(shared: SharedViews) -> Pose:
     """Return ``T_second_first`` from the views that two cameras share, some of which may be off."""
     T = shared.second @ np.linalg.inv(shared.first)
     # Of some, the rotation with the least median distance to all: the trace falls with the angle.

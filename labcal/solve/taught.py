@@ -144,7 +144,9 @@ def taught(
     for estimator in estimators:
         try:
             model = teach(data, estimator, training.centred.cameras, twin)
-            learned.append(replace(model, warnings=training.warnings))
+            learned.append(
+                replace(model, calibration=training.centred.calibration, warnings=training.warnings)
+            )
         except InputError as error:
             learned.append(error)
         progress.advance()

@@ -73,7 +73,7 @@ def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dot
     for one, other in combinations(range(len(cameras)), 2):
         shared = SharedViews.of(cameras[one], cameras[other])
         T_other_one = placed[other] @ inverse(placed[one])
-        misses = _misses(cameras[other], T_other_one, shared, dots)
+        misses = target_misses(cameras[other], T_other_one, shared, dots)
         if len(misses) < _FEWEST:
             continue
         usual = float(np.median(misses))
@@ -81,10 +81,13 @@ def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dot
             view = int(shared.views[at])
             against.setdefault(view, []).append((one, other))
             alone = SharedViews(shared.views[[at]], shared.first[[at]], shared.second[[at]])
-            if _misses(cameras[other], inverse(T_other_one), alone, dots)[0] < _EXCHANGED * misses[at]:
+            if target_misses(cameras[other], inverse(T_other_one), alone, dots)[0] < _EXCHANGED * misses[at]:
                 cause = "their pictures seem to be exchanged"
             else:
-                cause = "the target moved between the exposures, or one of them has dots numbered wrongly"
+                cause = (
+                    "the target moved between the exposures, a camera was moved, or one of them has dots "
+                    "numbered wrongly"
+                )
             reasons[view] = (
                 f"cameras '{cameras[one].name}' and '{cameras[other].name}' miss each other's dots by "
                 f"{misses[at]:.1f} px, in the median view by {usual:.1f} px: {cause}"
@@ -92,11 +95,11 @@ def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dot
     return [
         OddPicture(cameras[number].name, view, reasons[view])
         for view, pairs in sorted(against.items())
-        for number in _outvoted(pairs, [n for n, lone in enumerate(cameras) if view in lone.views])
+        for number in outvoted(pairs, [n for n, lone in enumerate(cameras) if view in lone.views])
     ]
 
 
-def _misses(
+def target_misses(
     camera: LoneCamera, T_camera_other: Pose, shared: SharedViews, dots: Float64[np.ndarray, "dots 3"]
 ) -> Float64[np.ndarray, " n"]:
     """Return by how far another camera's target is off in this camera's pictures, RMS, px."""
@@ -110,7 +113,7 @@ def _misses(
     return np.array(misses)
 
 
-def _outvoted(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:
+def outvoted(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:
     """Return the cameras of a view that are not in its largest group of two or more that agree."""
     groups: list[list[int]] = []
     for camera in cameras:

@@ -6,6 +6,7 @@ from labcal.experiments.bench_groups import Groups, measured_groups
 from labcal.experiments.bench_settings import BenchSettings
 from labcal.experiments.bench_solve.adjustment import adjustment_findings
 from labcal.experiments.bench_solve.limits import limit_findings
+from labcal.experiments.bench_solve.mistakes import mistake_findings
 from labcal.experiments.bench_solve.mrcal import mrcal_findings
 from labcal.experiments.bench_solve.real import real_findings
 from labcal.experiments.bench_solve.training import training_findings
@@ -16,6 +17,7 @@ GROUPS: Groups = {
     "limits": limit_findings,
     "training": training_findings,
     "adjustment": adjustment_findings,
+    "mistakes": mistake_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }

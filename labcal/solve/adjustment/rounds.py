@@ -11,6 +11,7 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.robust import SQUARES, Huber, Loss
 from labcal.optim.solution import Stopping, StopReason
+from labcal.solve.adjustment.blocks import Blocks
 from labcal.solve.adjustment.lens_prior import LensPrior
 from labcal.solve.adjustment.observations import Observations
 from labcal.solve.adjustment.outliers import outliers
@@ -48,6 +49,8 @@ class Adjusted:
     scatter_px: float
     """What dots scatter (per axis) beyond their covariances."""
     reason: StopReason
+    normal: Blocks
+    """The normal equations at the end, with the scatter."""
     prior_width: PriorWidth
     """How tightly what the dots leave open of the lenses was held."""
 
@@ -154,6 +157,7 @@ class _Rounds:
             outlier=now.aside,
             scatter_px=float(np.sqrt(now.extra)),
             reason=solution.reason,
+            normal=end.blocks,
             prior_width=width,
         )
 

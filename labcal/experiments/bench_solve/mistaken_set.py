@@ -1,0 +1,127 @@
+"""A set of rendered pictures of a target in the hand, as meant and with each mistake that a pair can make."""
+
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.evaluate.own_lengths import errors_of_lengths
+from labcal.render.shoot import RenderSettings, render_shoot
+from labcal.report.reproduction import Measured
+from labcal.run.progress import NoProgress
+from labcal.scene.catalogue import load_scene
+from labcal.scene.mistakes import Mistake
+from labcal.solve.agreement.finding import CauseName
+from labcal.solve.calibration import HandheldCalibration
+from labcal.solve.handheld import calibrate_handheld
+from labcal.solve.reconstruction import reconstruct_points
+from labcal.targets.target import Target
+from labcal.workflow import detect
+
+SCENE, VIEWS, SPP, LENS = "webcam-handheld", 8, 8, "brown5"
+SIZES = {
+    Mistake.SWAPPED_CAMERAS: 1.0,
+    Mistake.CAMERA_KNOCKED: 0.02,
+    Mistake.UNSYNCHRONISED: 0.03,
+}
+"""About where lengths are off by 20% more than without; of exchanged pictures the later half."""
+_CAUSES = {
+    Mistake.SWAPPED_CAMERAS: CauseName.SWAPPED_CAMERAS,
+    Mistake.CAMERA_KNOCKED: CauseName.CAMERA_MOVED,
+    Mistake.UNSYNCHRONISED: CauseName.UNSYNCHRONISED,
+}
+
+
+@dataclass(frozen=True)
+class SetOfPictures:
+    """What is rendered."""
+
+    seed: int
+    folder: str
+    """Where pictures are while they are needed."""
+
+    @property
+    def key(self) -> str:
+        """The name of the result file."""
+        return f"set-{self.seed}"
+
+
+class MistakeFigures(BaseModel):
+    """What came of one mistake."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    told: bool
+    """Whether anything is said to be wrong."""
+    named: bool
+    """Whether the likeliest cause is the mistake."""
+    lengths: Measured
+    """RMS error of the target's own lengths over that without the mistake; NaN where nothing fits."""
+
+
+class SetFigures(BaseModel):
+    """What came of one set."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    accused: bool
+    """Whether anything is said to be wrong where nothing is."""
+    mistakes: dict[Mistake, MistakeFigures]
+
+
+def judged_set(wanted: SetOfPictures) -> SetFigures:
+    """Render a set as meant and with mistakes, calibrate from each, and return what is told.
+
+    Exchanged pictures are those of the set as meant, exchanged, as the renderer delivers them.
+    """
+    target = load_scene(SCENE).target
+    good = _detected(wanted, None)
+    calibrated = calibrate_handheld(good, target, LENS)
+    usual = _length_error(calibrated, good, target)
+    mistakes = {}
+    for mistake, cause in _CAUSES.items():
+        swapped = mistake is Mistake.SWAPPED_CAMERAS
+        dots = _exchanged(good) if swapped else _detected(wanted, mistake)
+        found = calibrate_handheld(dots, target, LENS)
+        mistakes[mistake] = MistakeFigures(
+            told=_told(found),
+            named=found.disagreement is not None and found.disagreement.causes[0].cause is cause,
+            lengths=_length_error(found, dots, target) / usual,
+        )
+    return SetFigures(accused=_told(calibrated), mistakes=mistakes)
+
+
+def _told(found: HandheldCalibration) -> bool:
+    return found.disagreement is not None or bool(found.skipped)
+
+
+def _detected(wanted: SetOfPictures, mistake: Mistake | None) -> Detections:
+    """Render and return the dots; the pictures do not stay."""
+    changes = () if mistake is None else (f"mistake={mistake}", f"mistake_size={SIZES[mistake]}")
+    folder = Path(wanted.folder) / f"{wanted.key}-{mistake or 'none'}"
+    settings = RenderSettings(spp=SPP, views=VIEWS, seed=wanted.seed, force=True)
+    try:
+        return detect(render_shoot(load_scene(SCENE, changes), folder, settings, NoProgress()))
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _exchanged(dots: Detections) -> Detections:
+    """Return the dots with the two cameras' names exchanged from the middle view on."""
+    first, second = dots.cameras
+    later = np.isin(dots.view, dots.views[len(dots.views) // 2 :])
+    other = np.where(dots.camera == first, second, first)
+    return replace(dots, camera=np.where(later, other, dots.camera))
+
+
+def _length_error(found: HandheldCalibration, dots: Detections, target: Target) -> float:
+    """Return the RMS error of all lengths on the target, mm; NaN where nothing can be reconstructed."""
+    try:
+        points = reconstruct_points(found.rig, dots, target)
+        return errors_of_lengths(points, target).length_error_mm.rms
+    except InputError:
+        return float("nan")

@@ -1,0 +1,45 @@
+"""What is found where cameras do not agree on where the target was, with its likely causes."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class CauseName(StrEnum):
+    """What may have happened; the names of the checks of a shoot."""
+
+    SWAPPED_CAMERAS = "swapped-cameras"
+    CAMERA_MOVED = "camera-moved"
+    UNSYNCHRONISED = "unsynchronised"
+    LENS_MISFIT = "lens-misfit"
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One thing that may have happened."""
+
+    cause: CauseName
+    why: str
+    """What speaks for it and what to do, for people."""
+    cameras: tuple[str, ...]
+    views: tuple[str, ...]
+    """Those that show it, in their order; of a moved camera those after the move."""
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """Cameras that do not agree on where the target was."""
+
+    causes: tuple[Cause, ...]
+    """The likeliest one first; at least one."""
+    times: float
+    """How many times larger variances between views are than errors explain, the worst pair's."""
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """All cameras that a cause names."""
+        return tuple(dict.fromkeys(name for cause in self.causes for name in cause.cameras))
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """The views that show the likeliest cause."""
+        return self.causes[0].views
