@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_result
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -176,8 +178,7 @@ def calibrate_table(result: CalibrateResult) -> object:
     from rich.table import Table
     from rich.text import Text
 
-    from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_result
-from labcal.cli.lens_table import lens_table
+    from labcal.cli.lens_table import lens_table
     from labcal.report.print_words import print_words
 
     caption = f"rig: RMS {result.rms_px:.4f} px"
