@@ -147,7 +147,7 @@ def test_files_of_intrinsics_and_extrinsics_are_one_pair(tmp_path: Path) -> None
         rig = read(*paths, size=SIZE)
         assert [record.K[0][0] for record in rig.cameras.values()] == [1210.0, 1195.0]
         assert baseline_mm(rig) == pytest.approx(APART_MM, rel=1e-12)
-    with pytest.raises(InputError, match="labcal convert intrinsics.yml extrinsics.yml"):
+    with pytest.raises(InputError, match=r"labcal convert intrinsics\.yml extrinsics\.yml"):
         read(intrinsics, size=SIZE)
 
 
@@ -192,7 +192,7 @@ def test_cameras_on_an_imu_are_placed_to_each_other(tmp_path: Path) -> None:
 
 
 def test_counts_that_ros_takes_and_what_it_prints(tmp_path: Path) -> None:
-    K, five = K1.ravel().tolist(), D1[0].tolist()
+    K, five, none = K1.ravel().tolist(), D1[0].tolist(), np.eye(3).ravel().tolist()
     matrix = "  rows: 3\n  cols: 3\n  data: {}\n"
     P = [1210.0, 0.0, 655.5, 0.0, 0.0, 1208.0, 470.25, 0.0, 0.0, 0.0, 1.0, 0.0]
     for model, numbers, lens in (
@@ -204,13 +204,13 @@ def test_counts_that_ros_takes_and_what_it_prints(tmp_path: Path) -> None:
         (tmp_path / "info.yaml").write_text(
             f"image_width: 1280\nimage_height: 960\ncamera_name: front\ncamera_matrix:\n{matrix.format(K)}"
             f"distortion_model: {model}\ndistortion_coefficients:\n  data: {numbers}\n"
-            f"rectification_matrix:\n{matrix.format(np.eye(3).ravel().tolist())}projection_matrix:\n  data: {P}\n"
+            f"rectification_matrix:\n{matrix.format(none)}projection_matrix:\n  data: {P}\n"
         )
         (record,) = read(tmp_path / "info.yaml").cameras.values()
         assert (record.lens, record.dist[:2]) == (lens, (-0.21, 0.08))
     (tmp_path / "echo.yaml").write_text(
         "header:\n  frame_id: front_optical\nheight: 960\nwidth: 1280\ndistortion_model: plumb_bob\n"
-        f"d: {five}\nk: {K}\nr: {np.eye(3).ravel().tolist()}\np: {P}\nbinning_x: 0\n---\nheader:\n  frame_id: x\n"
+        f"d: {five}\nk: {K}\nr: {none}\np: {P}\nbinning_x: 0\n---\nheader:\n  frame_id: x\n"
     )
     rig = read(tmp_path / "echo.yaml")
     assert (list(rig.cameras), rig.camera("front-optical").K[0, 0]) == (["front-optical"], 1210.0)
@@ -228,7 +228,7 @@ def test_the_lens_of_a_colmap_camera_with_many_images(tmp_path: Path) -> None:
     binary.mkdir()
     (binary / "cameras.bin").write_bytes(b"\0\1")
     for path in (binary, binary / "cameras.bin"):
-        with pytest.raises(InputError, match="colmap model_converter --input_path .*binary"):
+        with pytest.raises(InputError, match=r"colmap model_converter --input_path .*binary"):
             read_rig_files([path], None)
 
 
