@@ -124,6 +124,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_existing(path, force=arguments.force)
         refuse_homeless(path)
     training, handheld = read_training(arguments, session)
+    if handheld is None and arguments.lens != AUTO and not _uses_lens(estimators, arguments):
+        refuse_option(
+            arguments, "lens", f"means nothing to {arguments.method} on a stage without a rehearsal"
+        )
     if training.reason is not None:
         session.say(f"centroids are taken as they are: {training.reason}")
     learned = _learned(training, estimators, arguments, session)
@@ -168,6 +172,11 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
         known = estimator.get_params()
         estimator.set_params(**{key: value for key, value in wanted.items() if key in known})
     return estimators
+
+
+def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool:
+    """Tell whether a method has a lens model, or a rehearsal uses one."""
+    return not arguments.no_rehearsal or any("lens" in one.get_params() for one in estimators)
 
 
 def _learned(

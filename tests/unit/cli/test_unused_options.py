@@ -14,7 +14,7 @@ TARGET = "paper-13x10"
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a shoot, a table, pictures and a rig, as far as options are looked at before they are read."""
+    """A folder with inputs that are looked at after the options are."""
     monkeypatch.chdir(tmp_path)
     Path("shoot").mkdir()
     Path("shoot", "shoot.json").write_text("{}")
@@ -81,7 +81,11 @@ def test_it_is_refused_by_name(
     assert sorted(path.name for path in home.iterdir()) == before
 
 
-def test_a_seed_of_its_own_value_is_told_from_the_default(home: Path) -> None:
+def test_a_seed_of_its_own_value_is_told_from_the_default(
+    home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Zero is what is taken where none is given."""
-    assert main("fit shoot --method mlp --no-rehearsal --seed 0 -o m".split()) == 2  # for the damaged shoot
+    words = "fit shoot --method mlp --no-rehearsal --seed 0 -o m"
+    assert main(words.split()) == 2  # for the damaged shoot
+    assert "--seed" not in capsys.readouterr().err
     assert not (home / "m").exists()
