@@ -14,6 +14,7 @@ from labcal.cameras.interop.labcal_rig import LABCAL
 from labcal.cameras.interop.registry import FORMATS, format_to_write
 from labcal.cameras.interop.rig_files import baseline_mm, read_rig_files, read_unit, write_rig_files
 from labcal.cameras.rig import Rig
+from labcal.cli import main
 from labcal.errors import InputError
 
 MakeRig = Callable[..., Rig]
@@ -253,3 +254,21 @@ def test_a_second_format_whose_files_end_in_json(
         read_rig_files([both], None)
     assert read_rig_files([both], "made-up")[0].name == "made-up"
     assert format_to_write(tmp_path / "new.json").name == "labcal"
+
+
+def test_convert_tells_unit_baseline_and_folds(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folded = np.array([[-1.5, 0.0, 0.0, 0.0, 0.0]])
+    storage(Path("pair.yml"), M1=K1, D1=D1, M2=K2, D2=folded, R=R, T=T / 1000.0)
+    words = ("convert", "pair.yml", "rig.json", "--size", "1280x960", "--json")
+    assert main(words) == 2
+    assert "--unit mm or --unit m" in capsys.readouterr().err
+    assert main([*words, "--unit", "m"]) == 0
+    told = capsys.readouterr()
+    document = json.loads(told.out)
+    assert (document["unit"], document["baseline_mm"]) == ("m", pytest.approx(APART_MM))
+    assert "taken for m: the first two cameras are 118.352 mm apart" in told.err
+    (note,) = document["notes"]
+    assert "of the picture of right sees no direction" in note
