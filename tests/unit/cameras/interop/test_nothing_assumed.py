@@ -63,8 +63,9 @@ def test_four_coefficients_are_asked_about(four: Path) -> None:
     )
     np.testing.assert_allclose(fisheye.camera().project(v).q, expected[:, 0], atol=1e-9)
     assert np.abs(brown.camera().project(v).q - expected[:, 0]).max() > 20.0
-    with pytest.raises(InputError, match="no lens model of OpenCV"):
-        read(four, lens="prescription")
+    for name in ("prescription", "rational8", "browny"):
+        with pytest.raises(InputError, match="does not tell whose coefficients these are"):
+            read(four, lens=name)
 
 
 @pytest.mark.parametrize(
@@ -121,6 +122,8 @@ def test_the_picture_size_is_honoured(tmp_path: Path, four: Path) -> None:
         read(path)
     assert {record.size for record in read(path, size=SIZE).cameras.values()} == {SIZE}
     assert next(iter(read(four, lens="brown5", size=SIZE).cameras.values())).size == SIZE
+    with pytest.raises(InputError, match="is no size of a picture"):
+        read(path, size=(10**9, 10**9))
     with pytest.raises(InputError, match="states a picture size of 1280x960, which --size contradicts"):
         read(four, lens="brown5", size=(640, 480))
 
