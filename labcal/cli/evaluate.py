@@ -71,12 +71,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             "Give the SHOOT that the points are of or, to compare with the target's own lengths, "
             "--target NAME or --dots RIG-dots.json: one of the three."
         )
-    points = read_points(arguments.points)
     if arguments.shoot is None or not has_truth(arguments.shoot):
         for option in ("detections", "alignment"):
             refuse_option(
                 arguments, option, "goes with the truth of a rendered shoot, which is not given here"
             )
+    points = read_points(arguments.points)
     learned = None if arguments.rig is None else read_rig(arguments.rig).calibrated_on
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:

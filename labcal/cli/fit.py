@@ -130,6 +130,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs([FileOutput(path, KIND) for path in paths], read, force=arguments.force)
     training = read_training(arguments, session)
     centred, handheld = training.centred, handheld_result(training)
+    if handheld is None and arguments.lens != AUTO and not _uses_lens(estimators, arguments):
+        refuse_option(
+            arguments, "lens", f"means nothing to {arguments.method} on a stage without a rehearsal"
+        )
     if centred.reason is not None:
         session.say(f"centroids are taken as they are: {centred.reason}")
     with session.progress() as progress:
@@ -169,6 +173,11 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     if arguments.no_rehearsal and not any("random_state" in one.get_params() for one in estimators):
         refuse_option(arguments, "seed", f"means nothing to {arguments.method}, in which nothing is random")
     return estimators
+
+
+def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool:
+    """Tell whether a method has a lens model, or a rehearsal uses one."""
+    return not arguments.no_rehearsal or any("lens" in one.get_params() for one in estimators)
 
 
 def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:

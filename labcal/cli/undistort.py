@@ -97,11 +97,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_option(arguments, "whole", "is what --rectify does anyway")
     endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     sources = [_with_camera(source, rig) for source in find_sources(arguments.pictures, endings)]
-    if all(rig.camera(source.camera).optics.central for source in sources):
-        refuse_option(
-            arguments, "distance_mm", "is for a lens prescription or a flat window, which no camera has"
-        )
-    ideals = _ideal_cameras(arguments, rig, list(dict.fromkeys(source.camera for source in sources)))
+    names = list(dict.fromkeys(source.camera for source in sources))
+    if all(rig.camera(name).optics.central for name in names):
+        refuse_option(arguments, "distance_mm", "is for a lens prescription or a flat window; there is none")
+    ideals = _ideal_cameras(arguments, rig, names)
     how = (arguments.rectify, arguments.whole, arguments.distance_mm)
     command = f"undistort {rig.model_dump_json()} {[source.image for source in sources]} {how}"
     read = paths_read([arguments.model, *arguments.pictures], sources)

@@ -30,6 +30,8 @@ _BEYOND_BROWN = PERSPECTIVE.order[5:]
 _OPEN = 0.1
 """Standard deviation at the picture's border, over its width, from which on dots leave a lens open. It is
 0.04 or less where dots reach half of the way to the corners or farther, 0.13 or more where they do not."""
+_LESS = 0.5
+"""Share of the blind pixels that may be left. Those outside the round picture of a fisheye are no fold."""
 _AS_WELL = 1.05
 """Ratio of RMS residuals up to which dots are explained as well, with fewer coefficients that are free."""
 
@@ -56,6 +58,8 @@ class FoundLens:
     @property
     def is_open(self) -> bool:
         """Whether the lens folds inside the picture, or its border is not determined."""
+        if self.camera.model.coefficients == 0:
+            return False
         if self.camera.share_without_rays > 0.0:
             return True
         J = _border_slopes(self.camera)
@@ -87,6 +91,8 @@ def coefficient_weights(
 def narrow_is_better(wide: Sequence[Camera], narrow: Sequence[Camera], rms_ratio: float) -> bool:
     """Tell whether to take the cameras that the narrow prior gave, where the wide one leaves lenses open.
 
+    They must image more of their pictures, if the others fold, and explain the dots as well.
+
     Parameters
     ----------
     wide, narrow : sequence of Camera
@@ -95,7 +101,7 @@ def narrow_is_better(wide: Sequence[Camera], narrow: Sequence[Camera], rms_ratio
         RMS residual of the latter over that of the former.
     """
     lost = [sum(camera.share_without_rays for camera in found) for found in (wide, narrow)]
-    return lost[1] <= lost[0] and rms_ratio <= _AS_WELL
+    return lost[1] <= _LESS * lost[0] and rms_ratio <= _AS_WELL
 
 
 def _border_slopes(camera: Camera) -> Float64[np.ndarray, "n 2 coefficients"]:

@@ -212,15 +212,17 @@ def test_methods_learn_from_the_hand(
 
 
 def test_how_a_target_was_placed_is_not_said_twice(
-    labcal: Run, stage: Path, handheld_dots: Path, tmp_path: Path
+    labcal: Run, stage: Path, stage_dots: Path, handheld_dots: Path, tmp_path: Path
 ) -> None:
     model = tmp_path / "model.safetensors"
+    quick = ("--detections", stage_dots, "--no-rehearsal")
     for words, hint in (
         ((handheld_dots,), "--target NAME"),
         ((handheld_dots, "--target", "paper-13x10", "--detections", handheld_dots), "Give the table alone"),
         ((stage, "--free-dots"), "Leave them out"),
         ((stage, "--lens", "brown6"), "brown5"),
         ((stage, "--target", "paper-13x10"), "Leave them out"),
+        ((stage, *quick, "--lens", "brown5"), "--lens means nothing to mlp"),
     ):
         told = labcal("fit", *words, "--method", "mlp", "-o", model)
         assert told.status == 2

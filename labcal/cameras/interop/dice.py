@@ -82,6 +82,8 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
     if values.get(_RELATIVE, "false").lower() == "true":
         poses = [poses[0], *(T @ poses[0] for T in poses[1:])]
     records = [_camera(camera, T, path) for camera, T in zip(cameras, poses, strict=True)]
+    if any(given.size not in (None, record.size) for record in records):
+        raise InputError(f"{path} states another size of the pictures than --size. Leave --size out.")
     names = [_values(camera).get("CAMERA_ID") or str(camera.get("name")) for camera in cameras]
     return ReadRig(rig_of(names, records), tuple(note for _, mended in found for note in mended))
 

@@ -18,8 +18,7 @@ from labcal.cameras.interop.lens_numbers import (
 from labcal.cameras.interop.numbers_text import finite_number, picture_size
 from labcal.cameras.interop.opencv_storage import Storage
 from labcal.cameras.interop.placement import rounded_pose
-from labcal.cameras.lens import FISHEYE, LENSES
-from labcal.cameras.opencv_model import FISHEYE as CV_FISHEYE
+from labcal.cameras.lens import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 
@@ -38,6 +37,8 @@ _KIND = ("distortion_model", "camera_model", "model_type", "lens_model")
 _FISHEYE_WORDS = {"fisheye", "equidistant", "kannala_brandt", "kannala-brandt", "kb4"}
 _PERSPECTIVE_WORDS = {"plumb_bob", "radtan", "brown", "rational_polynomial", "perspective", "pinhole"}
 _AMBIGUOUS = 4
+BROWN = "brown5"
+"""The lens model by which a person says that coefficients are those of cv2.calibrateCamera."""
 
 
 def side_keys(keys: tuple[str, ...], side: str) -> tuple[str, ...]:
@@ -120,15 +121,13 @@ def _said_to_be_fisheye(storage: Storage) -> bool | None:
 
 
 def _given_fisheye(given: ReadOptions) -> bool | None:
-    """Return whether the lens that was named is a fisheye; None where none was."""
-    if given.lens is None:
-        return None
-    model = LENSES[given.lens].opencv if given.lens in LENSES else None
-    if model is None:
+    """Return whether the lens that was named is the fisheye; None where none was."""
+    if given.lens not in (None, BROWN, FISHEYE):
         raise InputError(
-            f"--lens {given.lens} is no lens model of OpenCV. Say brown5, for k1 k2 p1 p2, or {FISHEYE}."
+            f"--lens {given.lens} does not tell whose coefficients these are. Say {BROWN}, for those of "
+            f"cv2.calibrateCamera, or {FISHEYE}."
         )
-    return model is CV_FISHEYE
+    return None if given.lens is None else given.lens == FISHEYE
 
 
 def _size(storage: Storage, given: ReadOptions) -> tuple[int, int]:
@@ -136,7 +135,7 @@ def _size(storage: Storage, given: ReadOptions) -> tuple[int, int]:
     width, height, listed = (storage.first(keys) for keys in (_WIDTH, _HEIGHT, _SIZE))
     if width is None and height is None and listed is None:
         if given.size is not None:
-            return given.size
+            return picture_size(given.size, storage.path)
         raise InputError(
             f"{storage.path} does not say how large the pictures are. Say it: --size 1280x960. Or add "
             "the keys image_width and image_height."

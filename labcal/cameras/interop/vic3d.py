@@ -42,8 +42,8 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
             f"{path} does not say how large the pictures are: the project has no area of interest. Draw one, "
             "save, and convert again, or say it: --size 1280x960."
         )
-    size = stated if mask is None else picture_size([mask.get("width"), mask.get("height")], path)
-    if size is None or stated not in (None, size):
+    size = picture_size(stated if mask is None else [mask.get("width"), mask.get("height")], path)
+    if stated not in (None, size):
         raise InputError(f"{path} states another size of the pictures than --size. Leave --size out.")
     names: list[str] = []
     records: list[CameraRecord] = []

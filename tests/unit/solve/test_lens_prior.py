@@ -113,6 +113,8 @@ def test_the_narrow_prior_is_taken_only_where_it_explains_as_well() -> None:
     assert narrow_is_better([folded], [whole], 1.01)
     assert not narrow_is_better([folded], [whole], 1.5)
     assert not narrow_is_better([whole], [folded], 1.0)
+    assert not narrow_is_better([folded], [folded], 1.0)
+    assert narrow_is_better([whole], [whole], 1.0)
 
 
 def test_a_lens_is_open_where_it_folds_or_its_border_is_not_determined() -> None:
@@ -123,6 +125,25 @@ def test_a_lens_is_open_where_it_folds_or_its_border_is_not_determined() -> None
     assert FoundLens(whole, np.diag([1e-6, 1e-6, 1e-6, 1e-6, 4.0])).is_open  # k3 to 2
     folded = Camera(K, "brown5", np.array([-1.5, 0.0, 0.0, 0.0, 0.0]), np.eye(4), SIZE)
     assert FoundLens(folded, sure).is_open
+    assert not FoundLens(Camera(K, "pinhole", np.zeros(5), np.eye(4), SIZE), np.zeros((0, 0))).is_open
+
+
+def test_a_round_picture_is_no_reason_to_hold_a_lens() -> None:
+    """The corners of a fisheye's picture are beyond its field, with any prior."""
+    near = np.array([[300.0, 0.0, 640.0], [0.0, 300.0, 480.0], [0.0, 0.0, 1.0]])
+    dist = np.array([-0.03, 0.005, -0.002, -0.0005, 0.0])
+    camera = Camera(near, "fisheye-kb4", dist, np.eye(4), SIZE)
+    share = camera.share_without_rays
+    assert 0.0 < share < 0.5
+    random = np.random.default_rng(5)
+    off, around = random.uniform([0.0, 0.0], [1.5, 2 * np.pi], (400, 2)).T
+    v = np.column_stack([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
+    p = v * random.uniform(800.0, 1500.0, (400, 1))
+    q = camera.project(p).q + random.normal(0.0, NOISE_PX, (400, 2))
+    found = resect("bundle", q, p, camera_of_lens("fisheye-kb4", SIZE, None))
+    assert found.camera.share_without_rays == pytest.approx(share, abs=0.02)
+    sigma = np.sqrt(np.diagonal(found.covariance))[-4:]
+    assert (np.abs(found.camera.dist[:4] - camera.dist[:4]) < 4.0 * sigma).all()
 
 
 def test_weights_are_effects_over_the_pictures_width() -> None:

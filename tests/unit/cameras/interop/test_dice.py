@@ -1,5 +1,6 @@
 """DICe's camera system files, as its own tests have them, and projects of VIC-3D."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from labcal.cameras.interop.dice import read_dice, write_dice
-from labcal.cameras.interop.exchange import ReadRig, SourceText
+from labcal.cameras.interop.exchange import ReadOptions, ReadRig, SourceText
 from labcal.cameras.interop.registry import recognised_format
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -125,3 +126,16 @@ def test_a_project_of_vic3d_without_distortion() -> None:
 def test_projects_that_cannot_be_read(old: str, new: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         read_dice([SourceText(Path("cal.xml"), PROJECT.replace(old, new))])
+
+
+def test_the_size_of_a_project_without_an_area_of_interest_can_be_given() -> None:
+    text = re.sub(" <projectaois>.*</projectaois>\n", "", PROJECT)
+    source = SourceText(Path("cal.xml"), text)
+    with pytest.raises(InputError, match="--size 1280x960"):
+        read_dice([source])
+    (record, _) = read_dice([source], ReadOptions(size=(1280, 800))).rig.cameras.values()
+    assert record.size == (1280, 800)
+    with pytest.raises(InputError, match="another size of the pictures than --size"):
+        read_dice([SourceText(Path("cal.xml"), PROJECT)], ReadOptions(size=(640, 480)))
+    with pytest.raises(InputError, match="another size of the pictures than --size"):
+        read_dice([SourceText(Path("cal.xml"), SYSTEM)], ReadOptions(size=(640, 480)))

@@ -14,6 +14,7 @@ from labcal.cameras.interop.labcal_rig import LABCAL
 from labcal.cameras.interop.registry import FORMATS, format_to_write
 from labcal.cameras.interop.rig_files import baseline_mm, read_rig_files, read_unit, write_rig_files
 from labcal.cameras.rig import Rig
+from labcal.cli import main
 from labcal.errors import InputError
 
 MakeRig = Callable[..., Rig]
@@ -62,8 +63,9 @@ def test_four_coefficients_are_asked_about(four: Path) -> None:
     )
     np.testing.assert_allclose(fisheye.camera().project(v).q, expected[:, 0], atol=1e-9)
     assert np.abs(brown.camera().project(v).q - expected[:, 0]).max() > 20.0
-    with pytest.raises(InputError, match="no lens model of OpenCV"):
-        read(four, lens="prescription")
+    for name in ("prescription", "rational8", "browny"):
+        with pytest.raises(InputError, match="does not tell whose coefficients these are"):
+            read(four, lens=name)
 
 
 @pytest.mark.parametrize(
@@ -120,6 +122,8 @@ def test_the_picture_size_is_honoured(tmp_path: Path, four: Path) -> None:
         read(path)
     assert {record.size for record in read(path, size=SIZE).cameras.values()} == {SIZE}
     assert next(iter(read(four, lens="brown5", size=SIZE).cameras.values())).size == SIZE
+    with pytest.raises(InputError, match="is no size of a picture"):
+        read(path, size=(10**9, 10**9))
     with pytest.raises(InputError, match="states a picture size of 1280x960, which --size contradicts"):
         read(four, lens="brown5", size=(640, 480))
 
@@ -147,7 +151,7 @@ def test_files_of_intrinsics_and_extrinsics_are_one_pair(tmp_path: Path) -> None
         rig = read(*paths, size=SIZE)
         assert [record.K[0][0] for record in rig.cameras.values()] == [1210.0, 1195.0]
         assert baseline_mm(rig) == pytest.approx(APART_MM, rel=1e-12)
-    with pytest.raises(InputError, match="labcal convert intrinsics.yml extrinsics.yml"):
+    with pytest.raises(InputError, match=r"labcal convert intrinsics\.yml extrinsics\.yml"):
         read(intrinsics, size=SIZE)
 
 
@@ -192,7 +196,7 @@ def test_cameras_on_an_imu_are_placed_to_each_other(tmp_path: Path) -> None:
 
 
 def test_counts_that_ros_takes_and_what_it_prints(tmp_path: Path) -> None:
-    K, five = K1.ravel().tolist(), D1[0].tolist()
+    K, five, none = K1.ravel().tolist(), D1[0].tolist(), np.eye(3).ravel().tolist()
     matrix = "  rows: 3\n  cols: 3\n  data: {}\n"
     P = [1210.0, 0.0, 655.5, 0.0, 0.0, 1208.0, 470.25, 0.0, 0.0, 0.0, 1.0, 0.0]
     for model, numbers, lens in (
@@ -204,13 +208,13 @@ def test_counts_that_ros_takes_and_what_it_prints(tmp_path: Path) -> None:
         (tmp_path / "info.yaml").write_text(
             f"image_width: 1280\nimage_height: 960\ncamera_name: front\ncamera_matrix:\n{matrix.format(K)}"
             f"distortion_model: {model}\ndistortion_coefficients:\n  data: {numbers}\n"
-            f"rectification_matrix:\n{matrix.format(np.eye(3).ravel().tolist())}projection_matrix:\n  data: {P}\n"
+            f"rectification_matrix:\n{matrix.format(none)}projection_matrix:\n  data: {P}\n"
         )
         (record,) = read(tmp_path / "info.yaml").cameras.values()
         assert (record.lens, record.dist[:2]) == (lens, (-0.21, 0.08))
     (tmp_path / "echo.yaml").write_text(
         "header:\n  frame_id: front_optical\nheight: 960\nwidth: 1280\ndistortion_model: plumb_bob\n"
-        f"d: {five}\nk: {K}\nr: {np.eye(3).ravel().tolist()}\np: {P}\nbinning_x: 0\n---\nheader:\n  frame_id: x\n"
+        f"d: {five}\nk: {K}\nr: {none}\np: {P}\nbinning_x: 0\n---\nheader:\n  frame_id: x\n"
     )
     rig = read(tmp_path / "echo.yaml")
     assert (list(rig.cameras), rig.camera("front-optical").K[0, 0]) == (["front-optical"], 1210.0)
@@ -228,7 +232,7 @@ def test_the_lens_of_a_colmap_camera_with_many_images(tmp_path: Path) -> None:
     binary.mkdir()
     (binary / "cameras.bin").write_bytes(b"\0\1")
     for path in (binary, binary / "cameras.bin"):
-        with pytest.raises(InputError, match="colmap model_converter --input_path .*binary"):
+        with pytest.raises(InputError, match=r"colmap model_converter --input_path .*binary"):
             read_rig_files([path], None)
 
 
@@ -253,3 +257,21 @@ def test_a_second_format_whose_files_end_in_json(
         read_rig_files([both], None)
     assert read_rig_files([both], "made-up")[0].name == "made-up"
     assert format_to_write(tmp_path / "new.json").name == "labcal"
+
+
+def test_convert_tells_unit_baseline_and_folds(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folded = np.array([[-1.5, 0.0, 0.0, 0.0, 0.0]])
+    storage(Path("pair.yml"), M1=K1, D1=D1, M2=K2, D2=folded, R=R, T=T / 1000.0)
+    words = ("convert", "pair.yml", "rig.json", "--size", "1280x960", "--json")
+    assert main(words) == 2
+    assert "--unit mm or --unit m" in capsys.readouterr().err
+    assert main([*words, "--unit", "m"]) == 0
+    told = capsys.readouterr()
+    document = json.loads(told.out)
+    assert (document["unit"], document["baseline_mm"]) == ("m", pytest.approx(APART_MM))
+    assert "taken for m: the first two cameras are 118.352 mm apart" in told.err
+    (note,) = document["notes"]
+    assert "of the picture of right sees no direction" in note

@@ -19,6 +19,8 @@ from labcal.correspond.sources import loose_sources
 from labcal.errors import InputError
 from labcal.experiments.bench_solve.mrcal_programs import is_installed
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
+from labcal.targets.catalogue import load_target
+from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import DotGrid, Layout
 
 See = Callable[..., Detections]
@@ -289,3 +291,20 @@ def test_images_that_pair_up_are_not_taken_for_one_camera(
     path.write_text(corners_text(seen, square).text)
     with pytest.raises(InputError, match=r"names tell of 2 cameras .*--cameras"):
         read_corners(path, square, {}, lambda _: (640, 480))
+
+
+def test_corners_of_a_charuco_board_stand_in_the_order_of_opencvs_numbers(
+    see: See, pair: dict[str, Camera]
+) -> None:
+    board = load_target("charuco-12x9")
+    T = np.eye(4)
+    T[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    T[:3, 3] = [0.0, 0.0, 900.0] - T[:3, :3] @ board.points().mean(axis=0)
+    text = corners_text(see({"left": pair["left"]}, board, {"one": T}), board).text
+    lines = [line.split() for line in text.splitlines() if not line.startswith("#")]
+    theirs = opencv_board(board).getChessboardCorners()
+    # OpenCV's board has its origin at the upper left and y downwards, as a picture of it that is upright.
+    assert len(lines) == len(theirs) == board.count
+    x, y = np.array([[float(word) for word in line[1:3]] for line in lines]).T
+    assert np.corrcoef(x, theirs[:, 0])[0, 1] > 0.99
+    assert np.corrcoef(y, theirs[:, 1])[0, 1] > 0.99
