@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.cli.options import add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -61,6 +60,8 @@ def add_parser(commands: CommandGroup) -> None:
 
 def _distance(text: str) -> float:
     """Read a distance."""
+    from labcal.bounds import LEAST_MM, MOST_MM
+
     try:
         value = float(text)
     except ValueError:
