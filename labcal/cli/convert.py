@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.bounds import LONGEST_SIDE_PX
 from labcal.cli.options import refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -77,6 +76,8 @@ def add_parser(commands: CommandGroup) -> None:
 
 def picture_size(text: str) -> tuple[int, int]:
     """Read a picture size such as ``1280x960``."""
+    from labcal.bounds import LONGEST_SIDE_PX
+
     width, x, height = text.partition("x")
     sides = [int(side) if side.isdecimal() and len(side) <= _MOST_DIGITS else 0 for side in (width, height)]
     if not (x and 1 <= min(sides) <= max(sides) <= LONGEST_SIDE_PX):

@@ -55,11 +55,11 @@ class Session:
 
     def warn(self, message: str) -> None:
         """Tell a person what should not be missed."""
-        _tell(f"warning: {message}")
+        _tell(f"warning: {_in_one_line(message)}")
 
     def fail(self, message: str, document: object) -> None:
         """Tell of an error; the document is left out where a result has been given already."""
-        _tell(f"error: {message}")
+        _tell(f"error: {_in_one_line(message)}")
         if self.json and not self._emitted:
             self._write_json(document)
 
@@ -90,6 +90,11 @@ class Session:
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stdout.fileno())
             self._emitted = True
             raise
+
+
+def _in_one_line(message: str) -> str:
+    """Return a message without line ends, so that no name in it begins a line of its own."""
+    return " ".join(message.splitlines())
 
 
 def _tell(content: object) -> None:

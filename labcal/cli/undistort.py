@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.cli.inputs import paths_read, refuse_endings_of_shoot
 from labcal.cli.options import add_output, refuse_option
 from labcal.cli.parser import CommandGroup
@@ -62,6 +61,8 @@ def add_parser(commands: CommandGroup) -> None:
 
 def _distance(text: str) -> float:
     """Read a distance."""
+    from labcal.bounds import LEAST_MM, MOST_MM
+
     try:
         value = float(text)
     except ValueError:

@@ -14,6 +14,8 @@ HEADER = ("value", "light")
 SRGB_KNEE = 0.0031308
 REC709_KNEE = 0.018
 _LEAST_POINTS = 3
+_LEAST_STEP = 1e-9
+"""Between points of a measured curve, in shares of full scale: far below a step of 16 bits."""
 
 
 class ToneCurve(StrEnum):
@@ -120,7 +122,7 @@ def find_tone_curve(text: str) -> AnyToneCurve:
         rows.append((value, shone))
     points = np.array(rows, dtype=np.float64).reshape(-1, 2)
     ends = len(points) >= _LEAST_POINTS and (points[0] == 0.0).all() and (points[-1] == 1.0).all()
-    if not ends or not (np.diff(points, axis=0) > 0.0).all():
+    if not ends or not (np.diff(points, axis=0) >= _LEAST_STEP).all():
         raise InputError(
             f"The tone curve {path} should have three points or more, whose columns both rise from "
             "0,0 to 1,1 (shares of full scale)."

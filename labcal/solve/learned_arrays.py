@@ -57,7 +57,8 @@ def free_count(text: str) -> tuple[int, int]:
         The text is damaged.
     """
     cameras, _ = _parsed(text)
-    counts = [PlacedCamera(record.camera(), np.zeros(3)).count for record in cameras]
+    placed = [record.sensible_camera(str(number)) for number, record in enumerate(cameras, start=1)]
+    counts = [PlacedCamera(camera, np.zeros(3)).count for camera in placed]
     return len(counts), max(counts, default=0)
 
 
@@ -121,6 +122,4 @@ def _parsed(text: str) -> tuple[tuple[CameraRecord, ...], list[str | None]]:
         raise
     except (ValueError, KeyError, TypeError, RecursionError, ValidationError) as error:
         raise InputError(f"The model's cameras cannot be read: {error}. Fit it again.") from error
-    for number, record in enumerate(records, start=1):
-        record.sensible_camera(str(number))
     return records, asked

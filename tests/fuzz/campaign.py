@@ -15,7 +15,8 @@ from random import Random
 
 from fuzz.jobs import JOBS, Job
 from fuzz.judge import PARTIAL, UNUSABLE, faults_of_ending, faults_of_output
-from fuzz.mutators import Mutant, of_kind
+from fuzz.kinds import of_kind
+from fuzz.mutators import Mutant
 
 MOST_SECONDS = 5.0
 MOST_BYTES = 2**30

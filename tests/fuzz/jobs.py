@@ -14,7 +14,7 @@ class Job:
     file: str
     """Relative to the seeds; what is mutated."""
     kind: str
-    """Of :func:`fuzz.mutators.of_kind`."""
+    """Of :func:`fuzz.kinds.of_kind`."""
     argv: tuple[str, ...]
     """``{file}`` is the mutant, ``{seeds}`` the folder of the seeds with the mutant in its place."""
     output: str = ""

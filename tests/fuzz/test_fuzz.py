@@ -12,7 +12,7 @@ from fuzz.mutators import Mutant
 from fuzz.seeds import make_seeds
 from labcal.cli import main
 
-FEW, MANY = 150, 3000
+FEW, MANY = 150, 2000
 SLOW = {"detect", "inspect", "calibrate", "undistort"}
 """Commands of which a mutant takes more than some hundredths of a second."""
 

@@ -56,6 +56,8 @@ def test_names_command_no_terminal(
     name = "a\x1b[31m\x9b2J\u202ex.png"
     Session(io.StringIO()).warn(name)
     assert capsys.readouterr().err == "warning: a\\x1b[31m\\x9b2J\\u202ex.png\n"
+    Session(io.StringIO()).fail("bad name 'a\nwarning: all is well'", {})
+    assert capsys.readouterr().err == "error: bad name 'a warning: all is well'\n"
     monkeypatch.setenv("TERM", "xterm-256color")
     terminal = Terminal()
     table = Table("picture")

@@ -91,6 +91,7 @@ def test_a_measured_curve_takes_off_the_shift_it_makes_in_uneven_light(
         "value,light\n0,0\n128,0.4\n255,1\n",
         "value,light\n0,0\nhalf,0.4\n1,1\n",
         "light,value\n0,0\n0.5,0.4\n1,1\n",
+        "value,light\n0,0\n1e-300,0.5\n1,1\n",
     ],
 )
 def test_a_curve_that_cannot_be_undone_is_refused(tmp_path: Path, text: str) -> None:
