@@ -97,7 +97,7 @@ class CalibrateResult:
     held_out: list[str]
     """Views that did not enter, since they are to be scored."""
     calibrated_on: list[str]
-    """Views that entered."""
+    """Views that the cameras come from."""
 
 
 def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateResult:
@@ -115,7 +115,7 @@ def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateRes
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=made.choice,
         held_out=list(made.held_out),
-        calibrated_on=list(found.views),
+        calibrated_on=list(made.calibrated_on),
     )
 
 
