@@ -103,7 +103,7 @@ class CalibrateResult:
     held_out: list[str]
     """Views that did not enter, since they are to be scored."""
     calibrated_on: list[str]
-    """Views that entered."""
+    """Views that the cameras come from."""
     triangulation_rms_px: float | None
     """By how much rays of the dots miss each other; null for one camera."""
     inconsistent: InconsistentResult | None
@@ -125,7 +125,7 @@ def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateRes
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=made.choice,
         held_out=list(made.held_out),
-        calibrated_on=list(found.views),
+        calibrated_on=list(made.calibrated_on),
         triangulation_rms_px=None
         if found.rig.calibration is None
         else found.rig.calibration.triangulation_rms_px,

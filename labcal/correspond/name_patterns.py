@@ -26,13 +26,22 @@ class NameParts:
     parts: tuple[str, ...]
 
 
+def _whole(name: str) -> Path:
+    """Return a path from the root on; links stay as they are."""
+    return Path(os.path.abspath(name))  # noqa: PTH100
+
+
 def name_parts(images: Sequence[str]) -> list[NameParts]:
     """Return the parts of every picture's name, without its suffix."""
-    paths = [Path(os.path.abspath(image)).with_suffix("") for image in images]  # noqa: PTH100 -- as in view_in
-    home = Path(os.path.commonpath([path.parent for path in paths])) if paths else Path()
+    paths = [_whole(image) for image in images]
+    shared = 0  # folders that all paths begin with
+    for together in zip(*(path.parent.parts for path in paths), strict=False):
+        if len(set(together)) > 1:
+            break
+        shared += 1
     found = []
     for image, path in zip(images, paths, strict=True):
-        *folders, stem = path.relative_to(home).parts
+        folders, stem = path.parent.parts[shared:], path.stem
         parts = [part for folder in folders for part in (("folder", folder), ("between", "/"))]
         parts += [(str(part.lastgroup), part.group()) for part in _PART.finditer(stem)]
         found.append(NameParts(image, tuple(kind for kind, _ in parts), tuple(text for _, text in parts)))
@@ -50,8 +59,7 @@ def view_in(name: str, pattern: str) -> str | None:
         The end of its name without suffix, or with ``*`` for whatever the view is called: ``left*``,
         ``*_camA_*``; with a slash it is the end of the path: ``LEFT/*``.
     """
-    path = Path(os.path.abspath(name)).with_suffix("").as_posix()  # noqa: PTH100 -- links stay as they are
-    stem = path.rpartition("/")[2]
+    path, stem = _whole(name).parent.as_posix() + "/" + Path(name).stem, Path(name).stem
     if ANY not in pattern:
         return stem.removesuffix(pattern) if stem.endswith(pattern) and stem != pattern else None
     text, start = (path, r"(?:.*/)?") if "/" in pattern else (stem, "")

@@ -230,9 +230,10 @@ def _without(start: str, texts: set[str]) -> set[str]:
 
 def _counts(texts: Sequence[str]) -> bool:
     """Tell whether numbers are 0, 1, 2 ... or 1, 2 ..., or serial numbers."""
+    if max(map(len, texts)) >= _SERIAL_DIGITS:
+        return min(map(len, texts)) >= _SERIAL_DIGITS
     values = sorted({int(text) for text in texts})
-    serial = min(map(len, texts)) >= _SERIAL_DIGITS
-    return serial or (values[0] in (0, 1) and values == list(range(values[0], values[0] + len(values))))
+    return values[0] in (0, 1) and values == list(range(values[0], values[0] + len(values)))
 
 
 def _camera(value: tuple[str, ...]) -> str:

@@ -12,6 +12,7 @@ from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.optim.solution import StopReason
 from labcal.run.progress import NoProgress, Progress
+from labcal.solve.adjustment.state import Lenses
 from labcal.solve.agreement.words import contradiction_words
 from labcal.solve.calibration import HandheldCalibration
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
@@ -38,6 +39,8 @@ class Calibrated:
         How views held out chose it; None where it was named.
     held_out : tuple of str
         Views that the calibration did not see.
+    calibrated_on : tuple of str
+        Views that it comes from; those of a rig whose lenses were kept among them.
     warnings : tuple of str
         What is not as it should be, for people.
     """
@@ -46,19 +49,20 @@ class Calibrated:
     lens: str
     choice: LensChoice | None
     held_out: tuple[str, ...]
+    calibrated_on: tuple[str, ...]
     warnings: tuple[str, ...]
 
     @property
     def rig(self) -> Rig:
         """The cameras, and the views that they were calibrated from."""
-        return self.found.rig.model_copy(update={"calibrated_on": self.found.views})
+        return self.found.rig.model_copy(update={"calibrated_on": self.calibrated_on})
 
     @property
     def places(self) -> DotPlaces | None:
         """Where the dots are on the print, and the views that tell it; None where they were not freed."""
         if self.found.freed is None:
             return None
-        return self.found.freed.places().model_copy(update={"calibrated_on": self.found.views})
+        return self.found.freed.places().model_copy(update={"calibrated_on": self.calibrated_on})
 
 
 def calibrated(
@@ -101,7 +105,10 @@ def calibrated(
         choice = choose_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     found = calibrate_handheld(entering, target, lens, settings)
-    return Calibrated(found, lens, choice, held_out, tuple(calibration_warnings(found, lens, target.name)))
+    kept = settings.start if settings.lenses is Lenses.FIXED else None
+    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
+    warnings = tuple(calibration_warnings(found, lens, target.name))
+    return Calibrated(found, lens, choice, held_out, learned, warnings)
 
 
 def _lens_of(settings: HandheldSettings) -> str:

@@ -21,6 +21,7 @@ from labcal.errors import InputError
 from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
+from labcal.solve.adjustment.state import Lenses
 from labcal.solve.handheld import HandheldSettings
 from labcal.targets.grid import DotGrid
 
@@ -161,6 +162,9 @@ def test_a_rig_keeps_what_it_was_calibrated_from(shoot: Shoot, dots: Detections,
     assert read_rig(tmp_path / "rig.json") == made.rig
     write_rig(tmp_path / "plain.json", made.found.rig)
     assert "calibrated_on" not in (tmp_path / "plain.json").read_text()
+    kept = HandheldSettings(bias_rounds=0, start=made.rig, lenses=Lenses.FIXED)
+    moved = workflow.calibrate(shoot, dots, None, kept, hold_out=["pose-0"])
+    assert set(moved.rig.calibrated_on) == set(made.rig.calibrated_on)  # its lenses have seen pose-0
     assert command("convert", tmp_path / "rig.json", tmp_path / "left.json", "--only", "left")[0] == 0
     assert read_rig(tmp_path / "left.json").calibrated_on == made.rig.calibrated_on
 

@@ -64,6 +64,7 @@ ONE_CAMERA = {
     "copies": ["a.png", "a (1).png", "a (2).png"],
     "near and far": [*(f"near{n}.png" for n in range(4)), *(f"far{n}.png" for n in range(3))],
     "milliseconds": [f"{1732615200123 + 517 * n}.png" for n in range(9)],
+    "odd paths": ["/", "", ".", "..", "a" * 5000, "7" * 5000, f"{'7' * 5000}_2", "7_1"],
     "none": [],
 }
 
