@@ -108,7 +108,8 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
 
 def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, float]:
     """Render the pictures that are not there yet; return the seconds of each by file name."""
-    missing = [job for job in jobs if not job.path.exists()]
+    # A power cut may leave an empty file of that name.
+    missing = [job for job in jobs if not (job.path.exists() and job.path.stat().st_size > 0)]
     progress.start("render", len(jobs))
     progress.advance(len(jobs) - len(missing))
     seconds: dict[str, float] = {}

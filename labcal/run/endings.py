@@ -3,6 +3,8 @@
 import signal
 
 _CRASHES = {"SIGABRT", "SIGBUS", "SIGFPE", "SIGILL", "SIGSEGV", "SIGSYS", "SIGTRAP"}
+OUT_OF_MEMORY_STATUS = 86
+"""A worker process ends itself with this exit status where memory is refused to it."""
 _WINDOWS_CRASH = 0xC0000000
 """Exit statuses of Windows from here on are those of an exception that nobody handled."""
 
@@ -30,6 +32,8 @@ def ending_in_words(status: int | None) -> str:
         if name == "SIGKILL":
             return "killed by SIGKILL, which is what the system does when memory runs out"
         return f"crashed with {name}" if name in _CRASHES else f"ended by {name}"
+    if status == OUT_OF_MEMORY_STATUS:
+        return "out of memory"
     if status >= _WINDOWS_CRASH:
         return f"crashed with {status:#010x}"
     return f"with exit status {status}"

@@ -1,8 +1,10 @@
 """What runs in a worker process: how it is made ready, and one case."""
 
+import os
 import pickle
 import signal
 
+from labcal.run.endings import OUT_OF_MEMORY_STATUS
 from labcal.run.parent_watch import end_with_parent
 
 
@@ -14,6 +16,9 @@ def prepare() -> None:
 
 def perform(case: bytes) -> bytes:
     """Perform a pickled case and return its pickled result.
+
+    Where memory is refused to it, the process ends, as if the system had killed it: so the case is tried
+    again with the memory that this process had, and at last with no other process there.
 
     Parameters
     ----------
@@ -29,6 +34,8 @@ def perform(case: bytes) -> bytes:
     work = pickle.loads(case)  # noqa: S301 -- from the parent
     try:
         return pickle.dumps(work())
+    except MemoryError:
+        os._exit(OUT_OF_MEMORY_STATUS)
     except Exception as error:
         if _is_sendable(error):
             raise

@@ -2,7 +2,7 @@ import signal
 
 import pytest
 
-from labcal.run.endings import ending_in_words, may_be_foreign
+from labcal.run.endings import OUT_OF_MEMORY_STATUS, ending_in_words, may_be_foreign
 
 
 @pytest.mark.parametrize(
@@ -14,6 +14,7 @@ from labcal.run.endings import ending_in_words, may_be_foreign
         (-signal.SIGSEGV, "crashed with SIGSEGV", False),
         (-signal.SIGABRT, "crashed with SIGABRT", False),
         (-signal.SIGTERM, "ended by SIGTERM", True),
+        (OUT_OF_MEMORY_STATUS, "out of memory", False),
         (-63, "ended by signal 63", False),
         (0xC0000005, "crashed with 0xc0000005", False),
     ],

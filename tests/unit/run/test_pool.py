@@ -45,6 +45,13 @@ def square_or_end(number: int, folder: Path, killer: int, how: int) -> int:
     return square(number)
 
 
+def square_where_memory_suffices(number: int, folder: Path) -> int:
+    """Square a number the third time."""
+    if note(folder, f"case-{number}") < TRIES_BESIDE_OTHERS:
+        raise MemoryError
+    return square(number)
+
+
 def end(_number: int) -> None:
     os._exit(7)
 
@@ -126,6 +133,12 @@ def test_only_the_case_that_ends_processes_is_given_up(
         found[2].result()
     # Its neighbours were not disturbed: each was tried once.
     assert [tries(tmp_path, n) for n in range(6)] == [1, 1, count, 1, 1, 1]
+
+
+def test_a_case_without_memory_is_tried_again_alone(tmp_path: Path) -> None:
+    with open_executor(2) as pool:
+        assert pool.submit(square_where_memory_suffices, 5, tmp_path).result() == 25
+    assert tries(tmp_path, 5) == TRIES_BESIDE_OTHERS + 1
 
 
 def test_where_nothing_goes_it_is_told_as_that(monkeypatch: pytest.MonkeyPatch) -> None:
