@@ -25,7 +25,7 @@ HEADER = (
     "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
 )  # fmt: skip
 
-KIND = beginning_with("a table of detections", ",".join(HEADER).encode())
+KIND = beginning_with("a table of detections", ",".join(HEADER[:3]).encode())
 
 
 @dataclass(frozen=True)

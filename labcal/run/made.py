@@ -85,7 +85,7 @@ def make_folder(folder: Path) -> None:
 
 
 def _note(home: Path, note: dict[str, str]) -> None:
-    """Append a line to the list of what is written in a folder; what a power cut tore stays a line of its own."""
+    """Append a line to the list of what is written; one that a power cut tore does not spoil it."""
     line = f"\n{json.dumps(note)}\n".encode()
     # Workers append at the same time: a line in one piece, at the end of the file. It is not waited for until
     # it is on the disk: what a power cut takes from the list counts as somebody else's, and stays.

@@ -71,6 +71,7 @@ def test_the_same_bytes_twice_and_with_two_workers(tmp_path: Path) -> None:
     two = render_shoot(scene, tmp_path / "two", RenderSettings(workers=2), NoProgress())
     other = render_shoot(scene, tmp_path / "other", RenderSettings(seed=1), NoProgress())
     assert set(files(once.folder)) == {
+        ".labcal-made",
         "shoot.json",
         "truth/scene.yaml",
         "truth/truth.json",
