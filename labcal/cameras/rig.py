@@ -8,9 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
+from labcal.run.claims import beginning_with
 from labcal.run.documents import read_document
 from labcal.run.names import Name
 from labcal.run.outputs import write_file
+
+KIND = beginning_with("a rig.json", b'{\n  "format": "labcal-rig"')
 
 
 class Rig(BaseModel):

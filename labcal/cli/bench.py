@@ -39,16 +39,21 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
     from labcal.errors import InputError
     from labcal.experiments.bench_detect.bench import bench_detect
+    from labcal.experiments.bench_detect.real import real_home
     from labcal.experiments.bench_render.bench import bench_render
     from labcal.experiments.bench_settings import BenchSettings
     from labcal.experiments.bench_solve.bench import bench_solve
     from labcal.report.bench import bench_table
+    from labcal.run.claims import FolderOutput, claim_outputs
 
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
     if groups and arguments.what == "render":
         raise InputError("--only names groups of checks, of which 'bench render' has none.")
     settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups)
     measure = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}[arguments.what]
+    photographs = real_home()
+    read = () if photographs is None else (photographs,)
+    claim_outputs([FolderOutput(arguments.output)], read, force=arguments.force)
     with session.progress() as progress:
         result = measure(arguments.output, settings, progress)
     session.emit(result, bench_table(result))

@@ -55,23 +55,26 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
-    from labcal.cameras.rig import write_rig
+    from labcal.cameras.rig import KIND, write_rig
     from labcal.cli.calibrate_result import calibrate_result, calibrate_table
-    from labcal.cli.inputs import choose_target, read_or_detect
+    from labcal.cli.inputs import choose_target, paths_read, read_or_detect
     from labcal.errors import InputError
-    from labcal.run.outputs import refuse_existing, refuse_homeless
+    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.standing import require_name
+    from labcal.shoot.pictures import picture_output
+    from labcal.targets.places import KIND as DOTS_KIND
     from labcal.workflow import epipolar_rms
 
-    outputs = [arguments.output]
+    require_name(arguments.output)
+    outputs = [FileOutput(arguments.output, KIND)]
     if arguments.free_dots:
-        outputs.append(_dots_path(arguments.output))
+        outputs.append(FileOutput(_dots_path(arguments.output), DOTS_KIND))
     if arguments.overlay is not None:
         if not arguments.free_dots:
             raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
-        outputs.append(arguments.overlay)
-    for path in outputs:
-        refuse_existing(path, force=arguments.force)
-        refuse_homeless(path)
+        outputs.append(picture_output(arguments.overlay))
+    read = paths_read([arguments.source, arguments.target, arguments.start])
+    claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     target = choose_target(arguments.target, [arguments.source])
     detections = read_or_detect(arguments.source, target, arguments.workers, session)

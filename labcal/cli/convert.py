@@ -32,7 +32,7 @@ def add_parser(commands: CommandGroup) -> None:
         "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
     )
     parser.add_argument("output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder")
-    parser.add_argument("--force", action="store_true", help="replace what exists")
+    parser.add_argument("--force", action="store_true", help="replace what labcal made there")
     parser.add_argument(
         "--from", dest="source", metavar="FORMAT", help=f"{_FORMATS}; told by the content where left out"
     )
@@ -95,13 +95,16 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 def _convert_cameras(arguments: Namespace) -> ConvertResult:
     from labcal.cameras.interop.registry import format_by_name, format_to_write
-    from labcal.cameras.interop.rig_files import chosen_cameras, read_rig_files, write_rig_files
+    from labcal.cameras.interop.rig_files import chosen_cameras, read_rig_files, rig_outputs, write_rig_files
+    from labcal.cli.inputs import paths_read
+    from labcal.run.claims import claim_outputs
 
     output = arguments.output
     wanted = format_by_name(arguments.wanted) if arguments.wanted else format_to_write(output)
     source, read = read_rig_files(arguments.inputs, arguments.source)
     rig = chosen_cameras(read.rig, arguments.only.split(",")) if arguments.only else read.rig
     texts = wanted.write(rig, output.suffix)
+    claim_outputs(rig_outputs(output, wanted, texts), paths_read(arguments.inputs), force=arguments.force)
     files = write_rig_files(output, wanted, texts, force=arguments.force)
     notes = [*read.notes, *texts.notes]
     return ConvertResult(
@@ -110,11 +113,15 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
 
 
 def _convert_detections(arguments: Namespace) -> ConvertResult:
+    from labcal.cli.inputs import paths_read
+    from labcal.correspond import detections as labcal_table
     from labcal.correspond.detections import detections_csv, read_detections
+    from labcal.correspond.interop import corners_vnl
     from labcal.correspond.interop.corners_vnl import corners_text, read_corners
     from labcal.correspond.sources import parse_camera_endings
     from labcal.errors import InputError
-    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.outputs import write_file
     from labcal.targets.catalogue import load_target
 
     ends = [path.suffix.lower() for path in (*arguments.inputs, arguments.output)]
@@ -127,8 +134,9 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
         raise InputError("Say whose dots these are: --target NAME ('labcal target list' shows the names).")
     target = load_target(arguments.target)
     path, output = arguments.inputs[0], arguments.output
-    refuse_existing(output, force=arguments.force)
-    refuse_homeless(output)
+    kind = labcal_table.KIND if ends[0] == CORNERS else corners_vnl.KIND
+    read = paths_read([*arguments.inputs, arguments.target])
+    claim_outputs([FileOutput(output, kind)], read, force=arguments.force)
     if ends[0] == CORNERS:
         sides = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
         detections = read_corners(path, target, sides, lambda image: arguments.size or _size_on_disk(image))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from labcal.cli.inputs import pictures_and_target, say_whether_compiling
+from labcal.cli.inputs import paths_read, pictures_and_target, say_whether_compiling
 from labcal.cli.options import add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -66,23 +66,28 @@ class DetectResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Detect, write the table, tell what came of each picture."""
-    from labcal.correspond.detections import detections_csv
+    from labcal.correspond.detections import KIND, detections_csv
     from labcal.correspond.measure import detections_of
-    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.run.claims import FileOutput, FolderOutput, Output, claim_outputs
+    from labcal.run.outputs import write_file
+    from labcal.run.unfinished import unfinished_folder
     from labcal.shoot.tone_curve import find_tone_curve
     from labcal.workflow import measure
 
-    refuse_existing(arguments.output, force=arguments.force)
-    refuse_homeless(arguments.output)
-    if arguments.overlay is not None:
-        refuse_existing(arguments.overlay, force=arguments.force)
     tone_curve = find_tone_curve(arguments.tone_curve)
     sources, target = pictures_and_target(arguments)
+    drawing = "detect --overlay " + " ".join(source.image for source in sources)
+    outputs: list[Output] = [FileOutput(arguments.output, KIND)]
+    if arguments.overlay is not None:
+        outputs.append(FolderOutput(arguments.overlay, drawing))
+    read = paths_read([*arguments.pictures, arguments.target, arguments.tone_curve], sources)
+    claim_outputs(outputs, read, force=arguments.force)
     say_whether_compiling(session)
     with session.progress() as progress:
         measurements = measure(sources, target, arguments.workers, progress, tone_curve)
     if arguments.overlay is not None:
-        _write_overlays(arguments.overlay, measurements, target, force=arguments.force)
+        with unfinished_folder(arguments.overlay, drawing, force=arguments.force) as working:
+            _write_overlays(working, measurements, target)
     result = _result(measurements, target)
     if any((image.numberings or 1) > 1 for image in result.images):
         session.warn(
@@ -135,16 +140,12 @@ def _table(result: DetectResult) -> object:
     return table
 
 
-def _write_overlays(
-    folder: Path, measurements: "list[Measurement]", target: "AnyTarget", *, force: bool
-) -> None:
+def _write_overlays(folder: Path, measurements: "list[Measurement]", target: "AnyTarget") -> None:
+    """Write each picture with its dots drawn in."""
     from labcal.report.overlay import draw_overlay
-    from labcal.run.outputs import unfinished_folder
     from labcal.shoot.pictures import write_picture
 
-    command = "overlay " + " ".join(found.source.image for found in measurements)
-    with unfinished_folder(folder, command, force=force) as working:
-        for found in measurements:
-            if found.dots is not None:
-                path = working / f"{found.source.view}_{found.source.camera}.png"
-                write_picture(path, draw_overlay(found.source.read(), found.dots, target), force=True)
+    for found in measurements:
+        if found.dots is not None:
+            path = folder / f"{found.source.view}_{found.source.camera}.png"
+            write_picture(path, draw_overlay(found.source.read(), found.dots, target), force=True)

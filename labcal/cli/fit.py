@@ -111,16 +111,19 @@ class FitResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
+    from labcal.cli.inputs import paths_read
     from labcal.cli.training import read_training
     from labcal.errors import InputError
-    from labcal.run.outputs import refuse_existing, refuse_homeless
+    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.standing import require_name
+    from labcal.solve.model_file import KIND
 
     estimators = _estimators(arguments)
+    require_name(arguments.output)
     alone = len(estimators) == 1
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
-    for path in paths:
-        refuse_existing(path, force=arguments.force)
-        refuse_homeless(path)
+    read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.lens])
+    claim_outputs([FileOutput(path, KIND) for path in paths], read, force=arguments.force)
     training, handheld = read_training(arguments, session)
     if training.reason is not None:
         session.say(f"centroids are taken as they are: {training.reason}")

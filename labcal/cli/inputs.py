@@ -1,7 +1,8 @@
 """What several commands are given: a shoot or its detections, and the target that it shows."""
 
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,6 +54,36 @@ def require_shoot_or_table(source: str) -> None:
         raise InputError(
             f"{source} {there}. Give a shoot's folder, or the table that 'labcal detect' writes of pictures."
         )
+
+
+def paths_read(given: "Iterable[str | Path | None]", sources: "Iterable[Source]" = ()) -> list[Path]:
+    """Return what a command reads, for :func:`~labcal.run.claims.claim_outputs`.
+
+    Parameters
+    ----------
+    given : iterable of str, Path or None
+        Words of the command line; names among them that are no paths do no harm. Of a folder everything that
+        belongs to a shoot, or might be read as a picture or as cameras, counts as read.
+    sources : iterable of Source
+        Pictures.
+    """
+    from labcal.cameras.interop.registry import FORMATS
+    from labcal.correspond.sources import shoot_sources
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import MANIFEST, is_shoot, open_shoot
+    from labcal.shoot.pictures import SUFFIXES
+
+    endings = SUFFIXES | {suffix for one in FORMATS.values() for suffix in one.suffixes}
+    paths = [Path(source.image) for source in sources]
+    for path in (Path(one) for one in given if one):
+        paths.append(path)
+        if is_shoot(path):
+            paths += [path / MANIFEST, path / "run.json", *path.glob("truth/*")]
+            with suppress(InputError):  # the command itself will say what is wrong with the shoot
+                paths += [Path(source.image) for source in shoot_sources(open_shoot(path))]
+        elif path.is_dir():
+            paths += [entry for entry in path.iterdir() if entry.suffix.lower() in endings]
+    return paths
 
 
 def say_whether_compiling(session: Session) -> None:

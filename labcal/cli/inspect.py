@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.inputs import pictures_and_target, say_whether_compiling
+from labcal.cli.inputs import paths_read, pictures_and_target, say_whether_compiling
 from labcal.cli.options import add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -73,13 +73,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.coverage import coverage
     from labcal.correspond.measure import detections_of
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
-    from labcal.run.outputs import refuse_existing, refuse_homeless
-    from labcal.shoot.pictures import write_picture
+    from labcal.run.claims import claim_outputs
+    from labcal.shoot.pictures import picture_output, write_picture
     from labcal.workflow import measure
 
-    refuse_existing(arguments.output, force=arguments.force)
-    refuse_homeless(arguments.output)
     sources, target = pictures_and_target(arguments)
+    read = paths_read([*arguments.pictures, arguments.target], sources)
+    claim_outputs([picture_output(arguments.output)], read, force=arguments.force)
     roles = _roles(arguments.pictures)
     say_whether_compiling(session)
     with session.progress() as progress:

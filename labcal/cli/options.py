@@ -9,7 +9,7 @@ from labcal.run.machine import usable_cores
 def add_output(parser: argparse.ArgumentParser, metavar: str, help_text: str) -> None:
     """Add ``-o`` (as ``arguments.output``, a path) and ``--force``."""
     parser.add_argument("-o", "--output", type=Path, required=True, metavar=metavar, help=help_text)
-    parser.add_argument("--force", action="store_true", help="replace what exists")
+    parser.add_argument("--force", action="store_true", help="replace what labcal made there")
 
 
 def add_pictures(parser: argparse.ArgumentParser) -> None:

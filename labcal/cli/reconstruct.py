@@ -52,15 +52,16 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from collections import Counter
 
     from labcal.cameras.rig import Rig
-    from labcal.cli.inputs import read_or_detect
-    from labcal.correspond.points import points_csv
-    from labcal.run.outputs import refuse_existing, refuse_homeless, write_file
+    from labcal.cli.inputs import paths_read, read_or_detect
+    from labcal.correspond.points import KIND, points_csv
+    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.outputs import write_file
     from labcal.solve.fitted_model import FittedModel
     from labcal.solve.ray_misses import MOST_PX
     from labcal.solve.reconstruction import load_reconstructor, reconstruct_centres
 
-    refuse_existing(arguments.output, force=arguments.force)
-    refuse_homeless(arguments.output)
+    read = paths_read([arguments.model, arguments.source, arguments.target])
+    claim_outputs([FileOutput(arguments.output, KIND)], read, force=arguments.force)
     model = load_reconstructor(arguments.model)
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
     target = _target(arguments)

@@ -44,9 +44,11 @@ class RenderResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Render the shoot."""
     from labcal.render.shoot import RenderSettings, render_shoot
+    from labcal.run.claims import FolderOutput, claim_outputs
     from labcal.scene.catalogue import load_scene
 
     scene = load_scene(arguments.scene, tuple(arguments.overrides))
+    claim_outputs([FolderOutput(arguments.output)], [arguments.scene], force=arguments.force)
     settings = RenderSettings(
         spp=arguments.spp,
         views=arguments.views,

@@ -14,11 +14,12 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "report",
         run,
-        "Make one self-contained HTML page of a folder of results. A page that is there is replaced: it can "
-        "always be made again.",
+        "Make one self-contained HTML page of a folder of results. A page that labcal made is replaced: it "
+        "can always be made again.",
         example="labcal report out/quick",
     )
     parser.add_argument("folder", type=Path, metavar="DIR", help="the folder that 'labcal reproduce' made")
+    parser.add_argument("--force", action="store_true", help="replace a page that has been changed, too")
 
 
 @dataclass(frozen=True)
@@ -32,13 +33,18 @@ class ReportResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Write ``index.html`` beside ``results.json``."""
-    from labcal.report.page import missing_pictures, reproduction_page
-    from labcal.report.reproduction import read_reproduction
+    from labcal.report.page import KIND, missing_pictures, reproduction_page
+    from labcal.report.reproduction import RESULTS, read_reproduction
+    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.made import is_as_made, made_in, renew
     from labcal.run.outputs import write_file
 
     result = read_reproduction(arguments.folder)
     page = arguments.folder / "index.html"
-    write_file(page, reproduction_page(result, arguments.folder), force=True)
+    force = arguments.force or made_in(arguments.folder) is None or is_as_made(page)
+    claim_outputs([FileOutput(page, KIND)], [arguments.folder / RESULTS], force=force)
+    write_file(page, reproduction_page(result, arguments.folder), force=force)
+    renew(page)
     missing = missing_pictures(result, arguments.folder)
     for file in missing:
         session.warn(f"The picture {file} cannot be shown on the page.")

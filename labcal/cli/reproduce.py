@@ -36,6 +36,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.experiments.paper_rows import rows_named
     from labcal.experiments.reproduce import ReproduceSettings, reproduce
     from labcal.report.reproduction_table import reproduction_table
+    from labcal.run.claims import FolderOutput, claim_outputs
 
     settings = ReproduceSettings(
         rows=rows_named(arguments.rows),
@@ -45,6 +46,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         workers=arguments.workers,
         force=arguments.force,
     )
+    claim_outputs([FolderOutput(arguments.output)], (), force=arguments.force)
     with session.progress() as progress:
         result = reproduce(arguments.output, settings, progress)
     session.emit(result, reproduction_table(result))

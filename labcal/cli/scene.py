@@ -135,7 +135,9 @@ def run_check(arguments: Namespace, session: Session) -> ExitStatus:
 def run_gallery(arguments: Namespace, session: Session) -> ExitStatus:
     """Render the gallery."""
     from labcal.experiments.gallery import make_gallery
+    from labcal.run.claims import FolderOutput, claim_outputs
 
+    claim_outputs([FolderOutput(arguments.output)], (), force=arguments.force)
     with session.progress() as progress:
         scenes = make_gallery(arguments.output, arguments.seed, progress, force=arguments.force)
     page = str(arguments.output / "README.md")

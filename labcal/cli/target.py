@@ -101,10 +101,12 @@ def run_show(arguments: Namespace, session: Session) -> ExitStatus:
 
 def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     """Write a target as a file to print."""
-    from labcal.targets.artwork import export_artwork
+    from labcal.run.claims import claim_outputs
+    from labcal.targets.artwork import artwork_output, export_artwork
     from labcal.targets.catalogue import load_target
 
     target = load_target(arguments.target)
+    claim_outputs([artwork_output(arguments.output)], [arguments.target], force=arguments.force)
     artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force)
     result = ExportedTarget(
         target=target.name,

@@ -1,12 +1,12 @@
 """``labcal undistort``: pictures as ideal cameras would have taken them."""
 
 import math
-import shutil
 from argparse import ArgumentTypeError, Namespace
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.inputs import paths_read
 from labcal.cli.options import add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -86,16 +86,17 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cameras.rig import Rig, read_rig, write_rig
     from labcal.correspond.sources import find_sources, parse_camera_endings
     from labcal.errors import InputError
-    from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder
+    from labcal.run.claims import FolderOutput, claim_outputs
+    from labcal.run.unfinished import abandon, unfinished_folder
 
-    refuse_existing(arguments.output, force=arguments.force)
-    refuse_homeless(arguments.output)
     rig = read_rig(arguments.model)
     endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
     sources = [_with_camera(source, rig) for source in find_sources(arguments.pictures, endings)]
     ideals = _ideal_cameras(arguments, rig, list(dict.fromkeys(source.camera for source in sources)))
     how = (arguments.rectify, arguments.whole, arguments.distance_mm)
     command = f"undistort {rig.model_dump_json()} {[source.image for source in sources]} {how}"
+    read = paths_read([arguments.model, *arguments.pictures], sources)
+    claim_outputs([FolderOutput(arguments.output, command)], read, force=arguments.force)
     with unfinished_folder(arguments.output, command, force=arguments.force) as working:
         maps = {
             name: _write_map(working, name, rig.camera(name), ideal, arguments.distance_mm)
@@ -112,7 +113,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                     skipped.append(str(error))
                 progress.advance()
         if not written:
-            shutil.rmtree(working)  # nothing in it is of use to a better command
+            abandon(working)  # nothing in it is of use to a better command
             raise InputError(f"None of the {len(sources)} pictures can be used. {skipped[0]}")
     for reason in skipped:
         session.warn(reason)
@@ -164,12 +165,13 @@ def _write_map(
     import numpy as np
 
     from labcal.cameras.remapping import source_pixels
+    from labcal.run.made import make_folder
     from labcal.shoot.exr import write_exr
 
     source = source_pixels(camera, ideal, distance_mm)
     seen = np.isfinite(source).all(axis=2)
     picture = np.where(seen[..., None], source, np.float32(-1.0))
-    (folder / "maps").mkdir(exist_ok=True)
+    make_folder(folder / "maps")
     texts = {
         "labcal:map": "R, G: x, y in the original picture, px, (0, 0) the centre of its top-left pixel; B: 1 "
         "where "
@@ -185,6 +187,7 @@ def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.nd
     import numpy as np
 
     from labcal.errors import InputError
+    from labcal.run.made import make_folder
     from labcal.shoot.exr import write_exr
     from labcal.shoot.pictures import write_picture
     from labcal.shoot.resampling import resampled
@@ -197,7 +200,7 @@ def _write_picture(folder: Path, source: "Source", rig: "Rig", source_of: "np.nd
             f"{expected[1]}: it "
             "is a picture of another camera, or it was scaled."
         )
-    (folder / "images").mkdir(exist_ok=True)
+    make_folder(folder / "images")
     made = resampled(picture, source_of)
     # Without loss, whatever the original was: it is measured in next.
     name = f"images/{source.view}_{source.camera}.{'exr' if made.dtype == np.float32 else 'png'}"

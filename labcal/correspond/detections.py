@@ -12,6 +12,7 @@ from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.claims import beginning_with
 from labcal.run.names import is_name
 from labcal.run.tables import damaged_line, read_table, table_text
 
@@ -19,6 +20,8 @@ HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
     "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
 )  # fmt: skip
+
+KIND = beginning_with("a table of detections", ",".join(HEADER[:3]).encode())
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,14 @@ import numpy as np
 from jaxtyping import Int64
 
 from labcal.arrays import PointCovariances, Points
+from labcal.run.claims import beginning_with
 from labcal.run.tables import damaged_line, read_table, table_text
 
 HEADER = (
     "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
     "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz", "flag",
 )  # fmt: skip
+KIND = beginning_with("a table of points", ",".join(HEADER[:3]).encode())
 _UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 
 

@@ -8,8 +8,9 @@ from labcal.errors import UnknownNameError
 from labcal.experiments.bench_settings import BenchSettings
 from labcal.report.bench import BenchResult, Check, Figure
 from labcal.run.json_text import to_json
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ from tempfile import TemporaryDirectory
 
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.thumbnail import thumbnail
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.outputs import write_file
 from labcal.run.progress import NoProgress, Progress
+from labcal.run.unfinished import unfinished_folder
 from labcal.scene.catalogue import load_scene, scene_names
 from labcal.shoot.pictures import read_picture, write_picture
 
@@ -48,7 +49,7 @@ def make_gallery(folder: Path, seed: int, progress: Progress, *, force: bool = F
         "Made by `labcal scene gallery -o docs/gallery --force`.",
         "",
     ]
-    with unfinished_folder(folder, f"gallery {seed}", force=force) as working:
+    with unfinished_folder(folder, f"scene gallery {seed}", force=force) as working:
         for name in names:
             scene = load_scene(name)
             with TemporaryDirectory() as home:

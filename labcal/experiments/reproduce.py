@@ -19,8 +19,10 @@ from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import package_version
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.made import make_folder
+from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.workflow import detect
@@ -125,7 +127,7 @@ def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Prog
     """Render a shoot, unless an earlier run has."""
     if is_shoot(folder):
         return open_shoot(folder)
-    folder.parent.mkdir(exist_ok=True)
+    make_folder(folder.parent)
     render_settings = RenderSettings(
         spp=QUICK_SPP if settings.quick else None, seed=settings.seed, workers=settings.workers
     )
@@ -172,7 +174,7 @@ def _summarise(
 
 def _command(settings: ReproduceSettings) -> str:
     """Return everything that determines the results."""
-    return json.dumps(
+    return "reproduce " + json.dumps(
         {
             "reproduce": [row.exp for row in settings.rows],
             "quick": settings.quick,

@@ -14,8 +14,10 @@ from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
 from labcal.run.executor import open_executor
 from labcal.run.machine import package_version
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.made import make_folder
+from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
 from labcal.scene.check import check_scene
 from labcal.scene.lighting import brightest_board
 from labcal.scene.mistakes import Outcome
@@ -91,7 +93,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
     began = time.time()
     with unfinished_folder(folder, _command(scene, settings), force=settings.force) as working:
         images = working / "images"
-        images.mkdir(exist_ok=True)
+        make_folder(images)
         jobs = [
             Job(built, Case(take, settings.seed), exposure, working / _image(scene, take.view, take.camera))
             for take in outcome.takes
@@ -130,7 +132,7 @@ def _image(scene: Scene, view: str, camera: str) -> str:
 
 def _command(scene: Scene, settings: RenderSettings) -> str:
     """Return everything that determines the bytes."""
-    return json.dumps(
+    return "render " + json.dumps(
         {"render": scene.model_dump(mode="json"), "seed": settings.seed, "views": settings.views},
         sort_keys=True,
     )

@@ -7,6 +7,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from pydantic import BaseModel
 
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 
@@ -52,7 +53,7 @@ def run_cases(
     OutputError
         A result cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     files = {case.key: folder / f"{case.key}.json" for case in cases}
     missing = [case for case in cases if not files[case.key].exists()]
     progress.start("cases", len(cases))

@@ -7,11 +7,20 @@ import cv2
 import numpy as np
 
 from labcal.errors import InputError, OutputError
+from labcal.run.claims import FileKind, FileOutput
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
 from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind, require_sensible_size
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
+_WRITTEN = {
+    ".png": PictureKind.PNG,
+    ".jpg": PictureKind.JPEG,
+    ".jpeg": PictureKind.JPEG,
+    ".tif": PictureKind.TIFF,
+    ".tiff": PictureKind.TIFF,
+    ".bmp": PictureKind.BMP,
+}
 MOST_BYTES = 2**30
 """A larger file is not read."""
 
@@ -77,6 +86,23 @@ def _bytes(path: Path) -> bytes:
         raise InputError(f"The picture {path} cannot be read: {error.strerror}.") from error
 
 
+def picture_output(path: Path) -> FileOutput:
+    """Return a picture as an output of a command, the format by the ending; see :func:`write_picture`.
+
+    Raises
+    ------
+    OutputError
+        No format that is written ends so.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in _WRITTEN:
+        raise _unknown_ending(path)
+    kind = _WRITTEN[suffix]
+    return FileOutput(
+        path, FileKind(f"a {kind.value} picture", lambda content: picture_kind(content) is kind)
+    )
+
+
 def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:
     """Write a PNG, JPEG or TIFF (uint8, uint16), the format by the ending.
 
@@ -97,5 +123,9 @@ def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, fo
     except cv2.error:  # it raises for an ending that it does not know
         done = False
     if not done:
-        raise OutputError(f"{path} cannot be encoded; choose a name that ends in .png, .jpg or .tif.")
+        raise _unknown_ending(path)
     write_file(path, data.data, force=force)
+
+
+def _unknown_ending(path: Path) -> OutputError:
+    return OutputError(f"{path} cannot be encoded; choose a name that ends in .png, .jpg or .tif.")

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from labcal.arrays import Mask, Pixels, Points
 from labcal.cameras.record import CameraRecord, Matrix4Record
 from labcal.run.documents import read_document
+from labcal.run.made import make_folder
 from labcal.run.names import Name
 from labcal.run.outputs import write_file
 from labcal.run.tables import damaged_line, read_table, table_text
@@ -82,7 +83,7 @@ class TrueDots:
 def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
     """Write ``truth/truth.json`` and ``truth/dots.csv`` into a shoot under construction."""
     home = folder / FOLDER
-    home.mkdir(exist_ok=True)
+    make_folder(home)
     write_file(home / "truth.json", truth.model_dump_json(indent=2) + "\n", force=True)
     lines: list[list[object]] = []
     for picture in dots:

@@ -13,6 +13,7 @@ from safetensors import SafetensorError, safe_open
 
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
+from labcal.run.claims import FileKind
 from labcal.run.descriptions import explain_validation
 from labcal.run.outputs import write_file
 from labcal.solve.estimator import PointEstimator
@@ -25,6 +26,10 @@ from labcal.solve.rehearsal import Rehearsed
 METADATA_KEY = "labcal"
 BOX_PREFIX = "box."
 LENGTH_BYTES = 8
+KIND = FileKind(
+    "a model",
+    lambda content: content[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and b"labcal-model" in content,
+)
 
 
 class ModelKind(StrEnum):

@@ -18,8 +18,10 @@ from matplotlib.patches import Rectangle as RectanglePatch
 from matplotlib.path import Path as Outline
 
 from labcal.errors import InputError, UnknownNameError
+from labcal.run.claims import FileOutput, beginning_with
 from labcal.run.machine import memory_bytes
-from labcal.run.outputs import refuse_existing, write_file
+from labcal.run.outputs import write_file
+from labcal.run.standing import require_file_place
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
 from labcal.targets.shapes import printed_outlines
@@ -42,6 +44,11 @@ class ArtworkFormat(StrEnum):
     PNG = "png"
 
 
+_BEGINNINGS = {
+    ArtworkFormat.SVG: b"<?xml",
+    ArtworkFormat.PDF: b"%PDF",
+    ArtworkFormat.PNG: b"\x89PNG",
+}
 _UNDATED = {
     ArtworkFormat.SVG: {"Date": None},
     ArtworkFormat.PDF: {"CreationDate": None},
@@ -83,13 +90,31 @@ def export_artwork(
     OutputError
         The file exists or cannot be written.
     """
+    kind = _format_of(path)
+    require_file_place(path, force=force)
+    artwork = draw_artwork(target, kind, dpi=dpi)
+    write_file(path, artwork.content, force=force)
+    return artwork
+
+
+def artwork_output(path: FilePath) -> FileOutput:
+    """Return a file to print as an output of a command; see :func:`export_artwork`.
+
+    Raises
+    ------
+    UnknownNameError
+        The ending is not known.
+    """
+    kind = _format_of(path)
+    return FileOutput(path, beginning_with(f"a drawing in {kind.upper()}", _BEGINNINGS[kind]))
+
+
+def _format_of(path: FilePath) -> ArtworkFormat:
+    """Return the format that a name's ending means."""
     kind = path.suffix.removeprefix(".").lower()
     if kind not in set(ArtworkFormat):
         raise UnknownNameError("artwork format (the ending of the file's name)", kind, ArtworkFormat)
-    refuse_existing(path, force=force)
-    artwork = draw_artwork(target, ArtworkFormat(kind), dpi=dpi)
-    write_file(path, artwork.content, force=force)
-    return artwork
+    return ArtworkFormat(kind)
 
 
 def draw_artwork(target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = None) -> Artwork:

@@ -8,9 +8,12 @@ from jaxtyping import Bool, Float64
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.arrays import Points
+from labcal.run.claims import beginning_with
 from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.targets.catalogue import AnyTarget
+
+KIND = beginning_with("a RIG-dots.json", b'{\n  "format": "labcal-dots"')
 
 
 class DotPlace(BaseModel):

@@ -74,7 +74,7 @@ def test_detect_tells_of_each_picture(labcal: Run, stage: Path, stage_dots: Path
         assert (image["status"], image["reason"], image["dots"], image["expected"]) == ("ok", None, 130, 130)
         assert image["image"].startswith(str(stage / "images"))
     assert again.read_bytes() == stage_dots.read_bytes()  # also with two workers
-    assert sorted(path.name for path in overlay.iterdir()) == [
+    assert sorted(path.name for path in overlay.glob("[!.]*")) == [
         f"{view}_{camera}.png" for view in ("test-shifted", "train") for camera in ("left", "right")
     ]
 

@@ -68,7 +68,7 @@ def killed_and_resumed(scene: Path, tmp_path: Path, kills: int, workers: int) ->
     """Kill a render again and again, resume it, and compare its bytes with those of one left alone."""
     assert start(scene, tmp_path / "whole", workers).wait() == 0
     expected = files(tmp_path / "whole")
-    assert len(expected) == PICTURES + 4
+    assert len(expected) == PICTURES + 5
     folder, images = tmp_path / "killed", tmp_path / "killed.unfinished" / "images"
     random = np.random.default_rng(kills)
     counts = [0]

@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 import pytest
 
 from labcal.correspond.detections import read_detections
+from labcal.run.made import COMMAND
 
 Run = Callable[..., Any]
 
@@ -197,6 +198,9 @@ def test_what_exists_stays(labcal: Run, writing: list[tuple[object, ...]], tmp_p
     refused(labcal, "mine exists already", *detect, "-o", tmp_path / "dots.csv", "--overlay", mine)
     assert mine.read_text() == "mine"
     assert not (tmp_path / "dots.csv").exists()
+    refused(labcal, "mine is not replaced: it is not a table of points", *writing[3], "-o", mine, "--force")
+    assert mine.read_text() == "mine"
+    mine.write_text("")
     assert labcal(*writing[3], "-o", mine, "--force").status == 0
     assert mine.read_text().startswith("view,col,row")
 
@@ -231,11 +235,11 @@ def test_a_disk_that_refuses_leaves_nothing(
 def test_an_unfinished_shoot_of_another_command_stays(labcal: Run, empty: Path) -> None:
     unfinished = empty / "x.unfinished"
     unfinished.mkdir()
-    (unfinished / ".command").write_text("another")
+    (unfinished / COMMAND).write_text("another")
     refused(
         labcal, "unfinished output of another command", "render", "webcam-plane", *SMALL, "-o", empty / "x"
     )
-    assert [path.name for path in unfinished.iterdir()] == [".command"]
+    assert [path.name for path in unfinished.iterdir()] == [COMMAND]
     assert labcal("render", "webcam-plane", *SMALL, "-o", empty / "x", "--force").status == 0
 
 

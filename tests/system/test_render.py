@@ -71,6 +71,7 @@ def test_the_same_bytes_twice_and_with_two_workers(tmp_path: Path) -> None:
     two = render_shoot(scene, tmp_path / "two", RenderSettings(workers=2), NoProgress())
     other = render_shoot(scene, tmp_path / "other", RenderSettings(seed=1), NoProgress())
     assert set(files(once.folder)) == {
+        ".labcal-made",
         "shoot.json",
         "truth/scene.yaml",
         "truth/truth.json",
@@ -105,7 +106,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
     unfinished = tmp_path / "shoot.unfinished" / "images"
     kept = unfinished / "train_left.png"
     os.utime(kept, ns=(1, 1))
-    (unfinished / ".train_right.png.abc").write_bytes(b"half a picture")
+    (unfinished / ".labcal-part-abc").write_bytes(b"half a picture")
     (unfinished / "train_right.png").unlink()
     with pytest.raises(OutputError, match="another command"):
         render_shoot(scene, folder, RenderSettings(seed=1), NoProgress())
@@ -201,5 +202,10 @@ def test_a_shoot_is_not_replaced_unasked(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="--force"):
         render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(), NoProgress())
     assert (tmp_path / "shoot" / "mine.txt").read_text() == "mine"
-    render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(force=True), NoProgress())
+    with pytest.raises(OutputError, match="no mark of labcal's"):
+        render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(force=True), NoProgress())
+    assert (tmp_path / "shoot" / "mine.txt").read_text() == "mine"
+    (tmp_path / "shoot" / "mine.txt").unlink()
+    for _ in range(2):
+        render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(force=True), NoProgress())
     assert (tmp_path / "shoot" / "shoot.json").is_file()

@@ -57,7 +57,7 @@ def test_an_unfinished_run_is_taken_up(reproduced: Path, labcal) -> None:  # noq
     again = reproduced.with_name("again")
     results = (reproduced / "results.json").read_text()
     reproduced.rename(unfinished)
-    (unfinished / ".command").write_text(_command())
+    (unfinished / ".labcal-command").write_text(_command())
     lost = min((unfinished / "cases").iterdir())
     lost.unlink()
     told = labcal("reproduce", *ROWS, "--quick", "--workers", 1, "-o", again)

@@ -3,11 +3,14 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from labcal.cameras.interop.exchange import Home, ReadRig, RigFormat, RigTexts, SourceText
+from labcal.cameras.interop.exchange import Home, OutputText, ReadRig, RigFormat, RigTexts, SourceText
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.run.outputs import refuse_existing, refuse_homeless, unfinished_folder, write_file
+from labcal.run.claims import FileKind, FileOutput, FolderOutput, Output
+from labcal.run.outputs import write_file
+from labcal.run.standing import require_file_place
+from labcal.run.unfinished import unfinished_folder
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
 _MOST_TOGETHER = 4 * _MOST_BYTES
@@ -74,20 +77,27 @@ def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bo
     OutputError
         A file exists and `force` is not set, or it cannot be written.
     """
-    if chosen.home is Home.FOLDER:
-        return _write_folder(path, {one.label: one.text for one in texts.files}, force=force)
-    if not path.suffix and texts.files[0].label:
-        named = {f"{one.label}{chosen.suffixes[0]}": one.text for one in texts.files}
-        return _write_folder(path, named, force=force)
-    paths = [
-        path.with_name(f"{path.stem}-{one.label}{path.suffix}") if one.label else path for one in texts.files
-    ]
+    folder = _folder(path, chosen, texts)
+    if folder is not None:
+        with unfinished_folder(path, _command(folder), force=force) as working:
+            for name, text in folder.items():
+                write_file(working / name, text, force=True)
+        return [path / name for name in folder]
+    paths = [_file(path, one) for one in texts.files]
     for file in paths:
-        refuse_existing(file, force=force)
-        refuse_homeless(file)
+        require_file_place(file, force=force)
     for file, one in zip(paths, texts.files, strict=True):
         write_file(file, one.text, force=force)
     return paths
+
+
+def rig_outputs(path: Path, chosen: RigFormat, texts: RigTexts) -> list[Output]:
+    """Return what :func:`write_rig_files` would write, as the outputs of a command."""
+    folder = _folder(path, chosen, texts)
+    if folder is not None:
+        return [FolderOutput(path, _command(folder))]
+    kind = FileKind(f"cameras of {chosen.name}", lambda content: chosen.recognises(content.decode("latin-1")))
+    return [FileOutput(_file(path, one), kind) for one in texts.files]
 
 
 def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
@@ -103,12 +113,22 @@ def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
     return Rig(cameras={name: rig.cameras[name] for name in names})
 
 
-def _write_folder(path: Path, texts: dict[str, str], *, force: bool) -> list[Path]:
-    """Write a folder of files that appears whole."""
-    with unfinished_folder(path, f"convert {sorted(texts)}", force=force) as working:
-        for name, text in texts.items():
-            write_file(working / name, text, force=True)
-    return [path / name for name in texts]
+def _folder(path: Path, chosen: RigFormat, texts: RigTexts) -> dict[str, str] | None:
+    """Return the texts by name where they are to be a folder, else None."""
+    if chosen.home is Home.FOLDER:
+        return {one.label: one.text for one in texts.files}
+    if not path.suffix and texts.files[0].label:
+        return {f"{one.label}{chosen.suffixes[0]}": one.text for one in texts.files}
+    return None
+
+
+def _file(path: Path, one: OutputText) -> Path:
+    """Return where one text goes that is no part of a folder."""
+    return path.with_name(f"{path.stem}-{one.label}{path.suffix}") if one.label else path
+
+
+def _command(folder: dict[str, str]) -> str:
+    return f"convert {sorted(folder)}"
 
 
 def _files(paths: Sequence[Path]) -> list[Path]:

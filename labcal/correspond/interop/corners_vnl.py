@@ -21,11 +21,13 @@ from labcal.correspond.matching import require_on_target
 from labcal.correspond.sources import loose_source
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.run.claims import FileKind
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 
 _SIGMA = re.compile(r"^## sigma_px (\S+)", re.MULTILINE)
 _LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULTILINE)
+KIND = FileKind("a corners.vnl", lambda content: _LEGEND.search(content.decode("latin-1")) is not None)
 _MOST_BYTES = 2**28
 _MOST_LEVEL = 30
 _EQUAL_PITCH = 1e-9

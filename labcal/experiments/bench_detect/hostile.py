@@ -1,6 +1,5 @@
 """Thousands of damaged and hostile inputs, each of which must give a result or a reason."""
 
-import shutil
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from labcal.experiments.bench_detect.watched import Limits, Watched, WatchedProc
 from labcal.experiments.bench_groups import Bench, Findings
 from labcal.report.bench import Figure, at_most
 from labcal.run.machine import usable_cores
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.tables import table_text
@@ -90,8 +90,8 @@ def _some(numbers: range, seed: int, folders: tuple[Path, Path], progress: Progr
             found = process.measure(path)
             outcomes.append(HostileOutcome(path.name, found))
             if found.ending not in _EXPECTED and path.is_file():
-                kept.mkdir(exist_ok=True)
-                shutil.copy(path, kept / path.name)
+                make_folder(kept)
+                write_file(kept / path.name, path.read_bytes(), force=True)
             if path.is_dir():
                 path.rmdir()
             else:

@@ -19,6 +19,7 @@ from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
 from labcal.report.overlay import draw_overlay
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.shoot.pictures import write_picture
@@ -91,7 +92,6 @@ def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> l
     progress.start("suite", count)
     outcomes = []
     failures = folder / "failures"
-    failures.mkdir(exist_ok=True)
     for one in suite_pictures(count, seed):
         dots = detect_dots(one.picture, one.target)
         outcome = Outcome(
@@ -106,6 +106,7 @@ def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> l
         outcomes.append(outcome)
         if outcome.failed:
             name = one.design.name
+            make_folder(failures)
             write_picture(failures / f"{name}.png", one.picture, force=True)
             overlay = draw_overlay(one.picture, dots, one.target)
             write_picture(failures / f"{name}-overlay.png", overlay, force=True)

@@ -15,8 +15,9 @@ from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
 from labcal.report.bench import BenchResult
 from labcal.run.json_text import to_json
-from labcal.run.outputs import unfinished_folder, write_file
+from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
 from labcal.scene.catalogue import load_scene
 from labcal.scene.plan import planned_takes
 from labcal.scene.views import planned_views

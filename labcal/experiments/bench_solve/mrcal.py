@@ -34,6 +34,7 @@ from labcal.experiments.hand_views import CAMERA, HandViews, dots_at, poses_in_h
 from labcal.geometry.poses import from_rotation_vector, transform
 from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
+from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.solve.adjustment.state import Lenses
 from labcal.solve.centre_bias import ROUNDS
@@ -66,7 +67,7 @@ def mrcal_findings(bench: Bench) -> Findings:
         missing = "mrcal: left out, since it is not installed (Debian packages mrcal, python3-mrcal)"
         return Findings([], [], (missing,))
     folder = bench.folder.resolve() / "mrcal"  # their programs run in it
-    folder.mkdir(exist_ok=True)
+    make_folder(folder)
     seeds = SEEDS_QUICK if bench.quick else SEEDS
     bench.progress.start("against mrcal", seeds)
     errors = []
@@ -121,7 +122,7 @@ def _held_out(
     training: Detections, test: Detections, target: AnyTarget, bias_rounds: int, folder: Path
 ) -> tuple[float, float] | None:
     """Return the held-out RMS of labcal's and of mrcal's camera, px; None where mrcal finds none."""
-    folder.mkdir(exist_ok=True)  # an interrupted run may have made it
+    make_folder(folder)
     ours = calibrate_handheld(training, target, LENS, HandheldSettings(bias_rounds=bias_rounds)).rig
     # From where it can hardly go wrong: the focal length that labcal has found.
     focal = round(ours.camera(CAMERA).intrinsics[0])

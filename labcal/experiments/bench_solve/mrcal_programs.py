@@ -15,6 +15,7 @@ from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.correspond.detections import Detections
 from labcal.correspond.interop.corners_vnl import corners_text
 from labcal.errors import DeviceError
+from labcal.run.made import note_made
 from labcal.run.outputs import write_file
 from labcal.targets.catalogue import AnyTarget
 
@@ -83,6 +84,8 @@ def calibrated_by_mrcal(
     for factor in _STARTS:
         said = _run([_CALIBRATE, *words, "--focal", repr(factor * focal_px), "*.png"], folder)
         write_file(folder / "mrcal.txt", said, force=True)
+        for model in folder.glob("camera-*.cameramodel"):
+            note_made(model, model)
         rms = re.findall(r"^RMS reprojection error: (\S+) pixels", said, re.MULTILINE)
         if rms and float(rms[-1]) <= _LOST_PX:
             _, read = read_rig_files([folder / "camera-0.cameramodel"], "mrcal")

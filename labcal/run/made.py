@@ -1,0 +1,184 @@
+"""Marks by which labcal knows its own files and folders again.
+
+While a folder is being made it holds the command (:data:`COMMAND`) and a list of what is written
+(:data:`JOURNAL`); when it is done, one file that lists all that labcal made (:data:`MADE`). Whatever is not
+listed, or has been changed since, is somebody else's.
+"""
+
+import hashlib
+import json
+import os
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from labcal.run.durable import flush_file, flush_folder
+
+COMMAND = ".labcal-command"
+"""In an unfinished folder: the command that is making it."""
+JOURNAL = ".labcal-written"
+"""In an unfinished folder: a line for each file that has been written."""
+MADE = ".labcal-made"
+"""In a finished folder: what labcal made in it."""
+SCRAP = ".labcal-part-"
+"""How the names of files begin that are being written."""
+PROVENANCE = "run.json"
+"""Times and versions, which differ from run to run: its digest would make the mark differ, too."""
+
+
+class Made(BaseModel):
+    """The content of :data:`MADE`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    format: Literal["labcal-made"] = "labcal-made"
+    format_version: Literal[1] = 1
+    made_by: str
+    """The verb."""
+    files: dict[str, str | None]
+    """SHA-256 by path in the folder; null for :data:`PROVENANCE`."""
+    homes: tuple[str, ...] = ()
+    """Folders inside that are there for files."""
+    folders: tuple[str, ...] = ()
+    """Finished folders inside, each with a mark of its own."""
+
+    @property
+    def all_folders(self) -> set[str]:
+        """Every folder inside, also those that are only there for a file."""
+        homes = {name.rpartition("/")[0] for name in (*self.files, *self.folders)}
+        homes |= {*self.homes, *self.folders}
+        return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
+
+
+def unfinished_home(path: Path) -> Path | None:
+    """Return the folder under construction that a path lies in, the innermost one, if any."""
+    return next((home for home in path.absolute().parents if (home / COMMAND).is_file()), None)
+
+
+def note_made(path: Path, content: Path) -> None:
+    """Note, in the folder under construction that a file lies in, that labcal makes it; else do nothing.
+
+    To be called before the file appears, so that none is there that is not noted.
+
+    Parameters
+    ----------
+    path : Path
+        Where it will be.
+    content : Path
+        Where its content is now, or `path` itself. A finished folder is noted as such.
+    """
+    home = unfinished_home(path)
+    if home is not None:
+        name = path.absolute().relative_to(home).as_posix()
+        is_folder = content.is_dir()
+        _note(home, {"folder": name} if is_folder else {"file": name, "sha256": digest_of(content)})
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for files, unless it is there, and note it like a file (:func:`note_made`)."""
+    home = unfinished_home(folder)
+    if home is not None and not folder.exists():
+        _note(home, {"home": folder.absolute().relative_to(home).as_posix()})
+    folder.mkdir(parents=True, exist_ok=True)
+
+
+def _note(home: Path, note: dict[str, str]) -> None:
+    """Append a line to the list of what is written; one that a power cut tore does not spoil it."""
+    line = f"\n{json.dumps(note)}\n".encode()
+    # Workers append at the same time: a line in one piece, at the end of the file. It is not waited for until
+    # it is on the disk: what a power cut takes from the list counts as somebody else's, and stays.
+    descriptor = os.open(home / JOURNAL, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+    try:
+        os.write(descriptor, line)
+    finally:
+        os.close(descriptor)
+
+
+def mark_as_made(folder: Path, verb: str) -> Made:
+    """Turn the list of what has been written in a folder into the mark of a finished one, and return it."""
+    noted = noted_in(folder)
+    names = [name for name in sorted(noted.files) if (folder / name).is_file()]
+    kept = {name: None if Path(name).name == PROVENANCE else noted.files[name] for name in names}
+    homes, inside = (
+        tuple(name for name in sorted(set(names)) if (folder / name).is_dir())
+        for names in (noted.homes, noted.folders)
+    )
+    made = Made(made_by=verb, files=kept, homes=homes, folders=inside)
+    _write_mark(folder, made)
+    (folder / JOURNAL).unlink(missing_ok=True)
+    return made
+
+
+def reopen(folder: Path) -> None:
+    """Turn the mark of a finished folder back into the list of an unfinished one, if it has one."""
+    made = made_in(folder)
+    if made is None:
+        return
+    if not (folder / JOURNAL).exists():
+        notes: list[dict[str, str | None]] = [{"folder": name} for name in made.folders]
+        notes += [{"home": name} for name in made.homes]
+        notes += [{"file": name, "sha256": digest} for name, digest in made.files.items()]
+        scrap = folder / f"{SCRAP}journal"
+        scrap.write_text("".join(json.dumps(note) + "\n" for note in notes), encoding="utf-8")
+        scrap.replace(folder / JOURNAL)
+    (folder / MADE).unlink()
+
+
+def is_as_made(path: Path) -> bool:
+    """Return whether a file is listed in the mark of its folder, and still as labcal wrote it."""
+    made = made_in(path.parent)
+    return made is not None and path.is_file() and made.files.get(path.name) == digest_of(path)
+
+
+def renew(path: Path) -> None:
+    """Put a file that labcal has written anew into the mark of its folder, where that has one."""
+    made = made_in(path.parent)
+    if made is not None:
+        files = dict(sorted({**made.files, path.name: digest_of(path)}.items()))
+        _write_mark(path.parent, made.model_copy(update={"files": files}))
+
+
+def made_in(folder: Path) -> Made | None:
+    """Return the mark of a finished folder; None where there is none that this version reads."""
+    path = folder / MADE
+    if path.is_symlink() or not path.is_file():
+        return None
+    with suppress(OSError, ValidationError):
+        return Made.model_validate_json(path.read_bytes())
+    return None
+
+
+def noted_in(folder: Path) -> Made:
+    """Return what the list in an unfinished folder says; lines that a kill cut off say nothing."""
+    files: dict[str, str | None] = {}
+    homes: list[str] = []
+    folders: list[str] = []
+    path = folder / JOURNAL
+    lines = path.read_bytes().splitlines() if path.is_file() and not path.is_symlink() else []
+    for line in lines:
+        with suppress(ValueError, KeyError, TypeError):
+            note = json.loads(line)
+            if "folder" in note:
+                folders.append(str(note["folder"]))
+            elif "home" in note:
+                homes.append(str(note["home"]))
+            else:
+                files[str(note["file"])] = note["sha256"]
+    return Made(made_by="", files=files, homes=tuple(homes), folders=tuple(folders))
+
+
+def _write_mark(folder: Path, made: Made) -> None:
+    """Write the mark whole."""
+    scrap = folder / f"{SCRAP}made"
+    scrap.write_text(made.model_dump_json(indent=1) + "\n", encoding="utf-8")
+    flush_file(scrap)
+    scrap.replace(folder / MADE)
+    flush_folder(folder)
+
+
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a file, as hexadecimal digits."""
+    with path.open("rb") as handle:
+        return hashlib.file_digest(handle, "sha256").hexdigest()

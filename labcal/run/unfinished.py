@@ -1,0 +1,197 @@
+"""Folders that appear whole or not at all, and whose making goes on where it was interrupted."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from labcal.errors import OutputError
+from labcal.run.durable import flush_file, flush_folder, flush_tree
+from labcal.run.foreign import foreign_entries, remove_made
+from labcal.run.lock import locked
+from labcal.run.made import COMMAND, SCRAP, made_in, mark_as_made, note_made, reopen
+from labcal.run.outputs import refusal
+from labcal.run.standing import (
+    old_of,
+    require_elsewhere,
+    require_folder_place,
+    require_name,
+    require_nothing_foreign,
+    working_of,
+)
+
+
+@contextmanager
+def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path]:
+    """Give a folder to work in that becomes `path` when the work ends well.
+
+    What an interrupted run left behind is given again when `command` is the same, so that the work resumes;
+    what another command left is refused. A run may be killed at any moment, also as it begins or ends here.
+    What is to be replaced stays until the new folder is whole and on the disk, then beside it (its name with
+    ``.labcal-old`` behind it) until the new one is in its place; if that fails it is moved back.
+
+    Parameters
+    ----------
+    path : Path
+        The folder to appear.
+    command : str
+        Everything that determines the content, as text; its first word is the verb.
+    force : bool
+        Replace `path`, and discard what another command left unfinished, where labcal made it and it holds
+        nothing else (:mod:`labcal.run.standing`).
+
+    Yields
+    ------
+    Path
+        The folder ``<name>.unfinished`` beside `path`.
+
+    Raises
+    ------
+    OutputError
+        Something that may not be replaced, or another run, is in the way, or the disk refuses.
+    """
+    require_name(path)
+    working = working_of(path)
+    try:
+        settle(path)
+        if not os.path.lexists(working) and not path.is_symlink() and command_in(path) == command:
+            path.rename(working)  # killed after the work and before the mark was removed
+        require_folder_place(path, force=force)
+        require_working_place(path, command, force=force)
+        if command_in(working) not in {None, command}:
+            with _held(working):
+                remove_made(working)  # nothing in it is foreign, as has just been seen
+        _begin(working, command)
+        with _held(working):
+            _remove_scraps(working)
+            reopen(working)
+            note_made(working, working)
+            yield working
+            _finish(working, path, command, force=force)
+    except OutputError:
+        raise
+    except OSError as error:
+        raise refusal(path, error) from error
+
+
+def require_working_place(path: Path, command: str | None, *, force: bool) -> None:
+    """Raise where the folder that `path` is made in may not be used.
+
+    Parameters
+    ----------
+    path : Path
+        The folder to appear.
+    command : str, optional
+        What will make it; where not given, an unfinished folder of any command is let pass.
+    force : bool
+        Another command's unfinished folder may be discarded.
+
+    Raises
+    ------
+    OutputError
+        Another command's unfinished folder, or something that is not labcal's, is in the way.
+    """
+    working = working_of(path)
+    if not os.path.lexists(working):
+        return
+    theirs = command_in(working)
+    ours = working.is_dir() and not working.is_symlink()
+    if not ours or (theirs is None and foreign_entries(working)):
+        raise OutputError(
+            f"{working} is in the way: {path.name} would be made in it, but it is no unfinished output of "
+            "this version of labcal. Move it elsewhere, or choose another name."
+        )
+    if theirs is not None:
+        with _held(working):
+            pass
+    if theirs in {None, command} or command is None:
+        return
+    if not force:
+        raise OutputError(
+            f"{working} is the unfinished output of another command. Repeat that command to finish it, "
+            "or add --force to discard it."
+        )
+    require_elsewhere(working)
+    require_nothing_foreign(working)
+
+
+def settle(path: Path) -> None:
+    """Bring to its end what a run was killed in that was replacing `path`.
+
+    Where the new folder is not in its place, the old one is put back; where it is, the old one is removed.
+    Nothing is done unless the old one is labcal's as a whole, or empty.
+    """
+    old = old_of(path)
+    if not old.is_dir() or old.is_symlink() or foreign_entries(old):
+        return
+    if not os.path.lexists(path):
+        old.rename(path)
+    elif command_in(path) is not None and made_in(path) is not None:
+        remove_made(old)
+
+
+def command_in(folder: Path) -> str | None:
+    """Return the command that a folder is marked with as unfinished, if it is."""
+    mark = folder / COMMAND
+    return mark.read_text(encoding="utf-8") if mark.is_file() and not mark.is_symlink() else None
+
+
+def abandon(working: Path) -> None:
+    """Remove all that has been made in an unfinished folder, where nothing of it is of use to anybody."""
+    remove_made(working)
+
+
+def _begin(working: Path, command: str) -> None:
+    """Make the folder, and mark it unless it is marked."""
+    working.mkdir(parents=True, exist_ok=True)
+    if command_in(working) is None:
+        scrap = working / f"{SCRAP}command"
+        scrap.write_text(command, encoding="utf-8")
+        flush_file(scrap)
+        scrap.rename(working / COMMAND)  # the mark is there whole or not at all
+
+
+@contextmanager
+def _held(working: Path) -> Iterator[None]:
+    """Keep other processes out of an unfinished folder.
+
+    Raises
+    ------
+    OutputError
+        One is at work in it.
+    """
+    with locked(working / COMMAND) as free:
+        if not free or command_in(working) is None:  # None: another one has just ended, and moved it
+            raise OutputError(f"Another labcal is at work in {working}. Wait until it has ended.")
+        yield
+
+
+def _remove_scraps(working: Path) -> None:
+    """Remove files that were being written when an earlier run was killed."""
+    for home, _, names in os.walk(working):
+        for name in names:
+            if name.startswith(SCRAP):
+                Path(home, name).unlink()
+
+
+def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
+    """Put the folder in its place."""
+    made = mark_as_made(working, command.split(maxsplit=1)[0])
+    flush_tree(working, made.files.keys())
+    require_folder_place(path, force=force)  # again: a good deal of time may have gone by
+    note_made(path, working)
+    old, replaces = old_of(path), os.path.lexists(path)
+    try:
+        if replaces:
+            path.rename(old)
+            require_nothing_foreign(old)
+        working.rename(path)
+    except BaseException:
+        if replaces and os.path.lexists(old) and not os.path.lexists(path):
+            old.rename(path)
+        raise
+    flush_folder(path.parent)
+    if replaces:
+        remove_made(old)
+    (path / COMMAND).unlink()
+    flush_folder(path)
