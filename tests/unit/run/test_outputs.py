@@ -1,11 +1,13 @@
 import errno
+import os
 import stat
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
 from labcal.errors import DiskFullError, OutputError
-from labcal.run.outputs import write_file
+from labcal.run.outputs import appearing_file, write_file
 
 
 def entries(folder: Path) -> list[str]:
@@ -53,3 +55,45 @@ def test_a_file_is_never_replaced_by_half_of_another(tmp_path: Path, monkeypatch
         write_file(path, "something new", force=True)
     assert path.read_text() == "old"
     assert entries(tmp_path) == ["a.txt"]
+
+
+def test_a_file_that_appears_meanwhile_is_not_replaced_unasked(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+
+    def write() -> None:
+        with appearing_file(path, force=False) as temporary:
+            assert temporary.name.startswith(".labcal-")  # so that everybody knows whose it is
+            temporary.write_text("labcal's")
+            path.write_text("mine")
+
+    for _ in range(2):
+        path.unlink(missing_ok=True)
+        with pytest.raises(OutputError, match="exists already"):
+            write()
+        assert path.read_text() == "mine"
+    assert entries(tmp_path) == ["a.txt"]
+
+
+def test_a_disk_without_links_takes_files_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(old: Path, new: Path) -> NoReturn:  # noqa: ARG001 - its form
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", refused)
+    write_file(tmp_path / "a.txt", "1", force=False)
+    assert entries(tmp_path) == ["a.txt"]
+    with pytest.raises(OutputError, match="exists already"):
+        write_file(tmp_path / "a.txt", "2", force=False)
+
+
+@pytest.mark.parametrize("to", ["mine.txt", "nowhere"])
+def test_nothing_is_written_through_a_link(tmp_path: Path, to: str) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "link.txt").symlink_to(to)
+    for force in (False, True):
+        with pytest.raises(OutputError, match="A link is not replaced"):
+            write_file(tmp_path / "link.txt", "new", force=force)
+    assert (tmp_path / "link.txt").is_symlink()
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert entries(tmp_path) == ["link.txt", "mine.txt"]
