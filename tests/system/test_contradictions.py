@@ -1,4 +1,4 @@
-"""Calibrating from pictures that contradict each other, and points from such a rig: what the commands tell."""
+"""Calibrating from pictures that contradict each other, and points from such a rig, on the command line."""
 
 import csv
 import json
@@ -30,7 +30,7 @@ def write(path: Path, dots: Detections) -> Path:
 
 
 def knocked(dots: Detections) -> Detections:
-    """Return dots as if the second camera had been turned a little half-way: 0.3 px on, in both directions."""
+    """Return dots as if the second camera had been turned a little half-way: by 0.3 px each way."""
     later = np.isin(dots.view, dots.views[len(dots.views) // 2 :]) & (dots.camera == "right")
     return replace(dots, position=dots.position + later[:, None] * [0.3, 0.3])
 

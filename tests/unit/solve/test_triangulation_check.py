@@ -67,9 +67,7 @@ def test_pictures_that_are_shifted_are_told(pair: Cameras, dots: Detections, y_p
     assert found.check.rms_px > 5.0 * found.check.expected_px
 
 
-def test_one_view_that_is_off_is_told_by_name(
-    see: See, pair: Cameras, grid: DotGrid, poses: Poses, dots: Detections
-) -> None:
+def test_one_view_that_is_off_is_told_by_name(pair: Cameras, dots: Detections) -> None:
     rig = rig_of(pair, calibration_record(list(pair.values()), match(dots, tuple(pair))))
     found = reconstruct_centres(rig, shifted(dots, 0.3, "pose-3"), None)
     assert found.check is not None
