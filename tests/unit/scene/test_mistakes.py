@@ -217,3 +217,28 @@ def test_pictures_of_two_sizes_cannot_be_exchanged() -> None:
     scene = load_scene("webcam-volume", ("mistake=swapped-cameras", "cameras.left.size=[638, 480]"))
     with pytest.raises(InputError, match=r"one size.*638"):
         check_scene(scene, seed=0)
+
+
+def test_a_mistake_has_a_size() -> None:
+    knocked = load_scene("webcam-handheld", ("mistake=camera-knocked", "mistake_size=0.1"))
+    (_, last) = pairs(outcome(knocked, 0, 4).takes)[-1]
+    knock = last.device.T_cam_world @ np.linalg.inv(knocked.true_cameras()["right"].T_cam_world)
+    assert np.degrees(np.linalg.norm(rotation_vector(knock))) == pytest.approx(0.05)
+    assert np.linalg.norm(knock[:3, 3]) == pytest.approx(0.3)
+    usual = outcome(scene_with("webcam-handheld", "unsynchronised"), 0, 2)
+    half = outcome(load_scene("webcam-handheld", ("mistake=unsynchronised", "mistake_size=0.5")), 0, 2)
+    meant = outcome(load_scene("webcam-handheld"), 0, 2)
+    for (_, far), (_, near), (_, still) in zip(
+        *(pairs(one.takes) for one in (usual, half, meant)), strict=True
+    ):
+        moved = [one.track.middle - still.track.middle for one in (far, near)]
+        np.testing.assert_allclose(moved[1], 0.5 * moved[0])
+    one = load_scene("webcam-handheld", ("mistake=swapped-cameras", "mistake_size=0.25"))
+    assert outcome(one, 0, 8).wrong_views == ("pose-08",)
+    assert "mistake_size" not in load_scene("webcam-handheld").to_yaml()
+    assert "mistake_size: 0.25" in one.to_yaml()
+    for changes in (("mistake=swapped-cameras", "mistake_size=2"), ("mistake_size=0",)):
+        with pytest.raises(InputError, match="mistake_size"):
+            outcome(load_scene("webcam-handheld", changes), 0, 4)
+    with pytest.raises(InputError, match="Leave mistake_size out"):
+        outcome(load_scene("webcam-plane", ("mistake=board-turned", "mistake_size=0.5")), 0)
