@@ -33,7 +33,7 @@ CASES = [
     ("mild", "brown5", 0.45),
     ("rational8", "rational8", 0.75),
     ("thin-prism12", "thin-prism12", 0.75),
-    ("tilted14", "tilted14", 0.75),
+    pytest.param("tilted14", "tilted14", 0.75, marks=pytest.mark.slow),
     ("fisheye-kb4", "fisheye-kb4", 0.45),
 ]
 """The true lens, the model, and which part of the picture dots cover."""
