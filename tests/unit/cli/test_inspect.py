@@ -96,8 +96,11 @@ def test_loose_pictures_are_inspected_when_their_target_is_named(
     images = [str(shoot / "images" / f"a_{camera}.png") for camera in ("left", "right")]
     words = ["inspect", *images, "-o", str(tmp_path / "sheet.png"), "--workers", "1", "--json"]
     assert main(words) == ExitStatus.UNUSABLE
+    assert "--cameras '_left=left,_right=right'" in capsys.readouterr().err
+    words += ["--cameras", "_left=l,_right=r"]
+    assert main(words) == ExitStatus.UNUSABLE
     assert "--target NAME" in capsys.readouterr().err
-    assert main([*words, "--target", TARGET.name, "--cameras", "_left=l,_right=r"]) == ExitStatus.DONE
+    assert main([*words, "--target", TARGET.name]) == ExitStatus.DONE
     document = json.loads(capsys.readouterr().out)
     assert [(one["camera"], one["role"], one["dots"]) for one in document["pictures"]] == [
         ("l", None, 130),
