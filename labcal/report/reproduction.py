@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from labcal.errors import InputError
 from labcal.run.documents import read_document
+from labcal.wording import has_control
 
 RESULTS = "results.json"
 _MOST = 300
@@ -22,12 +23,23 @@ Measured = Annotated[float, BeforeValidator(_nan_for_null)]
 """A figure that is null in JSON where it came out as no number."""
 
 
+def _without_control(text: str) -> str:
+    """Return a text that can be drawn and shown."""
+    if has_control(text):
+        raise ValueError("the text holds control characters")
+    return text
+
+
+Words = Annotated[str, Field(max_length=10_000), AfterValidator(_without_control)]
+"""A text for the page and its figures."""
+
+
 class Figures(BaseModel):
     """Errors of one reading of a row, on points that were not trained on; medians over the seeds."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    reading: str
+    reading: Words
     """Which method, and what "5%" of noise was taken to be where there is noise."""
     mean_signed_m: Measured
     """Mean of predicted minus true over held-out points and all three coordinates, as in the paper."""
@@ -55,14 +67,14 @@ class RowResult(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    exp: str
-    solver: str
-    data: str
+    exp: Words
+    solver: Words
+    data: Words
     points: int
-    network: str | None
+    network: Words | None
     goal: float | None
     seeds: int
-    reading: str
+    reading: Words
     """Which of the readings the row holds: for least squares the one nearest to the paper."""
     epochs: float | None
     paper_epochs: int | None
@@ -77,8 +89,8 @@ class RowResult(BaseModel):
     p95_mm: Measured
     max_mm: Measured
     seconds: float
-    verdict: str
-    contradiction: str | None
+    verdict: Words
+    contradiction: Words | None
     """What in the paper contradicts the row."""
     readings: Annotated[tuple[Figures, ...], Field(max_length=_MOST)]
 
@@ -88,8 +100,8 @@ class Claim(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    claim: str
-    verdict: str
+    claim: Words
+    verdict: Words
     effect: float
     interval: tuple[float, float]
 
@@ -99,9 +111,9 @@ class ShownPicture(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    scene: str
-    caption: str
-    file: str
+    scene: Words
+    caption: Words
+    file: Words
     """Relative to the folder of the results."""
 
 
@@ -111,10 +123,10 @@ class Reproduction(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     rows: Annotated[tuple[RowResult, ...], Field(max_length=_MOST)]
-    not_reported: Annotated[tuple[str, ...], Field(max_length=_MOST)]
+    not_reported: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
     claims: Annotated[tuple[Claim, ...], Field(max_length=_MOST)] = ()
     quick: bool
-    restrictions: Annotated[tuple[str, ...], Field(max_length=_MOST)]
+    restrictions: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
     """What ``--quick`` left out, in words; empty for a full run."""
     pictures: Annotated[tuple[ShownPicture, ...], Field(max_length=_MOST)]
 

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from labcal.report.inline_svg import GROUND, LINE, OURS, QUIET, SECOND, TEXT, inline_svg, page_style
 from labcal.report.reproduction import RowResult
+from labcal.wording import clipped
 
 PRINTED_LIMIT_MM = 0.005
 """Half of the last digit that the paper prints: what it prints as zero lies below."""
@@ -91,10 +92,15 @@ def _dot(axes: Axes, x: float, y: int, marker: str, colours: tuple[str, str]) ->
     )  # fmt: skip
 
 
+def _as_it_is(text: str) -> str:
+    """Return a text that matplotlib does not take for a formula."""
+    return clipped(text).replace("$", r"\$")
+
+
 def _finish(axes: Axes, rows: Sequence[RowResult], label: str) -> None:
     """Name the rows and draw the grid."""
     axes.set_xscale("log")
-    axes.set_yticks(range(len(rows)), [f"{row.exp} {row.solver}" for row in rows])
+    axes.set_yticks(range(len(rows)), [_as_it_is(f"{row.exp} {row.solver}") for row in rows])
     axes.set_ylim(max(len(rows), 1) - 0.4, -0.6)
     axes.set_xlabel(label)
     axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())

@@ -36,7 +36,7 @@ WORDS = (
     "", "x" * 5000, "a\x1b[31mred\x1b[0m", "a\x07b", "\u202egnp", "a\u0085b\x9b2J",
     "=cmd()", "+1+1", "@SUM(1)",
     "-1", "'=1", "../../etc/passwd", "<script>alert(1)</script>", "\ud83d\ude00", "nul\0l", "a\nb",
-    "null", "1", "left,right", "{{ 7 * 7 }}", "$\\frac{", "%s%n", "-rf",
+    "null", "1", "left,right", "{{ 7 * 7 }}", "$\\frac{", "$$", "%s%n", "-rf",
 )  # fmt: skip
 FREE_TEXT = {"description", "caption", "reading", "mistake_description", "claim"}
 

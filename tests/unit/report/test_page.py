@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal.errors import InputError
 from labcal.report.page import missing_pictures, reproduction_page
 from labcal.report.reproduction import Reproduction, ShownPicture, read_reproduction
 from labcal.run.json_text import to_json
@@ -148,3 +149,18 @@ def test_few_rows_null_figures_and_other_verdicts(made_up: Reproduction, tmp_pat
     outline = outline_of(reproduction_page(read, tmp_path))
     assert "–" in outline.cells["row-10"]  # noqa: RUF001 - as printed
     assert "new" in outline.cells["row-10"]
+
+
+@pytest.mark.parametrize("name", ["$$", r"$\frac{", "😀", "<b>", '"&'])
+def test_names_of_rows_are_no_formulas_and_no_markup(name: str, made_up: Reproduction, folder: Path) -> None:
+    row = made_up.rows[0].model_copy(update={"exp": name, "solver": name, "reading": name})
+    page = reproduction_page(made_up.model_copy(update={"rows": (row,)}), folder)
+    assert "<b>" not in page
+
+
+def test_control_characters_in_results_are_refused(made_up: Reproduction, tmp_path: Path) -> None:
+    row = made_up.rows[0].model_copy(update={"exp": "a\x1b[31m"})
+    text = to_json(made_up.model_copy(update={"rows": (row,)}))
+    (tmp_path / "results.json").write_text(text)
+    with pytest.raises(InputError, match=r"rows\.0\.exp: the text holds control characters"):
+        read_reproduction(tmp_path)
