@@ -43,13 +43,30 @@ class Parser(argparse.ArgumentParser):
         raise UsageError(f"{sentence} '{self.prog} --help' explains the command.")
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201 - the overloads are argparse's
-        """Parse as argparse does, and offer the nearest option for one that is not known."""
-        found, extra = super().parse_known_args(args, namespace)
+        """Parse as argparse does, and offer the nearest option for one that is not known.
+
+        What follows an option that takes a value is its value, also where it begins with a hyphen.
+        """
+        words = None if args is None else self._with_values(list(args))
+        found, extra = super().parse_known_args(words, namespace)
         for word in extra:
             if word.startswith("--"):
                 given = word.partition("=")[0]
                 self.error(f"there is no option {given}" + _hint(given, self._option_string_actions))
         return found, extra
+
+    def _with_values(self, words: list[str]) -> list[str]:
+        """Join values that begin with a hyphen to the long options before them (``--cameras=-l=left``)."""
+        joined: list[str] = []
+        for word in words:
+            action = self._option_string_actions.get(joined[-1]) if joined else None
+            takes = action is not None and action.nargs is None and joined[-1].startswith("--")
+            option = word.partition("=")[0] in self._option_string_actions
+            if takes and word.startswith("-") and not option:
+                joined[-1] += f"={word}"
+            else:
+                joined.append(word)
+        return joined
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         """Refuse what is not among the choices, and offer the nearest one."""

@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+from labcal.cli import build_parser
 from labcal.cli.options import add_output, add_seed, add_workers
 from labcal.cli.parser import Parser, UsageError
 from labcal.run.machine import usable_cores
@@ -32,3 +33,16 @@ def test_numbers_that_cannot_be_are_refused(words: list[str], parser: Parser) ->
 def test_an_output_is_needed(parser: Parser) -> None:
     with pytest.raises(UsageError, match="-o/--output"):
         parser.parse_args([])
+
+
+def test_a_value_may_begin_with_a_hyphen() -> None:
+    words = ["detect", "a", "--target", "t", "-o", "d.csv", "--cameras", "-l=left,-r=right", "--workers", "1"]
+    arguments = build_parser("detect").parse_args(words)
+    assert arguments.cameras == "-l=left,-r=right"
+    assert arguments.workers == 1
+
+
+def test_an_option_is_no_value_of_the_one_before() -> None:
+    words = ["detect", "a", "--cameras", "--target", "t", "-o", "d.csv"]
+    with pytest.raises(UsageError, match="Argument --cameras: expected one argument"):
+        build_parser("detect").parse_args(words)
