@@ -74,7 +74,7 @@ def test_a_contradictory_rig_is_told_and_its_points_are_flagged(
 def test_a_rig_keeps_its_finding_when_it_is_converted(labcal: Run, tmp_path: Path, target: Path) -> None:
     bad = write(tmp_path / "bad.csv", knocked(HeldRig.drawn(6, 4).detections()))
     labcal("calibrate", bad, "--target", target, "-o", tmp_path / "rig.json")
-    told = labcal("convert", tmp_path / "rig.json", "-o", tmp_path / "rig.yml", "--to", "opencv")
+    told = labcal("convert", tmp_path / "rig.json", tmp_path / "rig.yml", "--to", "opencv")
     assert any("contradict each other" in note for note in told.document["notes"])
-    labcal("convert", tmp_path / "rig.json", "-o", tmp_path / "again.json", "--to", "labcal")
+    labcal("convert", tmp_path / "rig.json", tmp_path / "again.json", "--to", "labcal")
     assert json.loads((tmp_path / "again.json").read_text())["calibration"]["inconsistent"]
