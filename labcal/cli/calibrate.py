@@ -80,7 +80,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_rig(arguments.output, found.rig, force=arguments.force)
     if found.freed is not None:
         _write_dots(arguments, found.freed)
-    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), target), choice)
+    known = target if found.disagreement is None else None  # else points may be nowhere near a target
+    result = calibrate_result(found, epipolar_rms(found.rig, found.entering(detections), known), choice)
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if found.skipped or result.inconsistent else ExitStatus.DONE
 

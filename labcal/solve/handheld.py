@@ -132,7 +132,7 @@ def _recorded(
     some = dots.views[:: -(-len(dots) // _MOST_DOTS)]
     cameras = [found.rig.camera(name) for name in found.rig.cameras]
     matches = match(dots.where(np.isin(dots.view, some)), tuple(found.rig.cameras))
-    if len(matches):
+    if len(matches) and doubt is None:  # of a rig that fits nothing, points are nowhere near a target
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)
