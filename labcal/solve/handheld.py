@@ -120,7 +120,10 @@ def _whole(
     except InputError as error:
         if doubt is None:
             raise
-        raise InputError(f"{error} The cameras contradict each other: {doubt.causes[0].why}") from error
+        why = doubt.causes[0].why
+        raise InputError(
+            f"The cameras contradict each other, so that no rig explains the dots: {why}"
+        ) from error
     return whole
 
 
