@@ -103,7 +103,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     write_rig(arguments.output, made.rig, force=arguments.force)
     if found.freed is not None:
         _write_dots(arguments, made)
-    result = calibrate_result(made, epipolar_rms(found.rig, found.entering(detections), target))
+    known = target if found.disagreement is None else None  # else points may be nowhere near a target
+    result = calibrate_result(made, epipolar_rms(found.rig, found.entering(detections), known))
     session.emit(result, calibrate_table(result))
     two_lenses = any(fit.two_lenses is not None for fit in found.fits.values())
     amiss = found.skipped or two_lenses or result.inconsistent

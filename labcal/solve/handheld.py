@@ -125,7 +125,10 @@ def _whole(
     except InputError as error:
         if doubt is None:
             raise
-        raise InputError(f"{error} The cameras contradict each other: {doubt.causes[0].why}") from error
+        why = doubt.causes[0].why
+        raise InputError(
+            f"The cameras contradict each other, so that no rig explains the dots: {why}"
+        ) from error
     return whole
 
 
@@ -149,7 +152,7 @@ def _recorded(
     some = dots.views[:: -(-len(dots) // _MOST_DOTS)]
     cameras = [found.rig.camera(name) for name in found.rig.cameras]
     matches = match(dots.where(np.isin(dots.view, some)), tuple(found.rig.cameras))
-    if len(matches):
+    if len(matches) and doubt is None:  # of a rig that fits nothing, points are nowhere near a target
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)

@@ -108,7 +108,11 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     cameras, bias = [rig.camera(name) for name in matches.cameras], None
     refuse_swapped(cameras, matches)
     if target is not None:
-        matches, bias = centred(cameras, matches, target)
+        try:
+            matches, bias = centred(cameras, matches, target)
+        except InputError:
+            if not _inconsistent(rig.calibration):
+                raise  # else it is the rig that puts points nowhere near the target
     found = triangulate(cameras, matches.q, matches.covariance)
     misses = RayMisses.at(cameras, matches, found)
     check = TriangulationCheck.of(misses, matches, rig.calibration)

@@ -74,7 +74,20 @@ def test_a_contradictory_rig_is_told_and_its_points_are_flagged(
 def test_a_rig_keeps_its_finding_when_it_is_converted(labcal: Run, tmp_path: Path, target: Path) -> None:
     bad = write(tmp_path / "bad.csv", knocked(HeldRig.drawn(6, 4).detections()))
     labcal("calibrate", bad, "--target", target, "-o", tmp_path / "rig.json")
-    told = labcal("convert", tmp_path / "rig.json", "-o", tmp_path / "rig.yaml", "--to", "kalibr")
+    told = labcal("convert", tmp_path / "rig.json", tmp_path / "rig.yml", "--to", "opencv")
     assert any("contradict each other" in note for note in told.document["notes"])
-    labcal("convert", tmp_path / "rig.json", "-o", tmp_path / "again.json", "--to", "labcal")
+    labcal("convert", tmp_path / "rig.json", tmp_path / "again.json", "--to", "labcal")
     assert json.loads((tmp_path / "again.json").read_text())["calibration"]["inconsistent"]
+
+
+@pytest.mark.slow
+def test_pictures_exchanged_half_way_are_told_as_that(labcal: Run, tmp_path: Path, target: Path) -> None:
+    dots = HeldRig.drawn(6, 4).detections()
+    later = np.isin(dots.view, dots.views[3:])
+    other = np.where(dots.camera == "left", "right", "left")
+    swapped = write(tmp_path / "swapped.csv", replace(dots, camera=np.where(later, other, dots.camera)))
+    told = labcal("calibrate", swapped, "--target", target, "-o", tmp_path / "rig.json")
+    assert told.status == 2  # these fit no rig at all
+    message = told.document["error"]["message"]
+    assert message.startswith("The cameras contradict each other")
+    assert "are exchanged in 3 of 6 views" in message
