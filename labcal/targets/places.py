@@ -35,7 +35,7 @@ class DotPlace(BaseModel):
     cov_yy: float
     cov_yz: float
     cov_zz: float
-    pictures: Annotated[int, Field(ge=0)]
+    pictures: Annotated[int, Field(ge=0, le=1_000_000)]
     """In how many pictures it was measured."""
     freed: bool
     """Whether the place was estimated; else it is the declared one, with a covariance of 0."""
