@@ -63,9 +63,9 @@ def unguarded_script() -> InputError:
 
 
 def advice_on_script() -> str:
-    """Return what to do where workers end before their first case; empty where there is no script."""
+    """Return what to do where workers end before their first case; empty where they import no script."""
     path = getattr(sys.modules["__main__"], "__file__", None)
-    if path is None:
+    if path is None or Path(path).name == "__main__.py":  # which the standard library leaves out
         return ""
     return (
         f"Workers import {path} again: keep what it does under 'if __name__ == \"__main__\":', or use one "

@@ -10,7 +10,7 @@ from labcal.run.main_guard import UNGUARDED_STATUS, advice_on_script, unguarded_
 from labcal.run.worker_context import WorkerContext
 from labcal.run.worker_process import perform, prepare
 
-STARTS = 3
+STARTS = 10
 """So many processes that are killed before they are ready: then none can be started."""
 
 
@@ -129,6 +129,11 @@ def _not_started(status: int | None) -> LabcalError:
     """Return the error of a process that ended before its first case."""
     if status == UNGUARDED_STATUS:
         return unguarded_script()
+    if may_be_foreign(status):
+        return DeviceError(
+            f"No worker process can be started: {STARTS} ended before their first case, the last one "
+            f"{ending_in_words(status)}. Free memory, or use fewer workers."
+        )
     return DeviceError(
         f"No worker process can be started: one ended before its first case, {ending_in_words(status)}. What "
         f"it said stands above. {advice_on_script()}".rstrip()

@@ -70,6 +70,10 @@ def kill_while_sending(sender: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def kill_this() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def unknown_name() -> None:
     raise UnknownNameError("lens", "brwn5", ("brown5",))
 
@@ -167,6 +171,13 @@ def test_a_process_killed_while_it_has_nothing_to_do_is_no_case_s_fault(tmp_path
                 process.kill()
                 process.join()
     assert tries(tmp_path, 0) == 1
+
+
+def test_processes_killed_as_they_start_are_told_as_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("labcal.run.worker.prepare", kill_this)
+    monkeypatch.setattr("labcal.run.worker.STARTS", 2)
+    with open_pool(1) as pool, pytest.raises(DeviceError, match=r"2 ended before their first .*SIGKILL"):
+        pool.submit(square, 1).result()
 
 
 def test_an_error_that_cannot_be_pickled_reaches_the_caller() -> None:
