@@ -47,7 +47,7 @@ class Rig(BaseModel):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
-        return {key: value for key, value in dump(self).items() if value is not None and value != ()}
+        return {key: value for key, value in dump(self).items() if value not in (None, (), [])}
 
     @classmethod
     def of(cls, cameras: dict[str, Camera]) -> "Rig":

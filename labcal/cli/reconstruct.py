@@ -6,7 +6,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, add_workers, refuse_option
+from labcal.cli.options import add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -77,7 +77,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.points import KIND, PointFlag, points_csv
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
-    from labcal.solve.fitted_model import FittedModel
     from labcal.solve.reconstruction import load_reconstructor
     from labcal.workflow import reconstruct
 
@@ -85,10 +84,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     read = paths_read([arguments.model, arguments.source, arguments.target])
     claim_outputs([FileOutput(arguments.output, KIND)], read, force=arguments.force)
     model = load_reconstructor(arguments.model)
-    if isinstance(model, FittedModel) and model.resected is None:
-        refuse_option(
-            arguments, "target", "is for correcting centroids, which this method learned as they are"
-        )
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
     target = _target(arguments)
     found = reconstruct(model, detections, target)

@@ -6,6 +6,7 @@ import pytest
 from labcal.errors import DeviceError
 from labcal.render.picture import Job
 from labcal.render.shoot import RenderSettings, render_shoot
+from labcal.run.made import SCRAP
 from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 
@@ -29,7 +30,7 @@ def drawn(job: Job) -> float:
 
 def drawn_but_for_one(job: Job) -> float:
     if "left" in job.path.name:
-        (job.path.parent / f".{job.path.name}.scrap").touch()
+        (job.path.parent / f"{SCRAP}{job.path.name}").touch()
         os._exit(9)
     return drawn(job)
 

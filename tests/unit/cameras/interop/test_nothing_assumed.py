@@ -263,7 +263,7 @@ def test_convert_tells_unit_baseline_and_folds(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    folded = np.array([[-1.5, 0.0, 0.0, 0.0, 0.0]])
+    folded = np.array([[-0.6, 0.0, 0.0, 0.0, 0.0]])
     storage(Path("pair.yml"), M1=K1, D1=D1, M2=K2, D2=folded, R=R, T=T / 1000.0)
     words = ("convert", "pair.yml", "rig.json", "--size", "1280x960", "--json")
     assert main(words) == 2
