@@ -25,7 +25,7 @@ from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.evaluate.against_truth import Alignment, TruthErrors, errors_against_truth
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
-from labcal.evaluate.scored_views import learned_views
+from labcal.evaluate.scored_views import ScoredViews
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress, Progress
@@ -174,7 +174,9 @@ def evaluate(
         return errors_of_lengths(points, source, learned)
     if has_truth(source.folder):
         return errors_against_truth(points, source, detections, alignment, learned)
-    return errors_of_lengths(points, source.target, learned or learned_views(source, points.view))
+    if learned is None:
+        points = points.where(ScoredViews.by_role(points.view, source).holds(points.view))
+    return errors_of_lengths(points, source.target, learned)
 
 
 def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:

@@ -12,7 +12,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
-from labcal.evaluate.scored_views import ScoredViews, learned_views, scored_warnings
+from labcal.evaluate.scored_views import ScoredViews, scored_warnings
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.hull import inside_hull
@@ -95,7 +95,8 @@ def errors_against_truth(
         )
     places = _true_places(shoot)
     true = _true_points(points.view, points.index, places)
-    views = ScoredViews.of(points.view, learned_views(shoot, points.view) if learned is None else learned)
+    by_role = learned is None
+    views = ScoredViews.by_role(points.view, shoot) if by_role else ScoredViews.of(points.view, learned)
     counts, scored = _scored(points, true, shoot, views)
     counts &= np.isfinite(points.point).all(axis=1) & np.isfinite(true).all(axis=1)
     if not counts.any():
@@ -165,13 +166,20 @@ def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Points:
     return np.array([places.get(key, unknown) for key in keys], dtype=np.float64).reshape(-1, 3)
 
 
+def _held_out(views: ScoredViews) -> str:
+    """Return which points of a hand-held target count, in words."""
+    if not views.others:
+        return "all points"
+    return "points of views to test on" if views.calibrated_on is None else "points of views held out"
+
+
 def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
     """Return which points count, and that in words."""
     nominal = shoot.nominal_poses()
     tested = {view.name for view in shoot.views(Role.TEST)}
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in nominal]
     if not (tested and trained):
-        return views.holds(points.view), "points of views held out" if views.others else "all points"
+        return views.holds(points.view), _held_out(views)
     p_target = shoot.target.points()
     hull_of = np.concatenate([transform(nominal[name], p_target) for name in trained])
     of_test = np.isin(points.view, sorted(tested))

@@ -1,7 +1,7 @@
 """Which views are scored: those that the cameras or the method did not learn from, where there are such."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,17 +45,20 @@ class ScoredViews:
         new = tuple(name for name in views if name not in learned)
         return cls(new, 0, len(views) - len(new)) if new else cls(views, len(views), 0)
 
+    @classmethod
+    def by_role(cls, view: np.ndarray, shoot: Shoot) -> "ScoredViews":
+        """Return the views of points that a shoot keeps to test on; all where points are of none of these.
+
+        A shoot does not tell what cameras were really calibrated from: a table of its dots holds all views.
+        """
+        tested = {entry.name for entry in shoot.views(Role.TEST)}
+        trained = {entry.name for entry in shoot.views(Role.TRAIN)}
+        of_test = bool(tested & set(view.tolist()))
+        return replace(cls.of(view, trained if of_test else None), calibrated_on=None)
+
     def holds(self, view: np.ndarray) -> Mask:
         """Return which points are in views that count."""
         return np.isin(view, self.views)
-
-
-def learned_views(shoot: Shoot, view: np.ndarray) -> Collection[str] | None:
-    """Return the views that a calibration learns from; None where the points are of none to test on."""
-    tested = {entry.name for entry in shoot.views(Role.TEST)}
-    if not tested & set(view.tolist()):
-        return None
-    return {entry.name for entry in shoot.views(Role.TRAIN)}
 
 
 def scored_words(scored: int, calibrated_on: int | None) -> str:

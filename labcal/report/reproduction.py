@@ -1,15 +1,19 @@
 """The document ``results.json`` of ``labcal reproduce``."""
 
+from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
+from labcal.bounds import MOST_WEIGHT, Amount, Finite
 from labcal.errors import InputError
 from labcal.run.documents import read_document
 from labcal.wording import has_control
 
 RESULTS = "results.json"
+Count = Annotated[int, Field(ge=0, le=10**9)]
+"""Of epochs or seeds."""
 _MOST = 300
 """Of rows, readings and pictures; the paper has some thirty."""
 
@@ -19,7 +23,14 @@ def _nan_for_null(value: object) -> object:
     return float("nan") if value is None else value
 
 
-Measured = Annotated[float, BeforeValidator(_nan_for_null)]
+def _within_sense(value: float) -> float:
+    """Return a figure that can be drawn and squared, or none."""
+    if isfinite(value) and abs(value) > MOST_WEIGHT:
+        raise ValueError(f"{value!r} is beyond all sense")
+    return value
+
+
+Measured = Annotated[float, BeforeValidator(_nan_for_null), AfterValidator(_within_sense)]
 """A figure that is null in JSON where it came out as no number."""
 
 
@@ -50,11 +61,11 @@ class Figures(BaseModel):
     rmse_mm: Measured
     p95_mm: Measured
     max_mm: Measured
-    epochs: float | None
+    epochs: Amount | None
     """Accepted training steps; null for least squares."""
     goal_reached: bool | None
     """Whether most seeds ended at the goal; null for least squares."""
-    seconds: float
+    seconds: Amount
     """Of training."""
     mean_signed_range_m: tuple[Measured, Measured]
     """Least and greatest of the seeds."""
@@ -72,23 +83,23 @@ class RowResult(BaseModel):
     data: Words
     points: int
     network: Words | None
-    goal: float | None
-    seeds: int
+    goal: Amount | None
+    seeds: Count
     reading: Words
     """Which of the readings the row holds: for least squares the one nearest to the paper."""
-    epochs: float | None
-    paper_epochs: int | None
+    epochs: Amount | None
+    paper_epochs: Count | None
     goal_reached: bool | None
     mean_signed_m: Measured
     mean_signed_range_m: tuple[Measured, Measured]
     rel: Measured
-    paper_abs_m: float
-    paper_rel: float
+    paper_abs_m: Finite
+    paper_rel: Finite
     mae_mm: Measured
     rmse_mm: Measured
     p95_mm: Measured
     max_mm: Measured
-    seconds: float
+    seconds: Amount
     verdict: Words
     contradiction: Words | None
     """What in the paper contradicts the row."""

@@ -145,10 +145,12 @@ class Volume(Stage):
         """Draw one place."""
         random = generator(seed, "volume", name)
         x, y = random.uniform(-1.0, 1.0, 2) * np.array(self.shift_pitches)
+        low = self.heights_mm[0]
+        high = max(self.heights_mm)  # of 0.0 and -0.0 the first, since NumPy takes -0.0 for lower
         return StageView(
             name=name,
             role=role,
-            origin_mm=(*self.origin_mm, float(random.uniform(*self.heights_mm))),
+            origin_mm=(*self.origin_mm, float(random.uniform(low, high))),
             shift_pitches=(float(x), float(y)),
         )
 

@@ -91,8 +91,10 @@ def test_a_calibration_leaves_test_views_out_and_evaluation_scores_them(
     more = workflow.calibrate(shoot, dots, "brown-k1k2", CENTRES, hold_out=1)
     assert more.held_out == ("pose-3", *TESTED)
     points = workflow.reconstruct(made.rig, dots).points
-    errors = workflow.evaluate(points, shoot)
+    errors = workflow.evaluate(points, shoot, learned=made.rig.calibrated_on)
     assert (errors.views_scored, errors.views_calibrated_on, errors.warnings) == (TESTED, 0, ())
+    by_role = workflow.evaluate(points, shoot)  # the shoot does not know what a rig came from
+    assert (by_role.views_scored, by_role.views_calibrated_on) == (TESTED, None)
     alone = points.where(~np.isin(points.view, TESTED))
     assert workflow.evaluate(alone, shoot).views_calibrated_on is None  # of whichever rig they are
     circular = workflow.evaluate(alone, shoot, learned=made.rig.calibrated_on)
@@ -111,6 +113,8 @@ def test_the_command_says_which_views_it_left_out(shoot: Shoot, dots: Detections
     assert "left out, to be scored by 'labcal evaluate': pose-6, pose-7" in said
     assert command("reconstruct", rig, table, "--target", _target(shoot, tmp_path), "-o", points)[0] == 0
     status, told, _ = command("evaluate", points, shoot.folder)
+    assert (status, told["views_scored"], told["views_calibrated_on"]) == (0, list(TESTED), None)
+    status, told, _ = command("evaluate", points, shoot.folder, "--rig", rig)
     assert (status, told["views_scored"], told["views_calibrated_on"]) == (0, list(TESTED), 0)
 
     words = ("--target", _target(shoot, tmp_path), *lens, "--force")

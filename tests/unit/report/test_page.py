@@ -164,3 +164,12 @@ def test_control_characters_in_results_are_refused(made_up: Reproduction, tmp_pa
     (tmp_path / "results.json").write_text(text)
     with pytest.raises(InputError, match=r"rows\.0\.exp: the text holds control characters"):
         read_reproduction(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["epochs", "seconds", "rmse_mm", "paper_abs_m"])
+def test_figures_beyond_all_sense_are_refused(name: str, made_up: Reproduction, tmp_path: Path) -> None:
+    row = made_up.rows[0].model_copy(update={name: 1e308})
+    text = to_json(made_up.model_copy(update={"rows": (row,)}))
+    (tmp_path / "results.json").write_text(text)
+    with pytest.raises(InputError, match=rf"rows\.0\.{name}"):
+        read_reproduction(tmp_path)

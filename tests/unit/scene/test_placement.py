@@ -50,6 +50,12 @@ def test_planes_are_taken_at_every_shift_and_tests_lie_between_neighbours() -> N
     np.testing.assert_allclose(origins[1, :2] - origins[0, :2], [0.5 * pitch[0], -0.25 * pitch[1]])
 
 
+def test_a_volume_without_height_may_be_told_with_a_minus() -> None:
+    placement = {"kind": "volume", "origin_mm": [650.0, 650.0], "heights_mm": [0.0, -0.0]}
+    views = planned_views(staged({**placement, "shift_pitches": [0.5, 0.25], "train": 3, "test": 1}), seed=1)
+    assert {view.T_world_target[2, 3] for view in views} == {0.0}
+
+
 def test_a_volume_is_drawn_evenly_from_the_seed() -> None:
     placement = {
         "kind": "volume",
