@@ -65,7 +65,7 @@ def scored_words(scored: int, calibrated_on: int | None) -> str:
     """Return which views are scored, for people: how many, and how many of these were learned from."""
     views = f"{scored} view{'' if scored == 1 else 's'}"
     if calibrated_on is None:
-        return f"{views}; not known which of them were calibrated from (--rig tells)"
+        return f"{views}; not known whether the cameras were calibrated from them ('--rig rig.json' tells)"
     if calibrated_on:
         return f"{views}, all of them calibrated from: circular, no check of how right the points are"
     return f"{views} held out from the calibration"

@@ -17,6 +17,7 @@ from labcal.solve.adjustment.observations import observations_of
 from labcal.solve.adjustment.state import Lenses
 from labcal.solve.agreement.causes import Calibrated, disagreement
 from labcal.solve.agreement.finding import Disagreement
+from labcal.solve.agreement.hypotheses import NOT_RIGID_TIMES
 from labcal.solve.agreement.slight import slight_contradictions
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.calibration import CameraFit, CameraSigma, HandheldCalibration
@@ -100,7 +101,7 @@ def calibrate_handheld(
         whole = _whole(found, entering, target, settings, None)
         print_ = whole.freed
         judged = [camera if print_ is None else camera.on_print(print_, settings) for camera in found]
-        doubt = disagreement(Calibrated(judged, entering, flat))
+        doubt = disagreement(Calibrated(judged, entering, flat, NOT_RIGID_TIMES))
     else:
         doubt = disagreement(Calibrated(found, entering, alone))
         whole = _whole(found, entering, target, settings, doubt)

@@ -12,6 +12,8 @@ from labcal.solve.agreement.exchange import exchanged_views, with_exchanged
 from labcal.solve.agreement.finding import Cause, CauseName, Disagreement
 from labcal.solve.agreement.hypotheses import (
     EXPLAINED,
+    LEAST_TIMES,
+    SMOOTH,
     disagrees,
     explained,
     moves,
@@ -30,8 +32,6 @@ _MOST = 0.8
 """Share of what errors do not explain from which on an explanation is the likeliest."""
 _MENDED = 0.01
 """What is left of a misfit where exchanged pictures were its cause."""
-_SMOOTH = 3.0
-"""Inflation from which on the lens model, or the flat board, is a possible cause."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,8 @@ class Calibrated:
     cameras: Sequence[CameraAlone]
     entering: Detections
     again: CalibrateAlone
+    least_times: float = LEAST_TIMES
+    """Times the variance that errors explain, from which on a contradiction is worth a word."""
 
     def pairs(self) -> list[PairAgreement]:
         """Return how every two cameras with shared views agree."""
@@ -59,7 +61,7 @@ class Calibrated:
 def disagreement(found: Calibrated) -> Disagreement | None:
     """Return what is likely to have happened where cameras do not agree; None where they do."""
     pairs = found.pairs()
-    apart = [pair for pair in pairs if disagrees(pair, len(pairs))]
+    apart = [pair for pair in pairs if disagrees(pair, len(pairs), found.least_times)]
     if not apart:
         return None
     worst = max(apart, key=times)
@@ -103,7 +105,7 @@ def _causes(found: Calibrated, pair: PairAgreement, apart: list[set[str]]) -> tu
         telling,
     )
     causes.insert(len(causes) if share > _MOST else 0, apart_views)
-    if pair.smooth.inflation > _SMOOTH:
+    if pair.smooth.inflation > SMOOTH:
         causes.append(
             Cause(
                 CauseName.LENS_MISFIT,

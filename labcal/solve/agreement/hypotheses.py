@@ -14,6 +14,11 @@ EXPLAINED = 1e-4
 LEAST_TIMES = 7.0
 """Times the variance that errors explain, from which on a contradiction is worth a word: what makes lengths
 worse by a fifth is some twenty times, and models are never quite those of real cameras and prints."""
+NOT_RIGID_TIMES = 20.0
+"""The same where dots had to be found on the print, or cameras alone show that the board or the lens is not
+as modelled: a sheet of paper bends from view to view, and only what makes lengths worse by a fifth is told."""
+SMOOTH = 3.0
+"""Inflation from which on the lens model, or the flat board, does not suit."""
 _MOST_ODD = 0.2
 """Largest share of views that are odd ones among others."""
 _TIMES_ODD = 20.0
@@ -31,9 +36,19 @@ def together(pair: PairAgreement) -> Int64[np.ndarray, " n"]:
     return np.zeros(len(pair.poses.views), dtype=np.int64)
 
 
-def disagrees(pair: PairAgreement, pairs: int = 1) -> bool:
-    """Tell whether views contradict each other; `pairs` is how many pairs of cameras are asked."""
-    return times(pair) > LEAST_TIMES and pair.chance(together(pair)) < FALSE_ALARMS / pairs
+def disagrees(pair: PairAgreement, pairs: int = 1, least_times: float = LEAST_TIMES) -> bool:
+    """Tell whether views contradict each other.
+
+    Parameters
+    ----------
+    pair : PairAgreement
+    pairs : int
+        How many pairs of cameras are asked.
+    least_times : float
+        Times the variance that errors explain, from which on they do.
+    """
+    least = least_times if pair.smooth.inflation <= SMOOTH else NOT_RIGID_TIMES
+    return times(pair) > least and pair.chance(together(pair)) < FALSE_ALARMS / pairs
 
 
 def times(pair: PairAgreement) -> float:
