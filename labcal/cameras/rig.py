@@ -67,6 +67,16 @@ class Rig(BaseModel):
         return self.cameras[name].camera()
 
 
+def contradiction_note(rig: Rig) -> str | None:
+    """Return what to tell where the views that a rig was calibrated from contradict each other; else None."""
+    if rig.calibration is None or not rig.calibration.inconsistent:
+        return None
+    return (
+        f"the views that this rig was calibrated from contradict each other (likely "
+        f"{rig.calibration.inconsistent[0]}): do not rely on it. Calibrate again."
+    )
+
+
 def write_rig(path: Path, rig: Rig, *, force: bool = False) -> None:
     """Write ``rig.json``.
 

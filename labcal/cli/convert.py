@@ -103,6 +103,8 @@ class ConvertResult:
     """From the first camera to the second, of those that were read; null for one camera and detections."""
     notes: list[str]
     """What the reader of the files should know."""
+    inconsistent: list[str]
+    """Why the views that a rig was calibrated from contradict each other, the likeliest cause first."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -119,7 +121,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.say(f"lengths of '{result.source}' were taken for {result.unit}: {apart}")
     of = f"{len(result.cameras)} cameras" if result.points is None else f"{result.points} points"
     session.emit(result, f"{', '.join(result.files)}: {of} ({', '.join(result.cameras)}), {result.wanted}.")
-    return ExitStatus.DONE
+    return ExitStatus.PARTIAL if result.inconsistent else ExitStatus.DONE
 
 
 def _convert_cameras(arguments: Namespace) -> ConvertResult:
@@ -134,6 +136,7 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
         rig_outputs,
         write_rig_files,
     )
+    from labcal.cameras.rig import contradiction_note
     from labcal.cli.inputs import paths_read
     from labcal.run.claims import claim_outputs
 
@@ -148,11 +151,9 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
     claim_outputs(rig_outputs(output, wanted, texts), paths_read(arguments.inputs), force=arguments.force)
     files = write_rig_files(output, wanted, texts, force=arguments.force)
     notes = [*read.notes, *texts.notes]
-    if rig.calibration is not None and rig.calibration.inconsistent:
-        notes.append(
-            f"The views that this rig was calibrated from contradict each other (likely "
-            f"{rig.calibration.inconsistent[0]}): do not rely on it. Calibrate again."
-        )
+    contradiction = contradiction_note(rig)
+    if contradiction is not None:
+        notes.append(contradiction)
     notes += [note for name in rig.cameras if (note := blind_pixels(name, rig.camera(name))) is not None]
     return ConvertResult(
         source=source.name,
@@ -163,6 +164,7 @@ def _convert_cameras(arguments: Namespace) -> ConvertResult:
         unit=read_unit(source, given).value,
         baseline_mm=baseline_mm(read.rig),
         notes=notes,
+        inconsistent=[] if rig.calibration is None else list(rig.calibration.inconsistent),
     )
 
 
@@ -227,7 +229,7 @@ def _converted(
 ) -> ConvertResult:
     """Return what became of detections; `formats` are those that were read and written."""
     source, wanted = formats
-    return ConvertResult(source, wanted, [str(output)], list(cameras), points, None, None, notes)
+    return ConvertResult(source, wanted, [str(output)], list(cameras), points, None, None, notes, [])
 
 
 def _taken_for_centroids(target: "AnyTarget") -> list[str]:

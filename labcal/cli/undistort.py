@@ -86,7 +86,7 @@ class UndistortResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Resample all pictures and write them with the maps and the new cameras."""
-    from labcal.cameras.rig import Rig, read_rig, write_rig
+    from labcal.cameras.rig import Rig, contradiction_note, read_rig, write_rig
     from labcal.correspond.sources import find_sources, parse_camera_endings
     from labcal.errors import InputError
     from labcal.run.claims import FolderOutput, claim_outputs
@@ -128,9 +128,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             raise InputError(f"None of the {len(sources)} pictures can be used. {skipped[0]}")
     for reason in skipped:
         session.warn(reason)
+    if told := contradiction_note(rig):
+        session.warn(told)
     result = UndistortResult(str(arguments.output), written, list(ideals), skipped)
     session.emit(result, f"{arguments.output}: {len(written)} pictures of {', '.join(ideals)}.")
-    return ExitStatus.PARTIAL if skipped else ExitStatus.DONE
+    return ExitStatus.PARTIAL if skipped or told else ExitStatus.DONE
 
 
 def _with_camera(source: "Source", rig: "Rig") -> "Source":

@@ -1,5 +1,6 @@
 """A lock on a file that ends with the process that holds it, however that ends."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -7,7 +8,9 @@ from pathlib import Path
 
 @contextmanager
 def locked(path: Path) -> Iterator[bool]:
-    """Lock a file that exists, and say whether that was possible: False where another process holds it.
+    """Lock a file that exists, and say whether that was possible.
+
+    It was not where another process holds it, or has meanwhile put another file in its place, or none.
 
     Where the system or its disk offers no locks (Windows, some network disks), nobody is kept out.
     """
@@ -16,11 +19,18 @@ def locked(path: Path) -> Iterator[bool]:
     except ImportError:
         yield True
         return
-    with path.open("rb") as handle:
+    try:
+        handle = path.open("rb")
+    except FileNotFoundError:
+        yield False
+        return
+    with handle:
         free = True
         with suppress(OSError):
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 free = False
+        with suppress(OSError):
+            free = free and os.path.lexists(path) and os.path.samestat(os.fstat(handle.fileno()), path.stat())
         yield free

@@ -76,19 +76,27 @@ def refusal(path: Path, error: OSError) -> OutputError:
     return OutputError(f"{path} cannot be written: {error.strerror or error}.")
 
 
+def named_once(temporary: Path, path: Path) -> bool:
+    """Give a file a name that nothing has, all in one step; return False where something has it."""
+    try:
+        os.link(temporary, path)
+    except FileExistsError:
+        return False
+    except OSError as error:
+        if error.errno not in _NO_LINKS:
+            raise
+        if os.path.lexists(path):
+            return False
+        temporary.rename(path)
+        return True
+    temporary.unlink()
+    return True
+
+
 def _put_in_place(temporary: Path, path: Path, *, force: bool) -> None:
-    """Give a file its name; without `force`, in one step with finding out that nothing has it."""
-    if not force:
-        try:
-            os.link(temporary, path)
-        except FileExistsError:
-            pass  # told below
-        except OSError as error:
-            if error.errno not in _NO_LINKS:
-                raise
-        else:
-            temporary.unlink()
-            return
+    """Give a file its name; without `force`, only where nothing has it."""
+    if not force and named_once(temporary, path):
+        return
     require_file_place(path, force=force)  # again: a good deal of time may have gone by
     temporary.replace(path)
 

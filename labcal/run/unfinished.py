@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import mkstemp
 
 from labcal.errors import OutputError
 from labcal.run.durable import flush_file, flush_folder, flush_tree
@@ -11,7 +12,7 @@ from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
 from labcal.run.made import COMMAND, SCRAP, made_in, mark_as_made, note_made, reopen
 from labcal.run.main_guard import end_unguarded_worker
-from labcal.run.outputs import refusal
+from labcal.run.outputs import named_once, refusal
 from labcal.run.standing import (
     old_of,
     require_elsewhere,
@@ -60,11 +61,12 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
             path.rename(working)  # killed after the work and before the mark was removed
         require_folder_place(path, force=force)
         require_working_place(path, command, force=force)
-        if command_in(working) not in {None, command}:
-            with _held(working):
+        theirs = command_in(working)
+        if theirs not in {None, command}:
+            with _held(working, theirs):
                 remove_made(working)  # nothing in it is foreign, as has just been seen
         _begin(working, command)
-        with _held(working):
+        with _held(working, command):
             _remove_scraps(working)
             reopen(working)
             note_made(working, working)
@@ -105,7 +107,7 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
             "this version of labcal. Move it elsewhere, or choose another name."
         )
     if theirs is not None:
-        with _held(working):
+        with _held(working, theirs):
             pass
     if theirs in {None, command} or command is None:
         return
@@ -149,28 +151,41 @@ def abandon(working: Path) -> None:
 
 
 def _begin(working: Path, command: str) -> None:
-    """Make the folder, and mark it unless it is marked."""
+    """Make the folder, and mark it unless it is marked; of several processes one marks it."""
     working.mkdir(parents=True, exist_ok=True)
-    if command_in(working) is None:
-        scrap = working / f"{SCRAP}command"
+    if command_in(working) is not None:
+        return
+    descriptor, name = mkstemp(dir=working, prefix=SCRAP)
+    os.close(descriptor)
+    scrap = Path(name)
+    try:
         scrap.write_text(command, encoding="utf-8")
         flush_file(scrap)
-        scrap.rename(working / COMMAND)  # the mark is there whole or not at all
+        named_once(scrap, working / COMMAND)  # the mark is there whole or not at all
+    except FileNotFoundError as error:  # another one has it, and removes what it takes for scraps
+        raise _at_work(working) from error
+    finally:
+        scrap.unlink(missing_ok=True)
 
 
 @contextmanager
-def _held(working: Path) -> Iterator[None]:
-    """Keep other processes out of an unfinished folder.
+def _held(working: Path, command: str | None) -> Iterator[None]:
+    """Keep other processes out of an unfinished folder that is marked with a command.
 
     Raises
     ------
     OutputError
-        One is at work in it.
+        Another one is at work in it, or has just ended.
     """
     with locked(working / COMMAND) as free:
-        if not free or command_in(working) is None:  # None: another one has just ended, and moved it
-            raise OutputError(f"Another labcal is at work in {working}. Wait until it has ended.")
+        if not free or command_in(working) != command:
+            raise _at_work(working)
         yield
+
+
+def _at_work(working: Path) -> OutputError:
+    """Return what to raise where another process has an unfinished folder."""
+    return OutputError(f"Another labcal is at work in {working}. Wait until it has ended.")
 
 
 def _remove_scraps(working: Path) -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 import yaml
@@ -75,9 +76,19 @@ def test_a_rig_keeps_its_finding_when_it_is_converted(labcal: Run, tmp_path: Pat
     bad = write(tmp_path / "bad.csv", knocked(HeldRig.drawn(6, 4).detections()))
     labcal("calibrate", bad, "--target", target, "-o", tmp_path / "rig.json")
     told = labcal("convert", tmp_path / "rig.json", tmp_path / "rig.yml", "--to", "opencv")
+    assert told.status == 1
+    assert told.document["inconsistent"]
     assert any("contradict each other" in note for note in told.document["notes"])
     labcal("convert", tmp_path / "rig.json", tmp_path / "again.json", "--to", "labcal")
-    assert json.loads((tmp_path / "again.json").read_text())["calibration"]["inconsistent"]
+    rig = json.loads((tmp_path / "again.json").read_text())
+    assert rig["calibration"]["inconsistent"]
+    width, height = rig["cameras"]["left"]["size"]
+    (tmp_path / "pictures").mkdir()
+    cv2.imwrite(str(tmp_path / "pictures" / "a_left.png"), np.full((height, width), 99, np.uint8))
+    words = ("--cameras", "_left=left", "-o", tmp_path / "undistorted")
+    told = labcal("undistort", tmp_path / "rig.json", tmp_path / "pictures", *words)
+    assert told.status == 1
+    assert "contradict each other" in told.said
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ LEAST_TIMES = 7.0
 worse by a fifth is some twenty times, and models are never quite those of real cameras and prints."""
 NOT_RIGID_TIMES = 20.0
 """The same where dots had to be found on the print, or cameras alone show that the board or the lens is not
-as modelled: a sheet of paper bends from view to view, and only what makes lengths worse by a fifth is told."""
+as modelled: a sheet of paper bends from view to view. Only what makes lengths worse by a fifth is told."""
 SMOOTH = 3.0
 """Inflation from which on the lens model, or the flat board, does not suit."""
 _MOST_ODD = 0.2

@@ -439,3 +439,19 @@ def test_the_gallery_in_the_documents_can_be_made_again() -> None:
     """`labcal scene gallery -o docs/gallery --force`, as its page says."""
     gallery = Path(__file__).parents[3] / "docs" / "gallery"
     assert foreign_entries(gallery) == []
+
+
+def test_of_two_commands_that_begin_at_once_one_has_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other one marks the folder between the look for a mark and the mark."""
+    mark = tmp_path / "shoot.unfinished" / COMMAND
+
+    def meanwhile(_scrap: Path) -> None:
+        if not mark.exists():
+            mark.write_text("render another")
+
+    monkeypatch.setattr("labcal.run.unfinished.flush_file", meanwhile)
+    refuse(tmp_path / "shoot", "Another labcal is at work", "render one", force=False)
+    assert mark.read_text() == "render another"
+    assert entries(mark.parent) == [COMMAND]
