@@ -36,14 +36,16 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.report.page import KIND, missing_pictures, reproduction_page
     from labcal.report.reproduction import RESULTS, read_reproduction
     from labcal.run.claims import FileOutput, claim_outputs
-    from labcal.run.made import is_as_made, made_in, renew
+    from labcal.run.made import is_as_made, renew
     from labcal.run.outputs import write_file
 
     result = read_reproduction(arguments.folder)
     page = arguments.folder / "index.html"
-    force = arguments.force or made_in(arguments.folder) is None or is_as_made(page)
+    text = reproduction_page(result, arguments.folder)
+    same = page.is_file() and page.read_bytes() == text.encode()
+    force = arguments.force or is_as_made(page) or same
     claim_outputs([FileOutput(page, KIND)], [arguments.folder / RESULTS], force=force)
-    write_file(page, reproduction_page(result, arguments.folder), force=force)
+    write_file(page, text, force=force)
     renew(page)
     missing = missing_pictures(result, arguments.folder)
     for file in missing:

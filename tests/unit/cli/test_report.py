@@ -50,3 +50,12 @@ def test_a_folder_without_results(
     assert main(["report", str(tmp_path)]) == ExitStatus.UNUSABLE
     assert said in capsys.readouterr().err
     assert not (tmp_path / "index.html").exists()
+
+
+def test_a_page_that_somebody_has_edited_is_kept(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = folder / "index.html"
+    assert main(["report", str(folder), "--json"]) == ExitStatus.DONE
+    page.write_text(page.read_text(encoding="utf-8").replace("</body>", "my notes</body>"), encoding="utf-8")
+    assert main(["report", str(folder), "--json"]) == ExitStatus.UNUSABLE
+    assert "my notes" in page.read_text(encoding="utf-8")
+    assert "--force" in capsys.readouterr().err
