@@ -15,10 +15,9 @@ from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.solve.adjustment.observations import observations_of
 from labcal.solve.adjustment.state import Lenses
+from labcal.solve.agreeing_views import LoneCameras, of_agreeing_views
 from labcal.solve.agreement.causes import Calibrated, disagreement
-from labcal.solve.agreement.finding import Disagreement
-from labcal.solve.agreement.hypotheses import NOT_RIGID_TIMES
-from labcal.solve.agreement.slight import slight_contradictions
+from labcal.solve.agreement.finding import ContradictionError, Disagreement
 from labcal.solve.blas_threads import one_blas_thread
 from labcal.solve.calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.solve.centre_bias import CentreBias, centred
@@ -38,7 +37,6 @@ from labcal.solve.resection.resected import MOST_OFF
 from labcal.solve.rig_start import rig_start
 from labcal.solve.triangulation_check import calibration_record
 from labcal.solve.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
-from labcal.solve.view_agreement import OddPicture, contradictions, seen_from_behind
 from labcal.targets.catalogue import AnyTarget
 
 __all__ = ["HandheldSettings", "calibrate_handheld", "require_handheld_lens"]
@@ -71,6 +69,8 @@ def calibrate_handheld(
     InputError
         A dot is not on the target, has no position or is listed twice, a camera has too few views or shares
         none with the rest of the rig, the dots determine no camera, or the rig to start from does not fit.
+    ContradictionError
+        Cameras contradict each other so much that no rig explains the dots.
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
@@ -85,23 +85,17 @@ def calibrate_handheld(
     def flat(name: str, dots: Detections) -> CameraAlone:
         return calibrate_alone(name, dots, target, lens, replace(settings, free_dots=False))
 
-    found = [alone(name, entering) for name in cameras]
-    while odd := _odd_pictures(found, target, settings):
-        entering, reasons = _without(odd, entering)
-        skipped += reasons
-        touched = {picture.camera for picture in odd}
-        found = [
-            alone(camera.name, entering) if camera.name in touched else camera.among(entering.views)
-            for camera in found
-        ]
-    found = _told_apart(found, target, settings)
+    lone = LoneCameras([alone(name, entering) for name in cameras], entering, skipped)
+    lone = of_agreeing_views(lone, target, alone, free_dots=settings.free_dots)
+    entering, skipped = lone.entering, lone.left_out
+    found = _told_apart(lone.cameras, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
     if settings.free_dots:
         whole = _whole(found, entering, target, settings, None)
         print_ = whole.freed
         judged = [camera if print_ is None else camera.on_print(print_, settings) for camera in found]
-        doubt = disagreement(Calibrated(judged, entering, flat, NOT_RIGID_TIMES))
+        doubt = disagreement(Calibrated(judged, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, alone))
         whole = _whole(found, entering, target, settings, doubt)
@@ -123,13 +117,11 @@ def _whole(
         start = rig_start([camera.lone for camera in found], target.points())
         whole = adjusted(start, observations, target, settings)
         _refuse_far(whole, entering, target)
+        Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # beyond sense?
     except InputError as error:
         if doubt is None:
             raise
-        why = doubt.causes[0].why
-        raise InputError(
-            f"The cameras contradict each other, so that no rig explains the dots: {why}"
-        ) from error
+        raise ContradictionError(doubt) from error
     return whole
 
 
@@ -188,29 +180,6 @@ def _told_apart(found: list[CameraAlone], target: AnyTarget, settings: HandheldS
         )
         for alone in found
     ]
-
-
-def _odd_pictures(
-    found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings
-) -> list[OddPicture]:
-    """Return the pictures that cannot be what they are said to be."""
-    lone = [alone.lone for alone in found]
-    odd = [picture for camera in lone for picture in seen_from_behind(camera)]
-    if odd or len(lone) == 1:
-        return odd
-    gross = contradictions(lone, target.points())
-    # Cameras that each find a print of their own agree too little for slight ones.
-    return gross if gross or settings.free_dots else slight_contradictions(found)
-
-
-def _without(odd: list[OddPicture], entering: Detections) -> tuple[Detections, tuple[str, ...]]:
-    """Return what enters without odd pictures; and what does not, for people."""
-    enters, reasons = np.full(len(entering), fill_value=True), []
-    for picture in odd:
-        view = entering.views[picture.view]
-        enters &= ~((entering.view == view) & (entering.camera == picture.camera))
-        reasons.append(f"view '{view}' of camera '{picture.camera}': {picture.reason}")
-    return entering.where(enters), tuple(reasons)
 
 
 def _assemble(

@@ -15,11 +15,11 @@ from labcal.report.reproduction import Measured
 from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 from labcal.scene.mistakes import Mistake
-from labcal.solve.agreement.finding import CauseName
+from labcal.solve.agreement.finding import CauseName, ContradictionError
 from labcal.solve.calibration import HandheldCalibration
 from labcal.solve.handheld import calibrate_handheld
 from labcal.solve.reconstruction import reconstruct_points
-from labcal.targets.target import Target
+from labcal.targets.catalogue import AnyTarget
 from labcal.workflow import detect
 
 SCENE, VIEWS, SPP, LENS = "webcam-handheld", 8, 8, "brown5"
@@ -86,13 +86,23 @@ def judged_set(wanted: SetOfPictures) -> SetFigures:
     for mistake, cause in _CAUSES.items():
         swapped = mistake is Mistake.SWAPPED_CAMERAS
         dots = _exchanged(good) if swapped else _detected(wanted, mistake)
-        found = calibrate_handheld(dots, target, LENS)
-        mistakes[mistake] = MistakeFigures(
-            told=_told(found),
-            named=found.disagreement is not None and found.disagreement.causes[0].cause is cause,
-            lengths=_length_error(found, dots, target) / usual,
-        )
+        mistakes[mistake] = _figures(dots, target, cause, usual)
     return SetFigures(accused=_told(calibrated), mistakes=mistakes)
+
+
+def _figures(dots: Detections, target: AnyTarget, cause: CauseName, usual: float) -> MistakeFigures:
+    """Calibrate from a set with a mistake and return what is told; `usual` is lengths' error without it."""
+    try:
+        found = calibrate_handheld(dots, target, LENS)
+    except ContradictionError as error:
+        named = error.disagreement.causes[0].cause is cause
+        return MistakeFigures(told=True, named=named, lengths=float("nan"))
+    doubt = found.disagreement
+    return MistakeFigures(
+        told=_told(found),
+        named=doubt is not None and doubt.causes[0].cause is cause,
+        lengths=_length_error(found, dots, target) / usual,
+    )
 
 
 def _told(found: HandheldCalibration) -> bool:
@@ -118,7 +128,7 @@ def _exchanged(dots: Detections) -> Detections:
     return replace(dots, camera=np.where(later, other, dots.camera))
 
 
-def _length_error(found: HandheldCalibration, dots: Detections, target: Target) -> float:
+def _length_error(found: HandheldCalibration, dots: Detections, target: AnyTarget) -> float:
     """Return the RMS error of all lengths on the target, mm; NaN where nothing can be reconstructed."""
     try:
         points = reconstruct_points(found.rig, dots, target)

@@ -1,32 +1,33 @@
 """Why cameras do not agree on where the target was: what may have happened, the likeliest first."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from jaxtyping import Int64
 
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
+from labcal.solve.agreeing_views import CalibrateAlone
 from labcal.solve.agreement.exchange import exchanged_views, with_exchanged
 from labcal.solve.agreement.finding import Cause, CauseName, Disagreement
 from labcal.solve.agreement.hypotheses import (
     EXPLAINED,
     LEAST_TIMES,
+    NOT_RIGID_TIMES,
     SMOOTH,
     disagrees,
     explained,
     moves,
+    surely,
     telling_views,
     times,
     together,
 )
 from labcal.solve.agreement.pair import PairAgreement
-from labcal.solve.lone_calibration import CameraAlone
+from labcal.solve.lone_calibration import MIN_VIEWS, CameraAlone
 from labcal.solve.rig_start import SharedViews
-
-CalibrateAlone = Callable[[str, Detections], CameraAlone]
-"""Calibrates one camera, by its name, from all its pictures."""
 
 _MOST = 0.8
 """Share of what errors do not explain from which on an explanation is the likeliest."""
@@ -41,8 +42,8 @@ class Calibrated:
     cameras: Sequence[CameraAlone]
     entering: Detections
     again: CalibrateAlone
-    least_times: float = LEAST_TIMES
-    """Times the variance that errors explain, from which on a contradiction is worth a word."""
+    free_dots: bool = False
+    """Whether the cameras stand for a print that was found with them."""
 
     def pairs(self) -> list[PairAgreement]:
         """Return how every two cameras with shared views agree."""
@@ -61,7 +62,8 @@ class Calibrated:
 def disagreement(found: Calibrated) -> Disagreement | None:
     """Return what is likely to have happened where cameras do not agree; None where they do."""
     pairs = found.pairs()
-    apart = [pair for pair in pairs if disagrees(pair, len(pairs), found.least_times)]
+    least_times = NOT_RIGID_TIMES if found.free_dots else LEAST_TIMES
+    apart = [pair for pair in pairs if disagrees(pair, len(pairs), least_times)]
     if not apart:
         return None
     worst = max(apart, key=times)
@@ -71,51 +73,74 @@ def disagreement(found: Calibrated) -> Disagreement | None:
 
 def _causes(found: Calibrated, pair: PairAgreement, apart: list[set[str]]) -> tuple[Cause, ...]:
     """Return the causes that may be, by one pair; `apart` are all pairs that do not agree."""
-    names = (pair.first, pair.second)
     exchanged = _exchanged(found, pair)
     if exchanged is not None:
         return (exchanged,)
     groups = moves(pair)
-    share = explained(pair, groups)
-    agrees = pair.chance(groups) >= EXPLAINED
-    moved = [name for name in names if all(name in cameras for cameras in apart)] or list(names)
-    after = found.words(pair, [int(place) for place in np.flatnonzero(groups > 0)])
-    starts = np.flatnonzero(np.diff(groups, prepend=groups[0])).tolist()
-    from_views = ", ".join(f"'{view}'" for view in found.words(pair, starts))
-    who = " or ".join(f"'{name}'" for name in moved)
-    causes = []
-    if agrees or share > _MOST:
-        rest = "all views agree" if agrees else f"{share:.0%} of the contradiction is explained"
-        causes.append(
-            Cause(
-                CauseName.CAMERA_MOVED,
-                f"camera {who} was moved, turned or refocused before view {from_views}: with another place "
-                f"from there on {rest}. Calibrate from the views after it, and fasten the cameras.",
-                tuple(moved),
-                after,
-            )
-        )
+    agrees, share = pair.chance(groups) >= EXPLAINED, explained(pair, groups)
+    may_be_moved = agrees or share > _MOST
+    in_order = may_be_moved and surely(pair, groups)
     telling = found.words(pair, telling_views(pair))
-    apart_views = Cause(
+    causes = [_target_moved(pair, telling, in_no_order=not may_be_moved)]
+    if may_be_moved:
+        rest = "all views agree" if agrees else f"{share:.0%} of the contradiction is explained"
+        moved = _camera_moved(found, pair, groups, apart, rest)
+        causes.insert(0 if in_order else 1, moved)
+    if pair.smooth.inflation > SMOOTH:
+        causes.append(_lens_misfit(found, pair, telling))
+    return tuple(causes)
+
+
+def _camera_moved(
+    found: Calibrated,
+    pair: PairAgreement,
+    groups: Int64[np.ndarray, " n"],
+    apart: list[set[str]],
+    rest: str,
+) -> Cause:
+    """Return the cause that a camera was moved between views; `rest` says what that explains."""
+    names = (pair.first, pair.second)
+    moved = [name for name in names if all(name in cameras for cameras in apart)] or list(names)
+    who = " or ".join(f"'{name}'" for name in moved)
+    after = found.words(pair, np.flatnonzero(groups > 0).tolist())
+    starts = found.words(pair, np.flatnonzero(np.diff(groups, prepend=groups[0])).tolist())
+    from_views = ", ".join(f"'{view}'" for view in starts)
+    last = int((groups == groups.max()).sum())
+    if last >= MIN_VIEWS:
+        advice = f"Fasten the cameras, and calibrate from the {last} views after it, or from new ones."
+    else:
+        advice = f"Fasten the cameras, and take new views: the {last} after it are too few."
+    return Cause(
+        CauseName.CAMERA_MOVED,
+        f"camera {who} was moved, turned or refocused before view {from_views}: with another place from "
+        f"there on {rest}. {advice}",
+        tuple(moved),
+        after,
+    )
+
+
+def _target_moved(pair: PairAgreement, telling: tuple[str, ...], *, in_no_order: bool) -> Cause:
+    """Return the cause that pictures of a view were not taken at once."""
+    return Cause(
         CauseName.UNSYNCHRONISED,
-        f"the target moved between the exposures of '{names[0]}' and '{names[1]}': the place of one beside "
-        f"the other differs from view to view{'' if share > _MOST else ' in no order'}. Hold the target "
-        "still, or trigger the cameras together.",
-        names,
+        f"the target moved between the exposures of '{pair.first}' and '{pair.second}', or pictures of "
+        "different moments have the name of one view: the place of one camera beside the other differs from "
+        f"view to view{' in no order' if in_no_order else ''}. Hold the target still, or trigger the cameras "
+        "together; and look whether the pictures of a view show the target in the same place.",
+        (pair.first, pair.second),
         telling,
     )
-    causes.insert(len(causes) if share > _MOST else 0, apart_views)
-    if pair.smooth.inflation > SMOOTH:
-        causes.append(
-            Cause(
-                CauseName.LENS_MISFIT,
-                "the lens model or the flat board does not suit, which each camera alone shows, too. Try "
-                "--lens auto or --free-dots.",
-                names,
-                telling,
-            )
-        )
-    return tuple(causes)
+
+
+def _lens_misfit(found: Calibrated, pair: PairAgreement, telling: tuple[str, ...]) -> Cause:
+    """Return the cause that what each camera is calibrated with does not suit."""
+    advice = "Try --lens auto." if found.free_dots else "Try --lens auto or --free-dots."
+    return Cause(
+        CauseName.LENS_MISFIT,
+        f"the lens model or the flat board does not suit, which each camera alone shows, too. {advice}",
+        (pair.first, pair.second),
+        telling,
+    )
 
 
 def _exchanged(found: Calibrated, pair: PairAgreement) -> Cause | None:

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from labcal.errors import InputError
+from labcal.wording import listed
+
 
 class CauseName(StrEnum):
     """What may have happened; the names of the checks of a shoot."""
@@ -43,3 +46,24 @@ class Disagreement:
     def views(self) -> tuple[str, ...]:
         """The views that show the likeliest cause."""
         return self.causes[0].views
+
+
+class ContradictionError(InputError):
+    """Cameras contradict each other so much that no rig explains the dots.
+
+    Parameters
+    ----------
+    disagreement : Disagreement
+        What is likely to have happened.
+    """
+
+    def __init__(self, disagreement: Disagreement) -> None:
+        super().__init__(
+            "The cameras contradict each other, so that no rig explains the dots: "
+            f"{disagreement.causes[0].why} Views that show it: {listed(disagreement.views)}."
+        )
+        self.disagreement = disagreement
+
+    def __reduce__(self) -> tuple[type["ContradictionError"], tuple[Disagreement]]:
+        """Let it be pickled, so that a worker process can hand it on."""
+        return type(self), (self.disagreement,)

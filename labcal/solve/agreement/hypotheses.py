@@ -1,7 +1,10 @@
 """Groupings of views that explain why the pose between two cameras was not the same in all of them."""
 
+from math import comb
+
 import numpy as np
 from jaxtyping import Float64, Int64
+from scipy.stats import beta
 from scipy.stats import f as f_distribution
 
 from labcal.solve.adjustment.state import POSE
@@ -19,14 +22,16 @@ NOT_RIGID_TIMES = 20.0
 as modelled: a sheet of paper bends from view to view. Only what makes lengths worse by a fifth is told."""
 SMOOTH = 3.0
 """Inflation from which on the lens model, or the flat board, does not suit."""
-_MOST_ODD = 0.2
-"""Largest share of views that are odd ones among others."""
+MOST_ODD = 0.2
+"""Largest share of views that are odd ones among others; where more are, nothing says which are right."""
 _TIMES_ODD = 20.0
 """Times the misfit that errors explain, from which on a view is an odd one."""
 _FEWEST = 5
 """Shared views from which on an odd one can be told from the others."""
 _VIEWS_A_MOVE = 3
 """How many views there are at least, on average, between moves of a camera."""
+_NO_CHANCE = 0.05
+"""Chance from which on it is not by chance that a move explains what it does."""
 _TELLING = 3.0
 """Times the misfit that errors explain, from which on a view is named."""
 
@@ -72,7 +77,7 @@ def odd_views(pair: PairAgreement) -> list[int]:
             break
         odd.append(best)
         groups = _alone(groups, best)
-        if len(odd) > max(1, int(_MOST_ODD * len(groups))):
+        if len(odd) > max(1, int(MOST_ODD * len(groups))):
             return []
     freedom = POSE * (len(groups) - 1 - len(odd))
     agree = pair.misfit(groups) <= LEAST_TIMES * freedom * pair.inflation
@@ -97,6 +102,21 @@ def explained(pair: PairAgreement, groups: Int64[np.ndarray, " n"]) -> float:
     all_ = together(pair)
     expected = POSE * (len(all_) - 1) * pair.inflation
     return (pair.misfit(all_) - pair.misfit(groups)) / max(pair.misfit(all_) - expected, 1e-300)
+
+
+def surely(pair: PairAgreement, groups: Int64[np.ndarray, " n"]) -> bool:
+    """Tell whether chance would hardly let moves of a camera explain so much of what is no move.
+
+    Of views that differ at random a grouping explains a share that follows a beta distribution. Most of the
+    misfit may come from one direction in which views are known best: each view counts once, not six times.
+    The grouping is the best of all with as many moves. Of so few views that one difference is left, two may
+    agree by chance.
+    """
+    count = int(groups.max())
+    rest = len(groups) - 1 - count
+    share = 1.0 - pair.misfit(groups) / max(pair.misfit(together(pair)), 1e-300)
+    chance = float(beta.sf(share, count / 2, rest / 2)) if rest > 1 else 1.0
+    return chance * comb(len(groups) - 1, count) < _NO_CHANCE
 
 
 def telling_views(pair: PairAgreement) -> list[int]:

@@ -1,5 +1,6 @@
 """Cameras that do not agree on where the target was: told with the cause, and good ones are not accused."""
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from scipy.stats import chi2
 from labcal.correspond.detections import Detections
 from labcal.experiments.bench_solve.held_rig import CAMERAS, TARGET
 from labcal.solve.agreement.causes import Calibrated, disagreement
+from labcal.solve.agreement.finding import ContradictionError
 from labcal.solve.agreement.hypotheses import times, together
 from labcal.solve.agreement.pair import PairAgreement
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
@@ -93,6 +95,42 @@ def test_pictures_exchanged_in_half_of_the_views_are_told(seen: Seen) -> None:
     (cause,) = found.causes
     assert cause.cause == "swapped-cameras"
     assert cause.views == ("pose-4", "pose-5", "pose-6", "pose-7")
+
+
+def test_more_than_a_fifth_of_the_views_are_not_left_out_but_told(seen: Seen) -> None:
+    """However far off they are: nothing says which are right, nor what happened."""
+    dots = seen(7, 4)
+    some = ("pose-1", "pose-3", "pose-6")
+    other = np.where(dots.camera == CAMERAS[0], CAMERAS[1], CAMERAS[0])
+    swapped = replace(dots, camera=np.where(np.isin(dots.view, some), other, dots.camera))
+    with pytest.raises(ContradictionError, match=r"in 3 of 7 views.*show it: pose-1, pose-3, pose-6") as told:
+        calibrate_handheld(swapped, TARGET, "brown5", CENTRES)
+    again = pickle.loads(pickle.dumps(told.value))  # noqa: S301 -- as a worker process hands it on
+    (cause,) = again.disagreement.causes
+    assert (cause.cause, cause.views) == ("swapped-cameras", some)
+
+    knocked = seen(5, 2, dict.fromkeys((3, 4), 100.0 * KNOCK))
+    found = calibrate_handheld(knocked, TARGET, "brown5", CENTRES)
+    assert found.skipped == ()
+    assert found.disagreement is not None
+    cause = found.disagreement.causes[0]
+    assert (cause.cause, cause.views) == ("camera-moved", ("pose-3", "pose-4"))
+    assert "take new views: the 2 after it are too few" in cause.why
+
+    one = seen(5, 2, {3: 100.0 * KNOCK})
+    found = calibrate_handheld(one, TARGET, "brown5", CENTRES)
+    assert found.disagreement is None
+    assert all("pose-3" in reason for reason in found.skipped)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 5])
+def test_three_views_that_differ_at_random_do_not_show_a_camera_that_moved(seen: Seen, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    moved = {view: 3.0 * random.standard_normal(6) * np.abs(KNOCK) for view in range(3)}
+    found = calibrate_handheld(seen(3, seed, moved), TARGET, "brown5", CENTRES)
+    assert found.disagreement is not None
+    assert found.disagreement.causes[0].cause == "unsynchronised"
+    assert "have the name of one view" in found.disagreement.causes[0].why
 
 
 def test_one_slightly_odd_view_is_left_out_by_name(seen: Seen) -> None:
