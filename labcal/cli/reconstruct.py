@@ -63,6 +63,8 @@ class ReconstructResult:
     """The same as a root mean square: the triangulation residual."""
     expected_px: float | None
     """What that would be with the pixels' noise and the scatter that the calibration found."""
+    expected_assumed: bool | None
+    """Whether that scatter is assumed, since the cameras do not say what their calibration left."""
     inconsistent: InconsistentPoints | None
     """Why points are not to be relied on, beside a method's own errors; null where nothing is found."""
     warnings: list[str]
@@ -101,11 +103,16 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         miss_px,
         None if check is None else check.rms_px,
         None if check is None else check.expected_px,
+        None if check is None else check.assumed,
         inconsistent,
         list(found.warnings),
     )
     if check is not None:
-        told += f"; triangulation residual: RMS {check.rms_px:.4f} px, expected {check.expected_px:.4f} px"
+        told += f"; triangulation residual: RMS {check.rms_px:.4f} px, "
+        told += "at most some" if check.assumed else "expected"
+        told += f" {check.expected_px:.4f} px"
+        if check.assumed:
+            told += " by assumption, since these cameras do not say what their calibration left"
     if found.bias is not None:
         told += f"; taken off: centroid minus centre, RMS {found.bias.rms:.4f} px"
     for warning in found.warnings:

@@ -91,37 +91,33 @@ def calibrate_handheld(
     found = _told_apart(lone.cameras, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
-    if settings.free_dots:
-        whole = _whole(found, entering, target, settings, None)
-        print_ = whole.freed
-        judged = [camera if print_ is None else camera.on_print(print_, settings) for camera in found]
-        doubt = disagreement(Calibrated(judged, entering, flat, free_dots=True))
+    try:
+        whole = _whole(found, entering, target, settings)
+    except InputError as error:
+        judged = [flat(camera.name, entering) for camera in found] if settings.free_dots else found
+        doubt = disagreement(Calibrated(judged, entering, flat))
+        if doubt is None:
+            raise
+        raise ContradictionError(doubt) from error
+    if whole.freed is not None:
+        found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
+        doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, alone))
-        whole = _whole(found, entering, target, settings, doubt)
     rig_found = _assemble(found, whole, target, entering.views, skipped)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
 def _whole(
-    found: list[CameraAlone],
-    entering: Detections,
-    target: AnyTarget,
-    settings: HandheldSettings,
-    doubt: Disagreement | None,
+    found: list[CameraAlone], entering: Detections, target: AnyTarget, settings: HandheldSettings
 ) -> AdjustedDots:
-    """Adjust the rig; where that fails, say what is likely to have happened."""
+    """Adjust the rig; raise where that fails, or ends in what is no rig."""
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
-    try:
-        start = rig_start([camera.lone for camera in found], target.points())
-        whole = adjusted(start, observations, target, settings)
-        _refuse_far(whole, entering, target)
-        Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # beyond sense?
-    except InputError as error:
-        if doubt is None:
-            raise
-        raise ContradictionError(doubt) from error
+    start = rig_start([camera.lone for camera in found], target.points())
+    whole = adjusted(start, observations, target, settings)
+    _refuse_far(whole, entering, target)
+    Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # raises beyond bounds of sense
     return whole
 
 

@@ -33,8 +33,10 @@ class TriangulationCheck:
     """Root mean square of the 2-D reprojection error over cameras and points; NaN where no rays meet."""
     expected_px: float
     """What it would be with the noise of the pixels and the scatter that the calibration found."""
+    assumed: bool
+    """Whether that scatter is assumed, :data:`UNKNOWN_SCATTER_PX`: the cameras do not say what it was."""
     inconsistent: bool
-    """Whether it is far larger in all views, or over those that are not far off by themselves."""
+    """Whether the residual is far larger in all views, or over those that are not far off by themselves."""
     views: tuple[str, ...]
     """Those in which it is."""
 
@@ -43,9 +45,8 @@ class TriangulationCheck:
         cls, misses: RayMisses, matches: Matches, calibration: CalibrationRecord | None
     ) -> "TriangulationCheck":
         """Judge the residuals of matched dots."""
-        scatter = UNKNOWN_SCATTER_PX
-        if calibration is not None and calibration.scatter_px is not None:
-            scatter = max(LEAST_SCATTER_PX, calibration.scatter_px)
+        left = None if calibration is None else calibration.scatter_px
+        scatter = UNKNOWN_SCATTER_PX if left is None else max(LEAST_SCATTER_PX, left)
         expected = _expected(matches, scatter)
         finite = np.isfinite(misses.px)
         square = float((misses.px[finite] ** 2).mean()) if finite.any() else float("nan")
@@ -59,7 +60,7 @@ class TriangulationCheck:
         rest = ~np.isin(matches.view, off)
         inconsistent = _times(misses, expected, rest) > _TIMES if rest.any() else len(matches) > 0
         views = all_views if inconsistent else tuple(off)
-        return cls(np.sqrt(square), float(np.sqrt(expected.mean())), inconsistent, views)
+        return cls(np.sqrt(square), float(np.sqrt(expected.mean())), left is None, inconsistent, views)
 
 
 def calibration_record(

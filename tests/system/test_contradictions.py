@@ -73,12 +73,17 @@ def test_a_contradictory_rig_is_told_and_its_points_are_flagged(
 
 
 def test_a_rig_keeps_its_finding_when_it_is_converted(labcal: Run, tmp_path: Path, target: Path) -> None:
-    bad = write(tmp_path / "bad.csv", knocked(HeldRig.drawn(6, 4).detections()))
+    dots = HeldRig.drawn(6, 4).detections()
+    bad = write(tmp_path / "bad.csv", knocked(dots))
     labcal("calibrate", bad, "--target", target, "-o", tmp_path / "rig.json")
     told = labcal("convert", tmp_path / "rig.json", tmp_path / "rig.yml", "--to", "opencv")
     assert told.status == 1
     assert told.document["inconsistent"]
     assert any("contradict each other" in note for note in told.document["notes"])
+    # OpenCV's file has no place for it: the points say that what the calibration left is assumed.
+    labcal("convert", tmp_path / "rig.yml", tmp_path / "back.json", "--to", "labcal")
+    told = labcal("reconstruct", tmp_path / "back.json", bad, "-o", tmp_path / "points.csv")
+    assert told.document["expected_assumed"] is True
     labcal("convert", tmp_path / "rig.json", tmp_path / "again.json", "--to", "labcal")
     rig = json.loads((tmp_path / "again.json").read_text())
     assert rig["calibration"]["inconsistent"]

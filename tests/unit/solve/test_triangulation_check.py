@@ -58,6 +58,7 @@ def test_pictures_that_are_shifted_are_told(pair: Cameras, dots: Detections, y_p
     good = reconstruct_centres(rig, dots, None)
     assert flags(good) == {"ok"}
     assert good.check is not None
+    assert not good.check.assumed
     assert good.check.views == ()
     assert good.check.rms_px == pytest.approx(good.check.expected_px, rel=0.3)
     found = reconstruct_centres(rig, shifted(dots, y_px), None)
@@ -81,6 +82,7 @@ def test_a_rig_that_does_not_say_what_it_left_is_judged_with_a_floor(pair: Camer
     assert flags(reconstruct_centres(rig, shifted(dots, 0.1), None)) <= {"ok", "model-misfit"}
     small = reconstruct_centres(rig, shifted(dots, 0.1), None).check
     assert small is not None
+    assert small.assumed
     assert small.views == ()
     assert flags(reconstruct_centres(rig, shifted(dots, 1.5), None)) == {"model-misfit"}
 
