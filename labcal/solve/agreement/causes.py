@@ -14,8 +14,6 @@ from labcal.solve.agreement.exchange import exchanged_views, with_exchanged
 from labcal.solve.agreement.finding import Cause, CauseName, Disagreement
 from labcal.solve.agreement.hypotheses import (
     EXPLAINED,
-    LEAST_TIMES,
-    NOT_RIGID_TIMES,
     SMOOTH,
     disagrees,
     explained,
@@ -62,8 +60,7 @@ class Calibrated:
 def disagreement(found: Calibrated) -> Disagreement | None:
     """Return what is likely to have happened where cameras do not agree; None where they do."""
     pairs = found.pairs()
-    least_times = NOT_RIGID_TIMES if found.free_dots else LEAST_TIMES
-    apart = [pair for pair in pairs if disagrees(pair, len(pairs), least_times)]
+    apart = [pair for pair in pairs if disagrees(pair, len(pairs), freed=found.free_dots)]
     if not apart:
         return None
     worst = max(apart, key=times)

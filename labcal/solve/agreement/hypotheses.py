@@ -14,9 +14,13 @@ FALSE_ALARMS = 1e-6
 """Chance from which on cameras disagree: of a million good pairs one is accused."""
 EXPLAINED = 1e-4
 """Chance from which on views agree with each other, once something explains what they did not."""
+_MODELLED_TIMES = 4.0
+"""Times the variance that errors explain, from which on a contradiction is worth a word, where each camera
+alone shows nothing that is not as modelled: of 100 good sets the worst came to 1.4, and what makes lengths
+worse by a fifth is some twenty times."""
 LEAST_TIMES = 7.0
-"""Times the variance that errors explain, from which on a contradiction is worth a word: what makes lengths
-worse by a fifth is some twenty times, and models are never quite those of real cameras and prints."""
+"""The same where smooth errors are twice what they should be, or more: models are never quite those of real
+cameras and prints."""
 NOT_RIGID_TIMES = 20.0
 """The same where dots had to be found on the print, or cameras alone show that the board or the lens is not
 as modelled: a sheet of paper bends from view to view. Only what makes lengths worse by a fifth is told."""
@@ -41,7 +45,7 @@ def together(pair: PairAgreement) -> Int64[np.ndarray, " n"]:
     return np.zeros(len(pair.poses.views), dtype=np.int64)
 
 
-def disagrees(pair: PairAgreement, pairs: int = 1, least_times: float = LEAST_TIMES) -> bool:
+def disagrees(pair: PairAgreement, pairs: int = 1, *, freed: bool = False) -> bool:
     """Tell whether views contradict each other.
 
     Parameters
@@ -49,10 +53,13 @@ def disagrees(pair: PairAgreement, pairs: int = 1, least_times: float = LEAST_TI
     pair : PairAgreement
     pairs : int
         How many pairs of cameras are asked.
-    least_times : float
-        Times the variance that errors explain, from which on they do.
+    freed : bool
+        Whether dots had to be found on the print.
     """
-    least = least_times if pair.smooth.inflation <= SMOOTH else NOT_RIGID_TIMES
+    if freed or pair.smooth.inflation > SMOOTH:
+        least = NOT_RIGID_TIMES
+    else:
+        least = float(np.interp(pair.smooth.inflation, (1.0, 2.0), (_MODELLED_TIMES, LEAST_TIMES)))
     return times(pair) > least and pair.chance(together(pair)) < FALSE_ALARMS / pairs
 
 
