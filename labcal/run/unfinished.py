@@ -10,7 +10,7 @@ from labcal.errors import OutputError
 from labcal.run.durable import flush_file, flush_folder, flush_tree
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
-from labcal.run.made import COMMAND, SCRAP, made_in, mark_as_made, note_made, reopen
+from labcal.run.made import ASIDE, COMMAND, SCRAP, made_in, mark_as_made, note_made, reopen
 from labcal.run.main_guard import end_unguarded_worker
 from labcal.run.outputs import named_once, refusal
 from labcal.run.standing import (
@@ -124,15 +124,48 @@ def settle(path: Path) -> None:
     """Bring to its end what a run was killed in that was replacing `path`.
 
     Where the new folder is not in its place, the old one is put back; where it is, the old one is removed.
-    Nothing is done unless the old one is labcal's as a whole, or empty.
+    Nothing is done unless labcal moved the old one there, as its mark says, and nothing else is in it.
     """
     old = old_of(path)
-    if not old.is_dir() or old.is_symlink() or foreign_entries(old):
+    if not os.path.lexists(old):
+        _remove_aside(path)  # killed before the old one was moved, or after it was moved back
+        return
+    if old.is_symlink() or not old.is_dir() or foreign_entries(old):
         return
     if not os.path.lexists(path):
-        old.rename(path)
-    elif command_in(path) is not None and made_in(path) is not None:
+        if _is_aside(old, path):
+            _put_back(old, path)
+        return
+    replaced = command_in(path) is not None and made_in(path) is not None
+    if replaced and (_is_aside(old, path) or not any(old.iterdir())):  # it may have been about to be removed
         remove_made(old)
+
+
+def _mark_aside(folder: Path) -> None:
+    """Mark a folder as one that is about to be moved aside."""
+    mark = folder / ASIDE
+    mark.write_text(folder.name, encoding="utf-8", errors="surrogateescape")
+    flush_file(mark)
+
+
+def _is_aside(folder: Path, path: Path) -> bool:
+    """Return whether a folder has the mark that it got at `path`."""
+    mark = folder / ASIDE
+    if folder.is_symlink() or mark.is_symlink() or not mark.is_file():
+        return False
+    return mark.read_text(encoding="utf-8", errors="surrogateescape") == path.name
+
+
+def _remove_aside(path: Path) -> None:
+    """Remove the mark of a folder that is in its place."""
+    if _is_aside(path, path):
+        (path / ASIDE).unlink()
+
+
+def _put_back(old: Path, path: Path) -> None:
+    """Move a folder back that was moved aside."""
+    old.rename(path)
+    _remove_aside(path)
 
 
 def command_in(folder: Path) -> str | None:
@@ -205,12 +238,13 @@ def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     old, replaces = old_of(path), os.path.lexists(path)
     try:
         if replaces:
+            _mark_aside(path)
             path.rename(old)
             require_nothing_foreign(old)
         working.rename(path)
     except BaseException:
         if replaces and os.path.lexists(old) and not os.path.lexists(path):
-            old.rename(path)
+            _put_back(old, path)
         raise
     flush_folder(path.parent)
     if replaces:

@@ -301,7 +301,7 @@ class Killed(BaseException):
     """The process ends here."""
 
 
-STEPS = 12
+STEPS = 13
 """Renamings and removals while a folder is replaced."""
 
 
