@@ -47,15 +47,16 @@ def require_replaceable(path: Path, kind: FileKind) -> None:
         It is something else, or cannot be read.
     """
     try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise OutputError(_refusal(path, f"it is too large to be {kind.name} of labcal's"))
-        content = path.read_bytes()
+        size = path.stat().st_size
+        content = path.read_bytes() if size <= _MOST_BYTES else b""
     except FileNotFoundError:
         return
     except OSError as error:
         reason = f"it cannot be read ({error.strerror}), so nothing tells whether labcal made it"
         raise OutputError(_refusal(path, reason)) from error
-    if not content:
+    if size > _MOST_BYTES:
+        raise OutputError(_refusal(path, f"it is too large to be {kind.name} of labcal's"))
+    if size == 0:
         return
     if not kind.recognises(content):
         raise OutputError(_refusal(path, f"it is not {kind.name}, but something else"))
