@@ -87,8 +87,7 @@ def claim_outputs(outputs: Sequence[Output], inputs: Iterable[str | Path], *, fo
 
 def _claim_file(output: FileOutput, *, force: bool) -> None:
     path = output.path
-    if output.part_of is None:
-        require_no_part(path)
+    require_no_part(path, output.part_of)
     require_file_place(path, force=force)
     if not path.parent.exists():
         raise OutputError(f"{path} cannot be written: there is no folder {path.parent}. Create it first.")

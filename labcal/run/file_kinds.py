@@ -68,11 +68,17 @@ def require_replaceable(path: Path, kind: FileKind) -> None:
         raise OutputError(_refusal(path, reason))
 
 
-def require_no_part(path: Path) -> None:
+def require_no_part(path: Path, but_of: Path | None = None) -> None:
     """Raise where a file is, or would be, a part of a finished folder or of a shoot.
 
     Such a folder lists its files (``.labcal-made``), or holds ``shoot.json``: whatever is in its ``images/``
     and ``truth/`` is data then, whoever wrote it.
+
+    Parameters
+    ----------
+    path : Path
+    but_of : Path, optional
+        A folder that it may be a part of.
 
     Raises
     ------
@@ -81,6 +87,8 @@ def require_no_part(path: Path) -> None:
     """
     entry = Path(os.path.realpath(path.parent), path.name)
     for home in entry.parents:
+        if but_of is not None and home == Path(os.path.realpath(but_of)):
+            continue
         name = entry.relative_to(home)
         made = made_in(home)
         listed = [] if made is None else list(made.files)

@@ -45,7 +45,7 @@ class Made(BaseModel):
     made_by: str
     """The verb."""
     files: dict[str, str | None]
-    """SHA-256 by path in the folder; null for :data:`PROVENANCE`."""
+    """SHA-256 by path in the folder; null for :data:`PROVENANCE`, which has it in itself."""
     homes: tuple[str, ...] = ()
     """Folders inside that are there for files."""
     folders: tuple[str, ...] = ()
@@ -119,7 +119,12 @@ def mark_as_made(folder: Path, verb: str) -> Made:
     """Turn the list of what has been written in a folder into the mark of a finished one, and return it."""
     noted = noted_in(folder)
     names = [name for name in sorted(noted.files) if (folder / name).is_file()]
-    kept = {name: None if Path(name).name == PROVENANCE else noted.files[name] for name in names}
+    kept = {
+        name: None
+        if Path(name).name == PROVENANCE and is_unchanged(folder / name, None)
+        else noted.files[name]
+        for name in names
+    }
     homes, inside = (
         tuple(name for name in sorted(set(names)) if (folder / name).is_dir())
         for names in (noted.homes, noted.folders)

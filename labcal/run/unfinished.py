@@ -124,8 +124,14 @@ def settle(path: Path) -> None:
     """Bring to its end what a run was killed in that was replacing `path`.
 
     Where the new folder is not in its place, the old one is put back; where it is, the old one is removed.
-    Nothing is done unless labcal moved the old one there, as its mark says, and nothing else is in it.
+    Nothing is done unless labcal moved the old one there, as its mark says, and nothing else is in it; nor
+    while another process is at work.
     """
+    for home in (working_of(path), path):
+        if command_in(home) is not None:
+            with locked(home / COMMAND) as free:
+                if not free:
+                    return
     old = old_of(path)
     if not os.path.lexists(old):
         _remove_aside(path)  # killed before the old one was moved, or after it was moved back

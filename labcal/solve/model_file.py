@@ -77,7 +77,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
     model : FittedModel
         What to write.
     force : bool
-        Replace a file that exists.
+        Replace a model that exists.
 
     Raises
     ------

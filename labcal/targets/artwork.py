@@ -87,7 +87,7 @@ def export_artwork(
     dpi : int, optional
         Pixels an inch of a PNG, 300 where left out.
     force : bool
-        Replace an existing file.
+        Replace a file that labcal wrote.
 
     Raises
     ------

@@ -155,7 +155,7 @@ def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bo
     texts : RigTexts
         What its ``write`` returned.
     force : bool
-        Replace what exists.
+        Replace what labcal wrote.
 
     Raises
     ------

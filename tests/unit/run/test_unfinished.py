@@ -14,7 +14,7 @@ from labcal.errors import DiskFullError, OutputError
 from labcal.run.foreign import foreign_entries
 from labcal.run.made import ASIDE, COMMAND, JOURNAL, MADE, SCRAP, made_in, make_folder, provenance_text
 from labcal.run.outputs import write_file
-from labcal.run.unfinished import abandon, unfinished_folder
+from labcal.run.unfinished import abandon, settle, unfinished_folder
 
 
 @pytest.fixture(autouse=True)
@@ -61,7 +61,8 @@ def test_the_mark_says_who_made_what_and_is_the_same_each_time(tmp_path: Path) -
         with unfinished_folder(tmp_path / name, "bench detect True 0", force=False) as working:
             for file in ("b.txt", "a.txt") if name == "one" else ("a.txt", "b.txt", "a.txt"):
                 write_file(working / file, file, force=True)
-            write_file(working / "run.json", name, force=True)  # times, which always differ
+            times = provenance_text({"seconds": 1.5 if name == "one" else 2.5})  # they always differ
+            write_file(working / "run.json", times, force=True)
     assert (tmp_path / "one" / MADE).read_bytes() == (tmp_path / "two" / MADE).read_bytes()
     mark = made_in(tmp_path / "one")
     assert mark is not None
@@ -457,10 +458,15 @@ def test_two_processes_do_not_work_in_the_same_folder(tmp_path: Path) -> None:
     assert begun.wait(60)
     for command in ("render", "another"):
         refuse(tmp_path / "shoot", "Another labcal is at work", command)
+    old = made(tmp_path / "old").rename(tmp_path / "shoot.labcal-old")
+    (old / ASIDE).write_text("shoot")  # as while the other one is putting its folder in its place
+    settle(tmp_path / "shoot")
+    assert old.is_dir()
     done.set()
     other.join(60)
     assert other.exitcode == 0
     assert (tmp_path / "shoot" / "a.txt").read_text() == "first"
+    assert old.is_dir()
 
 
 def test_what_is_of_use_to_nobody_is_removed_and_nothing_else(tmp_path: Path) -> None:
