@@ -80,7 +80,8 @@ def write_file(
     data = content.encode() if isinstance(content, str) else content
     if kind is not None:
         data = kind.mark.put(bytes(data))
-        require_no_part(path)
+        if unfinished_home(path) is None:
+            require_no_part(path)
     with appearing_file(path, force=force) as temporary:
         temporary.write_bytes(data)
         if kind is not None and force:
