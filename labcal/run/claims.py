@@ -8,6 +8,7 @@ from itertools import combinations
 from pathlib import Path
 
 from labcal.errors import OutputError
+from labcal.run.aside import settle
 from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import unfinished_home
 from labcal.run.standing import (
@@ -18,7 +19,7 @@ from labcal.run.standing import (
     require_name,
     working_of,
 )
-from labcal.run.unfinished import require_working_place, settle
+from labcal.run.unfinished import require_working_place
 
 
 @dataclass(frozen=True)

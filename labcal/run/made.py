@@ -59,6 +59,16 @@ class Made(BaseModel):
         return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
 
 
+def command_in(folder: Path) -> str | None:
+    """Return the command that a folder is marked with as unfinished, if it is."""
+    mark = folder / COMMAND
+    return (
+        mark.read_text(encoding="utf-8", errors="replace")
+        if mark.is_file() and not mark.is_symlink()
+        else None
+    )
+
+
 def unfinished_home(path: Path) -> Path | None:
     """Return the folder under construction that a path lies in, the innermost one, if any."""
     return next((home for home in path.absolute().parents if (home / COMMAND).is_file()), None)
