@@ -9,8 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
-from labcal.run.claims import beginning_with
 from labcal.run.documents import read_document
+from labcal.run.file_kinds import beginning_with
 from labcal.run.names import Name
 from labcal.run.outputs import write_file
 
@@ -85,7 +85,7 @@ def write_rig(path: Path, rig: Rig, *, force: bool = False) -> None:
     OutputError
         The file exists and `force` is not set, or it cannot be written.
     """
-    write_file(path, rig.model_dump_json(indent=2) + "\n", force=force)
+    write_file(path, rig.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
 
 def read_rig(path: Path) -> Rig:

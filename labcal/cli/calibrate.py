@@ -69,7 +69,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.errors import InputError
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
-    from labcal.shoot.pictures import picture_output
+    from labcal.shoot.pictures import png_output
     from labcal.targets.places import KIND as DOTS_KIND
     from labcal.workflow import calibrate, epipolar_rms
 
@@ -80,7 +80,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if arguments.overlay is not None:
         if not arguments.free_dots:
             raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
-        outputs.append(picture_output(arguments.overlay))
+        outputs.append(png_output(arguments.overlay))
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
@@ -159,9 +159,11 @@ def _write_dots(arguments: Namespace, made: "Calibrated") -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
     from labcal.report.displacement_picture import draw_displacements
     from labcal.run.outputs import write_file
+    from labcal.shoot.pictures import png_output
     from labcal.targets.places import write_places
 
     if made.places is not None:
         write_places(_dots_path(arguments.output), made.places, force=arguments.force)
     if arguments.overlay is not None and made.found.freed is not None:
-        write_file(arguments.overlay, draw_displacements(made.found.freed), force=arguments.force)
+        drawn, kind = draw_displacements(made.found.freed), png_output(arguments.overlay).kind
+        write_file(arguments.overlay, drawn, kind=kind, force=arguments.force)

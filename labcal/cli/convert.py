@@ -203,7 +203,7 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
         detections = corners.detections
         ok = int(detections.ok.sum())
         _require_points(ok, path)
-        write_file(output, detections_csv(detections), force=arguments.force)
+        write_file(output, detections_csv(detections), kind=kind, force=arguments.force)
         notes = [*corners.notes, *_taken_for_centroids(target)]
         return _converted(("mrcal", "labcal"), output, detections.cameras, ok, notes)
     detections = read_detections(path)
@@ -211,7 +211,7 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
         detections = detections.where(_of_cameras(detections.camera.tolist(), arguments.only.split(",")))
     found = corners_text(detections, target)
     _require_points(found.points, path)
-    write_file(output, found.text, force=arguments.force)
+    write_file(output, found.text, kind=kind, force=arguments.force)
     spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
     told = (
         f"For mrcal-calibrate-cameras: --corners-cache-has-weights --object-spacing {spacing_m!r} "

@@ -98,7 +98,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.emit(result, _table(result))
         session.warn(f"no picture has dots that can be used, so {arguments.output} was not written")
         return ExitStatus.UNUSABLE
-    write_file(arguments.output, detections_csv(detections_of(measurements)), force=arguments.force)
+    table = detections_csv(detections_of(measurements))
+    write_file(arguments.output, table, kind=KIND, force=arguments.force)
     session.emit(result, _table(result))
     return ExitStatus.PARTIAL if result.refused else ExitStatus.DONE
 

@@ -75,7 +75,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.measure import detections_of
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
     from labcal.run.claims import claim_outputs
-    from labcal.shoot.pictures import picture_output, write_picture
+    from labcal.shoot.pictures import picture_output, write_single_picture
     from labcal.workflow import measure
 
     sources, target = pictures_and_target(arguments)
@@ -108,7 +108,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     views = len({found.source.view for found in measurements})
     place = Path(os.path.realpath(arguments.pictures[0])).name  # of a loop of links, too
     heading = f"{place}: {target.name}, {views} views, {len(tiles)} pictures"
-    write_picture(arguments.output, contact_sheet(heading, layout, tiles, coverages), force=arguments.force)
+    sheet = contact_sheet(heading, layout, tiles, coverages)
+    write_single_picture(arguments.output, sheet, force=arguments.force)
     result = InspectResult(str(arguments.output), pictures, cameras)
     session.emit(result, _table(result, target.count))
     refused = any(picture.reason is not None for picture in pictures)

@@ -90,7 +90,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     target = _target(arguments)
     found = reconstruct(model, detections, target)
     points = found.points
-    write_file(arguments.output, points_csv(points), force=arguments.force)
+    write_file(arguments.output, points_csv(points), kind=KIND, force=arguments.force)
     flags = dict(sorted(Counter(points.flag.tolist()).items()))
     told = ", ".join(f"{count} {flag}" for flag, count in flags.items())
     check, inconsistent = found.check, _inconsistent(model, found.check)

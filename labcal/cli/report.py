@@ -44,7 +44,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     text = reproduction_page(result, arguments.folder)
     same = page.is_file() and page.read_bytes() == text.encode()
     force = arguments.force or is_as_made(page) or same
-    claim_outputs([FileOutput(page, KIND)], [arguments.folder / RESULTS], force=force)
+    claim_outputs([FileOutput(page, KIND, arguments.folder)], [arguments.folder / RESULTS], force=force)
     write_file(page, text, force=force)
     renew(page)
     missing = missing_pictures(result, arguments.folder)

@@ -15,7 +15,7 @@ from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
-from labcal.run.claims import beginning_with
+from labcal.run.file_kinds import beginning_with
 from labcal.run.names import is_name
 from labcal.run.tables import damaged_line, read_table, table_text
 from labcal.wording import has_control
@@ -25,7 +25,7 @@ HEADER = (
     "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
 )  # fmt: skip
 
-KIND = beginning_with("a table of detections", ",".join(HEADER[:3]).encode())
+KIND = beginning_with("a table of detections", f"{','.join(HEADER)}\n".encode())
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from jaxtyping import Int64
 from labcal.arrays import PointCovariances, Points
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.geometry.covariances import stated_soundly
-from labcal.run.claims import beginning_with
+from labcal.run.file_kinds import beginning_with
 from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
 from labcal.wording import has_control
 
@@ -18,7 +18,7 @@ HEADER = (
     "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
     "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz", "flag",
 )  # fmt: skip
-KIND = beginning_with("a table of points", ",".join(HEADER[:3]).encode())
+KIND = beginning_with("a table of points", f"{','.join(HEADER)}\n".encode())
 _UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 
 

@@ -19,7 +19,7 @@ from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import package_version
-from labcal.run.made import make_folder
+from labcal.run.made import PROVENANCE, make_folder, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
@@ -104,7 +104,7 @@ def reproduce(folder: Path, settings: ReproduceSettings, progress: Progress) -> 
         )
         write_file(working / "results.json", to_json(result), force=True)
         write_file(working / "index.html", reproduction_page(result, working), force=True)
-        write_file(working / "run.json", _provenance(settings, time.time() - began), force=True)
+        write_file(working / PROVENANCE, _provenance(settings, time.time() - began), force=True)
     return result
 
 
@@ -184,9 +184,7 @@ def _command(settings: ReproduceSettings) -> str:
     )
 
 
-def _provenance(settings: ReproduceSettings, seconds: float) -> str:
+def _provenance(settings: ReproduceSettings, seconds: float) -> bytes:
     """Return ``run.json``: what differs from run to run."""
     versions = {package: package_version(package) for package in _PACKAGES}
-    return (
-        json.dumps({"seconds": seconds, "workers": settings.workers, "versions": versions}, indent=2) + "\n"
-    )
+    return provenance_text({"seconds": seconds, "workers": settings.workers, "versions": versions})

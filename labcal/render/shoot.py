@@ -14,7 +14,7 @@ from labcal.render.response import exposure_for
 from labcal.run.executor import finished, open_executor
 from labcal.run.given_up import refuse_given_up
 from labcal.run.machine import package_version
-from labcal.run.made import make_folder
+from labcal.run.made import PROVENANCE, make_folder, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
@@ -187,4 +187,4 @@ def _write_run(working: Path, seconds: dict[str, float], total: float, settings:
         "seed": settings.seed,
         "versions": {package: package_version(package) for package in PACKAGES},
     }
-    write_file(working / "run.json", json.dumps(run, indent=2) + "\n", force=True)
+    write_file(working / PROVENANCE, provenance_text(run), force=True)

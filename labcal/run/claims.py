@@ -2,12 +2,14 @@
 
 import os
 import unicodedata
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 
 from labcal.errors import OutputError
+from labcal.run.aside import settle
+from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import unfinished_home
 from labcal.run.standing import (
     holds,
@@ -17,33 +19,17 @@ from labcal.run.standing import (
     require_name,
     working_of,
 )
-from labcal.run.unfinished import require_working_place, settle
-
-_MOST_BYTES = 1 << 20
-"""So much of a file is looked at to tell what it is."""
-
-
-@dataclass(frozen=True)
-class FileKind:
-    """A kind of file, and how one that labcal wrote is told from others."""
-
-    name: str
-    """For people: ``"a table of detections"``."""
-    recognises: Callable[[bytes], bool]
-    """Takes how a file begins, or all of it where it is short."""
-
-
-def beginning_with(name: str, *starts: bytes) -> FileKind:
-    """Return the kind of files that begin in one of these ways."""
-    return FileKind(name, lambda content: content.startswith(starts))
+from labcal.run.unfinished import require_working_place
 
 
 @dataclass(frozen=True)
 class FileOutput:
-    """A file to write; with ``--force`` it replaces a regular file of its kind, or an empty one."""
+    """A file to write; with ``--force`` it replaces one of its kind that labcal wrote, or an empty one."""
 
     path: Path
     kind: FileKind
+    part_of: Path | None = None
+    """The finished folder that it is a part of, where the command puts it into the folder's mark."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +49,7 @@ def claim_outputs(outputs: Sequence[Output], inputs: Iterable[str | Path], *, fo
 
     Everything is looked at again when it is put in its place
     (:func:`~labcal.run.outputs.write_file`, :func:`~labcal.run.unfinished.unfinished_folder`), but for what
-    only this function is told: the inputs and the kinds.
+    only this function is told: the inputs.
 
     Parameters
     ----------
@@ -78,8 +64,8 @@ def claim_outputs(outputs: Sequence[Output], inputs: Iterable[str | Path], *, fo
     ------
     OutputError
         An output is an input or holds one; two outputs are the same or inside each other; one lies in an
-        unfinished folder; something stands in its place that may not be replaced; or its folder is missing
-        or not writable.
+        unfinished folder, or is a part of a finished one; something stands in its place that may not be
+        replaced; or its folder is missing or not writable.
     """
     given = [Path(one) for one in inputs if os.path.lexists(one)]
     for output in outputs:
@@ -102,24 +88,12 @@ def claim_outputs(outputs: Sequence[Output], inputs: Iterable[str | Path], *, fo
 
 def _claim_file(output: FileOutput, *, force: bool) -> None:
     path = output.path
+    require_no_part(path, output.part_of)
     require_file_place(path, force=force)
     if not path.parent.exists():
         raise OutputError(f"{path} cannot be written: there is no folder {path.parent}. Create it first.")
     _require_writable(path, path.parent)
-    if path.exists():
-        try:
-            with path.open("rb") as handle:
-                content = handle.read(_MOST_BYTES)
-        except OSError as error:
-            raise OutputError(
-                f"{path} is not replaced: it cannot be read ({error.strerror}), so nothing tells whether "
-                f"it is {output.kind.name}. Choose another name, or remove it yourself."
-            ) from error
-        if content and not output.kind.recognises(content):
-            raise OutputError(
-                f"{path} is not replaced: it is not {output.kind.name}, but something else. Choose another "
-                "name, or remove it yourself."
-            )
+    require_replaceable(path, output.kind)
 
 
 def _claim_folder(output: FolderOutput, *, force: bool) -> None:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from os import stat_result
 from pathlib import Path
 
-from labcal.run.made import COMMAND, JOURNAL, MADE, SCRAP, Made, digest_of, made_in, noted_in
+from labcal.run.made import MARKS, SCRAP, Made, is_unchanged, made_in, noted_in
 from labcal.run.mounts import is_mount
 
-_MARKS = (JOURNAL, COMMAND, MADE)
 _ANY_WRITE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -40,7 +39,7 @@ def foreign_entries(folder: Path) -> list[str]:
     list of str
         Paths in the folder, with a remark where that is needed.
     """
-    return [entry.name + entry.remark for entry in _entries(folder, with_digests=True) if not entry.known]
+    return [entry.name + entry.remark for entry in _entries(folder) if not entry.known]
 
 
 def remove_made(folder: Path) -> None:
@@ -49,68 +48,66 @@ def remove_made(folder: Path) -> None:
     What cannot be removed is left, and the mark with it, so that labcal knows the rest again.
     """
     with suppress(OSError):
-        for entry in _entries(folder, with_digests=False):
+        for entry in _entries(folder):
             if entry.known and not entry.path.is_dir():
                 entry.path.unlink()
             elif entry.known:
                 with suppress(OSError):
                     entry.path.rmdir()  # refused where something is left in it
-        if not {path.name for path in folder.iterdir()} - {*_MARKS}:
-            for name in _MARKS:
+        if not {path.name for path in folder.iterdir()} - {*MARKS}:
+            for name in MARKS:
                 (folder / name).unlink(missing_ok=True)
             folder.rmdir()
 
 
-def _entries(folder: Path, *, with_digests: bool) -> list[_Entry]:
+def _entries(folder: Path) -> list[_Entry]:
     """Return all that is in a folder, what is in a folder before itself; its own marks are left out."""
     made = made_in(folder) or noted_in(folder)
-    return list(_walk(folder, folder, made, with_digests=with_digests))
+    return list(_walk(folder, folder, made))
 
 
-def _walk(root: Path, folder: Path, made: Made, *, with_digests: bool) -> Iterator[_Entry]:
+def _walk(root: Path, folder: Path, made: Made) -> Iterator[_Entry]:
     """Walk through a folder below `root`, whose marks are left out."""
     folders = made.all_folders
     for path in sorted(folder.iterdir()):
         name = path.relative_to(root).as_posix()
         status = path.lstat()
         regular = stat.S_ISREG(status.st_mode)
-        if regular and folder == root and path.name in _MARKS:
+        if regular and folder == root and path.name in MARKS:
             continue
         if regular and path.name.startswith(SCRAP):
             yield _Entry(path, name, known=True)
         elif stat.S_ISLNK(status.st_mode):
             yield _Entry(path, name, known=False, remark=" (a link)")
         elif stat.S_ISDIR(status.st_mode):
-            yield from _walk_folder(root, path, made, folders, with_digests=with_digests)
+            yield from _walk_folder(root, path, made, folders)
         elif not regular or name not in made.files:
             yield _Entry(path, name, known=False)
         else:
-            yield _judged(path, name, status, made.files[name] if with_digests else None)
+            yield _judged(path, name, status, made.files[name])
 
 
-def _walk_folder(
-    root: Path, path: Path, made: Made, folders: set[str], *, with_digests: bool
-) -> Iterator[_Entry]:
+def _walk_folder(root: Path, path: Path, made: Made, folders: set[str]) -> Iterator[_Entry]:
     """Walk through a folder inside; one that is not known is told as a whole."""
     name = path.relative_to(root).as_posix()
     if name not in folders or is_mount(path):
         yield _Entry(path, f"{name}/", known=False)
         return
     if name in made.folders:  # it has a mark of its own
-        for entry in _entries(path, with_digests=with_digests):
+        for entry in _entries(path):
             yield _Entry(entry.path, f"{name}/{entry.name}", entry.known, entry.remark)
-        marks = (path / mark for mark in _MARKS)
+        marks = (path / mark for mark in MARKS)
         yield from (_Entry(mark, f"{name}/{mark.name}", known=True) for mark in marks if mark.is_file())
     else:
-        yield from _walk(root, path, made, with_digests=with_digests)
+        yield from _walk(root, path, made)
     protected = not path.stat().st_mode & _ANY_WRITE
     yield _Entry(path, f"{name}/", known=not protected, remark=" (write-protected)" if protected else "")
 
 
 def _judged(path: Path, name: str, status: stat_result, digest: str | None) -> _Entry:
-    """Return a file that is listed, judged by its digest where one is given."""
+    """Return a file that is listed, judged by its digest, or by its own mark."""
     if not status.st_mode & _ANY_WRITE:
         return _Entry(path, name, known=False, remark=" (write-protected)")
-    if digest is not None and digest_of(path) != digest:
+    if not is_unchanged(path, digest):
         return _Entry(path, name, known=False, remark=" (changed since labcal wrote it)")
     return _Entry(path, name, known=True)

@@ -2,12 +2,14 @@
 
 While a folder is being made it holds the command (:data:`COMMAND`) and a list of what is written
 (:data:`JOURNAL`); when it is done, one file that lists all that labcal made (:data:`MADE`). Whatever is not
-listed, or has been changed since, is somebody else's.
+listed, or has been changed since, is somebody else's. Another mark stays in a folder while it is moved aside
+for its successor (:data:`ASIDE`).
 """
 
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Literal
@@ -15,6 +17,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from labcal.run.durable import flush_file, flush_folder
+from labcal.run.file_marks import JSON_KEY, Judgement
 
 COMMAND = ".labcal-command"
 """In an unfinished folder: the command that is making it."""
@@ -22,10 +25,14 @@ JOURNAL = ".labcal-written"
 """In an unfinished folder: a line for each file that has been written."""
 MADE = ".labcal-made"
 """In a finished folder: what labcal made in it."""
+ASIDE = ".labcal-aside"
+"""In a folder that is being replaced: its name."""
+MARKS = (JOURNAL, COMMAND, MADE, ASIDE)
 SCRAP = ".labcal-part-"
 """How the names of files begin that are being written."""
 PROVENANCE = "run.json"
-"""Times and versions, which differ from run to run: its digest would make the mark differ, too."""
+"""Times and versions, which differ from run to run: its digest would make the folder's mark differ, too, so
+it has a mark of its own (:func:`provenance_text`)."""
 
 
 class Made(BaseModel):
@@ -38,7 +45,7 @@ class Made(BaseModel):
     made_by: str
     """The verb."""
     files: dict[str, str | None]
-    """SHA-256 by path in the folder; null for :data:`PROVENANCE`."""
+    """SHA-256 by path in the folder; null for :data:`PROVENANCE`, which has it in itself."""
     homes: tuple[str, ...] = ()
     """Folders inside that are there for files."""
     folders: tuple[str, ...] = ()
@@ -52,9 +59,31 @@ class Made(BaseModel):
         return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
 
 
+def command_in(folder: Path) -> str | None:
+    """Return the command that a folder is marked with as unfinished, if it is."""
+    mark = folder / COMMAND
+    return (
+        mark.read_text(encoding="utf-8", errors="replace")
+        if mark.is_file() and not mark.is_symlink()
+        else None
+    )
+
+
 def unfinished_home(path: Path) -> Path | None:
     """Return the folder under construction that a path lies in, the innermost one, if any."""
     return next((home for home in path.absolute().parents if (home / COMMAND).is_file()), None)
+
+
+def provenance_text(content: Mapping[str, object]) -> bytes:
+    """Return what to write into :data:`PROVENANCE`."""
+    return JSON_KEY.put(json.dumps(content, indent=2).encode() + b"\n")
+
+
+def is_unchanged(path: Path, digest: str | None) -> bool:
+    """Return whether a file that a mark lists is as labcal wrote it; where no digest is listed, it says."""
+    if digest is None:
+        return JSON_KEY.judge(path.read_bytes()) is Judgement.AS_WRITTEN
+    return digest_of(path) == digest
 
 
 def note_made(path: Path, content: Path) -> None:
@@ -100,7 +129,12 @@ def mark_as_made(folder: Path, verb: str) -> Made:
     """Turn the list of what has been written in a folder into the mark of a finished one, and return it."""
     noted = noted_in(folder)
     names = [name for name in sorted(noted.files) if (folder / name).is_file()]
-    kept = {name: None if Path(name).name == PROVENANCE else noted.files[name] for name in names}
+    kept = {
+        name: None
+        if Path(name).name == PROVENANCE and is_unchanged(folder / name, None)
+        else noted.files[name]
+        for name in names
+    }
     homes, inside = (
         tuple(name for name in sorted(set(names)) if (folder / name).is_dir())
         for names in (noted.homes, noted.folders)
@@ -129,7 +163,12 @@ def reopen(folder: Path) -> None:
 def is_as_made(path: Path) -> bool:
     """Return whether a file is listed in the mark of its folder, and still as labcal wrote it."""
     made = made_in(path.parent)
-    return made is not None and path.is_file() and made.files.get(path.name) == digest_of(path)
+    return (
+        made is not None
+        and path.name in made.files
+        and path.is_file()
+        and is_unchanged(path, made.files[path.name])
+    )
 
 
 def renew(path: Path) -> None:

@@ -9,6 +9,7 @@ from tempfile import mkstemp
 
 from labcal.errors import DiskFullError, OutputError
 from labcal.run.durable import flush_file, flush_folder
+from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import SCRAP, note_made, unfinished_home
 from labcal.run.standing import require_file_place
 
@@ -55,16 +56,36 @@ def appearing_file(path: Path, *, force: bool) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
-def write_file(path: Path, content: bytes | memoryview | str, *, force: bool) -> None:
+def write_file(
+    path: Path, content: bytes | memoryview | str, *, kind: FileKind | None = None, force: bool
+) -> None:
     """Write a file whole, through a temporary file beside it.
+
+    Parameters
+    ----------
+    path : Path
+    content : bytes, memoryview or str
+    kind : FileKind, optional
+        Of a file that is a result by itself, and so gets labcal's mark; left out for a part of a folder,
+        which has a mark as a whole.
+    force : bool
+        Replace what exists; where a `kind` is given, only what labcal wrote.
 
     Raises
     ------
     OutputError
-        As of :func:`appearing_file`.
+        As of :func:`appearing_file`; or what exists is not of the kind, or not labcal's, or a part of a
+        finished folder.
     """
+    data = content.encode() if isinstance(content, str) else content
+    if kind is not None:
+        data = kind.mark.put(bytes(data))
+        if unfinished_home(path) is None:
+            require_no_part(path)
     with appearing_file(path, force=force) as temporary:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+        temporary.write_bytes(data)
+        if kind is not None and force:
+            require_replaceable(path, kind)  # late: a good deal of time may have gone by
 
 
 def refusal(path: Path, error: OSError) -> OutputError:

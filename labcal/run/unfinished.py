@@ -7,10 +7,11 @@ from pathlib import Path
 from tempfile import mkstemp
 
 from labcal.errors import OutputError
+from labcal.run.aside import mark_aside, put_back, settle
 from labcal.run.durable import flush_file, flush_folder, flush_tree
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
-from labcal.run.made import COMMAND, SCRAP, made_in, mark_as_made, note_made, reopen
+from labcal.run.made import COMMAND, SCRAP, command_in, mark_as_made, note_made, reopen
 from labcal.run.main_guard import end_unguarded_worker
 from labcal.run.outputs import named_once, refusal
 from labcal.run.standing import (
@@ -67,6 +68,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
                 remove_made(working)  # nothing in it is foreign, as has just been seen
         _begin(working, command)
         with _held(working, command):
+            _require_no_linked_folder(working)
             _remove_scraps(working)
             reopen(working)
             note_made(working, working)
@@ -120,31 +122,6 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
     require_nothing_foreign(working)
 
 
-def settle(path: Path) -> None:
-    """Bring to its end what a run was killed in that was replacing `path`.
-
-    Where the new folder is not in its place, the old one is put back; where it is, the old one is removed.
-    Nothing is done unless the old one is labcal's as a whole, or empty.
-    """
-    old = old_of(path)
-    if not old.is_dir() or old.is_symlink() or foreign_entries(old):
-        return
-    if not os.path.lexists(path):
-        old.rename(path)
-    elif command_in(path) is not None and made_in(path) is not None:
-        remove_made(old)
-
-
-def command_in(folder: Path) -> str | None:
-    """Return the command that a folder is marked with as unfinished, if it is."""
-    mark = folder / COMMAND
-    return (
-        mark.read_text(encoding="utf-8", errors="replace")
-        if mark.is_file() and not mark.is_symlink()
-        else None
-    )
-
-
 def abandon(working: Path) -> None:
     """Remove all that has been made in an unfinished folder, where nothing of it is of use to anybody."""
     remove_made(working)
@@ -188,6 +165,17 @@ def _at_work(working: Path) -> OutputError:
     return OutputError(f"Another labcal is at work in {working}. Wait until it has ended.")
 
 
+def _require_no_linked_folder(working: Path) -> None:
+    """Raise where a folder inside is a link, through which work would go on in somebody else's."""
+    for home, folders, _ in os.walk(working):
+        for path in (Path(home, name) for name in folders):
+            if path.is_symlink():
+                raise OutputError(
+                    f"{working} is not gone on with: {path.relative_to(working)} in it is a link to a folder "
+                    "elsewhere. Remove the link."
+                )
+
+
 def _remove_scraps(working: Path) -> None:
     """Remove files that were being written when an earlier run was killed."""
     for home, _, names in os.walk(working):
@@ -205,12 +193,13 @@ def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     old, replaces = old_of(path), os.path.lexists(path)
     try:
         if replaces:
+            mark_aside(path)
             path.rename(old)
             require_nothing_foreign(old)
         working.rename(path)
     except BaseException:
         if replaces and os.path.lexists(old) and not os.path.lexists(path):
-            old.rename(path)
+            put_back(old, path)
         raise
     flush_folder(path.parent)
     if replaces:

@@ -6,7 +6,9 @@ import cv2
 import numpy as np
 
 from labcal.errors import InputError, OutputError
-from labcal.run.claims import FileKind, FileOutput
+from labcal.run.claims import FileOutput
+from labcal.run.file_kinds import FileKind
+from labcal.run.file_marks import JPEG_COMMENT, PNG_TEXT, TRAILER
 from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
@@ -23,6 +25,13 @@ _WRITTEN = {
     ".tiff": PictureKind.TIFF,
     ".bmp": PictureKind.BMP,
 }
+_MARKS = {
+    PictureKind.PNG: PNG_TEXT,
+    PictureKind.JPEG: JPEG_COMMENT,
+    PictureKind.TIFF: TRAILER,
+    PictureKind.BMP: TRAILER,
+}
+_JPEG_QUALITY = 95
 MOST_BYTES = 2**30
 """A larger file is not read."""
 _TIFF_ERROR = "TIFF_Error"
@@ -80,8 +89,23 @@ def read_picture(path: Path) -> np.ndarray:
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
 
 
+def png_output(path: Path) -> FileOutput:
+    """Return a picture that is always a PNG, and a result by itself, as an output of a command.
+
+    Raises
+    ------
+    OutputError
+        The name does not end in ``.png``.
+    """
+    if path.suffix.lower() != ".png":
+        raise OutputError(f"{path} cannot be written: it would be a PNG. Choose a name that ends in .png.")
+    return picture_output(path)
+
+
 def picture_output(path: Path) -> FileOutput:
-    """Return a picture as an output of a command, the format by the ending; see :func:`write_picture`.
+    """Return a picture that is a result by itself as an output of a command, the format by the ending.
+
+    To be written by :func:`write_single_picture`.
 
     Raises
     ------
@@ -93,12 +117,20 @@ def picture_output(path: Path) -> FileOutput:
         raise _unknown_ending(path)
     kind = _WRITTEN[suffix]
     return FileOutput(
-        path, FileKind(f"a {kind.value} picture", lambda content: picture_kind(content) is kind)
+        path, FileKind(f"a {kind.value} picture", lambda content: picture_kind(content) is kind, _MARKS[kind])
     )
 
 
-def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, force: bool = False) -> None:
-    """Write a PNG, JPEG or TIFF (uint8, uint16), the format by the ending.
+def write_single_picture(path: Path, picture: np.ndarray, *, force: bool = False) -> None:
+    """Write a picture that is a result by itself, with labcal's mark; else as :func:`write_picture`."""
+    kind = picture_output(path).kind
+    write_file(path, _encoded(path, picture, _JPEG_QUALITY), kind=kind, force=force)
+
+
+def write_picture(
+    path: Path, picture: np.ndarray, *, jpeg_quality: int = _JPEG_QUALITY, force: bool = False
+) -> None:
+    """Write a PNG, JPEG or TIFF (uint8, uint16) as a part of a folder, the format by the ending.
 
     Parameters
     ----------
@@ -110,15 +142,20 @@ def write_picture(path: Path, picture: np.ndarray, *, jpeg_quality: int = 95, fo
     OutputError
         The file exists and `force` is not set, or it cannot be written.
     """
-    ordered = picture if picture.ndim == 2 else picture[..., ::-1]  # noqa: PLR2004 -- grey
+    write_file(path, _encoded(path, picture, jpeg_quality), force=force)
+
+
+def _encoded(path: Path, picture: np.ndarray, jpeg_quality: int) -> memoryview:
+    """Return the content of a picture's file."""
     parameters = [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality] if path.suffix.lower() in {".jpg", ".jpeg"} else []
+    ordered = picture if picture.ndim == 2 else picture[..., ::-1]  # noqa: PLR2004 -- grey
     try:
         done, data = cv2.imencode(path.suffix, ordered, parameters)
     except cv2.error:  # it raises for an ending that it does not know
         done = False
     if not done:
         raise _unknown_ending(path)
-    write_file(path, data.data, force=force)
+    return data.data
 
 
 def _unknown_ending(path: Path) -> OutputError:

@@ -12,7 +12,7 @@ from safetensors import SafetensorError, safe_open
 from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
-from labcal.run.claims import FileKind
+from labcal.run.file_kinds import told_by
 from labcal.run.file_reading import require_file
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.outputs import write_file
@@ -29,9 +29,10 @@ LENGTH_BYTES = 8
 _MOST_BYTES = 2**28
 _MOST_COUNT = 2**31
 """Of an integer that an estimator is constructed with."""
-KIND = FileKind(
+_HEADER_BEGINS = f'{{"__metadata__":{{"{METADATA_KEY}":'.encode()
+KIND = told_by(
     "a model",
-    lambda content: content[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and b"labcal-model" in content,
+    lambda content: content[LENGTH_BYTES:].startswith(_HEADER_BEGINS) and b"labcal-model" in content,
 )
 
 
@@ -76,7 +77,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
     model : FittedModel
         What to write.
     force : bool
-        Replace a file that exists.
+        Replace a model that exists.
 
     Raises
     ------
@@ -105,7 +106,8 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
         rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
         calibration=model.calibration,
     ).signed(arrays)
-    write_file(path, safetensors.numpy.save(arrays, {METADATA_KEY: header.text()}), force=force)
+    content = safetensors.numpy.save(arrays, {METADATA_KEY: header.text()})
+    write_file(path, content, kind=KIND, force=force)
 
 
 def load_model(path: Path) -> FittedModel:

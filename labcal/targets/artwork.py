@@ -18,7 +18,9 @@ from matplotlib.patches import Rectangle as RectanglePatch
 from matplotlib.path import Path as Outline
 
 from labcal.errors import InputError, UnknownNameError
-from labcal.run.claims import FileOutput, beginning_with
+from labcal.run.claims import FileOutput
+from labcal.run.file_kinds import FileKind
+from labcal.run.file_marks import PDF_COMMENT, PNG_TEXT, XML_COMMENT
 from labcal.run.machine import memory_bytes
 from labcal.run.outputs import write_file
 from labcal.run.standing import require_file_place
@@ -48,6 +50,11 @@ _BEGINNINGS = {
     ArtworkFormat.SVG: b"<?xml",
     ArtworkFormat.PDF: b"%PDF",
     ArtworkFormat.PNG: b"\x89PNG",
+}
+_MARKS = {
+    ArtworkFormat.SVG: XML_COMMENT,
+    ArtworkFormat.PDF: PDF_COMMENT,
+    ArtworkFormat.PNG: PNG_TEXT,
 }
 _UNDATED = {
     ArtworkFormat.SVG: {"Date": None},
@@ -80,7 +87,7 @@ def export_artwork(
     dpi : int, optional
         Pixels an inch of a PNG, 300 where left out.
     force : bool
-        Replace an existing file.
+        Replace a file that labcal wrote.
 
     Raises
     ------
@@ -93,7 +100,7 @@ def export_artwork(
     kind = _format_of(path)
     require_file_place(path, force=force)
     artwork = draw_artwork(target, kind, dpi=dpi)
-    write_file(path, artwork.content, force=force)
+    write_file(path, artwork.content, kind=_file_kind(kind), force=force)
     return artwork
 
 
@@ -105,8 +112,14 @@ def artwork_output(path: FilePath) -> FileOutput:
     UnknownNameError
         The ending is not known.
     """
-    kind = _format_of(path)
-    return FileOutput(path, beginning_with(f"a drawing in {kind.upper()}", _BEGINNINGS[kind]))
+    return FileOutput(path, _file_kind(_format_of(path)))
+
+
+def _file_kind(kind: ArtworkFormat) -> FileKind:
+    """Return the kind of files of a format."""
+    return FileKind(
+        f"a drawing in {kind.upper()}", lambda content: content.startswith(_BEGINNINGS[kind]), _MARKS[kind]
+    )
 
 
 def _format_of(path: FilePath) -> ArtworkFormat:

@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_valid
 from labcal.arrays import Points
 from labcal.bounds import MOST_MM, Millimetres
 from labcal.geometry.covariances import stated_soundly
-from labcal.run.claims import beginning_with
 from labcal.run.documents import read_document
+from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
 from labcal.targets.catalogue import AnyTarget
 
@@ -113,7 +113,7 @@ def write_places(path: Path, places: DotPlaces, *, force: bool = False) -> None:
     OutputError
         It exists and `force` is not set, or it cannot be written.
     """
-    write_file(path, places.model_dump_json(indent=2) + "\n", force=force)
+    write_file(path, places.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
 
 def read_places(path: Path) -> DotPlaces:

@@ -9,14 +9,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 
 from labcal.report.bench import at_most
 from labcal.run.json_text import to_json
-from labcal.run.made import COMMAND
+from labcal.run.made import COMMAND, MADE, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import unfinished_folder
 from labcal.shoot.dataset import Shoot, open_shoot
+from labcal.shoot.pictures import write_single_picture
 
 Run = Callable[..., Any]
 
@@ -250,6 +253,35 @@ def a_photograph(output: Path) -> Path:
     return output
 
 
+def one_of_its_format(output: Path) -> Path:
+    """Lay a file of the user's there that begins as the one to be written, or holds what it holds."""
+    if output.suffix == ".jpg":
+        shutil.copy(output.parent / "photos" / "train_left.jpg", output)
+    else:
+        output.write_bytes(FOREIGN[output.suffix])
+    return output
+
+
+def one_of_its_format_in_another_shoot(output: Path) -> Path:
+    """Lay the same among the pictures of a shoot that no mark tells of."""
+    shutil.copytree(output.parent / "shoot", output.parent / "other", dirs_exist_ok=True)
+    (output.parent / "other" / MADE).unlink(missing_ok=True)
+    one_of_its_format(output).rename(output.parent / "other" / "images" / output.name)
+    return output.parent / "other" / "images" / output.name
+
+
+FOREIGN = {
+    "": b"years of work",
+    ".csv": b"view,camera,image,remark\n1,left,a.png,the third of May\n",
+    ".png": cv2.imencode(".png", np.arange(64, dtype=np.uint8).reshape(8, 8))[1].tobytes(),
+    ".json": b'{\n  "format": "labcal-rigging"\n}',
+    ".model": b'\x60\0\0\0\0\0\0\0{"a": {"what": "learned from a labcal-model"}}',
+    ".yml": b"%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 1\n   cols: 1\n   dt: d\n   data: [ 1. ]\n",
+    ".vnl": b"# filename x y level\na.png 1 2 0\n",
+    ".svg": b'<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg"/>\n',
+}
+
+
 ARRANGEMENTS: dict[str, Arrange] = {
     "a folder of the user's": lambda output: output.parent / "mine",
     "a folder of photographs": lambda output: output.parent / "photos",
@@ -274,6 +306,8 @@ ARRANGEMENTS: dict[str, Arrange] = {
     "a link to itself": lambda output: linked(output.name)(output),
     "a text": a_text,
     "a photograph of another kind": a_photograph,
+    "one of its format": one_of_its_format,
+    "one of its format in another shoot": one_of_its_format_in_another_shoot,
     "in a text": lambda output: a_text(output) / output.name,
     "a pipe": piped,
     "a socket": listening,
@@ -298,6 +332,7 @@ QUICK = frozenset(
         "a link to a folder of labcal's",
         "a dangling link",
         "a text",
+        "one of its format",
         "a pipe",
         "an unmarked unfinished folder",
     }
@@ -390,6 +425,39 @@ def test_what_labcal_made_is_replaced(
     assert told.status == 2
     assert "exists already" in told.document["error"]["message"]
     assert snapshot(lab.parent) == replaced
+
+
+def test_files_of_another_shoot_stay_whoever_wrote_them(labcal: Run, lab: Path) -> None:
+    other = lab / "other"
+    shutil.copytree(lab / "shoot", other)
+    picture = other / "images" / "train_left.jpg"
+    write_single_picture(lab / "own.jpg", np.zeros((48, 64), np.uint8))
+    for _ in range(2):
+        refused(labcal, "inspect", picture, lab)
+        refused(labcal, "convert", other / "truth" / "truth.json", lab)
+        shutil.copy("own.jpg", picture)
+        refused(labcal, "inspect", picture, lab)
+        (other / MADE).unlink(missing_ok=True)  # shoot.json tells, too
+    assert labcal("undistort", "rig.json", "held", "-o", "flat").status == 0
+    refused(labcal, "calibrate", lab / "flat" / "rig.json", lab)
+    for output in (other / "sheet.jpg", lab / "flat" / "images" / "sheet.jpg"):
+        for _ in range(2):  # what does not belong to a folder is written there, and again
+            assert labcal(*VERBS["inspect"].line(output)).status == 0
+
+
+def test_what_somebody_has_changed_stays(labcal: Run, lab: Path) -> None:
+    for name in ("inspect", "convert", "convert detections", "target export"):
+        output = lab / f"out{VERBS[name].ending}"
+        assert labcal(*VERBS[name].line(output)).status in {0, 1}
+        output.write_bytes(output.read_bytes() + b"\n")
+        refused(labcal, name, output, lab)
+    folder = made(lab / "out")
+    write_file(folder / "run.json", "{}", force=True)
+    mark = (folder / MADE).read_text().replace('"files": {', '"files": {\n  "run.json": null,')
+    (folder / MADE).write_text(mark)
+    for content in (b"{}", provenance_text({"seconds": 1.0}).replace(b"1.0", b"2.0")):
+        (folder / "run.json").write_bytes(content)
+        refused(labcal, "render", folder, lab)
 
 
 @pytest.mark.slow

@@ -38,6 +38,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.geometry.poses import pose
+from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "COLMAP"
 _HALF_PIXEL = 0.5
@@ -186,4 +187,6 @@ def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]
     return ("FULL_OPENCV", held) if any(held[4:]) else ("OPENCV", held[:4])
 
 
-COLMAP = RigFormat("colmap", (".txt",), Home.FOLDER, 2**26, recognises, read_colmap, write_colmap)
+COLMAP = RigFormat(
+    "colmap", (".txt",), Home.FOLDER, 2**26, recognises, read_colmap, write_colmap, TEXT_COMMENT
+)

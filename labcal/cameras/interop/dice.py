@@ -33,6 +33,7 @@ from labcal.cameras.interop.xml_tree import read_xml_tree
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
+from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "DICe"
 _LIST, _PARAMETER = "ParameterList", "Parameter"
@@ -182,5 +183,13 @@ def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
 
 
 DICE = RigFormat(
-    "dice", (".xml",), Home.FILE, 2**24, recognises, read_dice, write_dice, options=("unit", "size")
+    "dice",
+    (".xml",),
+    Home.FILE,
+    2**24,
+    recognises,
+    read_dice,
+    write_dice,
+    TEXT_COMMENT,
+    options=("unit", "size"),
 )

@@ -6,6 +6,7 @@ from enum import Enum
 from pathlib import Path
 
 from labcal.cameras.rig import Rig
+from labcal.run.file_marks import FileMark
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,8 @@ class RigFormat:
     """Lengths are taken for `unit`."""
     write: Callable[[Rig, str], RigTexts]
     """Takes the rig and the ending of the file to write."""
+    mark: FileMark
+    """By which a file that labcal wrote is told from others'."""
     unit: Unit = Unit.MILLIMETRES
     """What lengths are in its files, where nothing else is known."""
     options: tuple[str, ...] = ("unit",)

@@ -47,6 +47,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
+from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "Kalibr"
 _RADTAN = 4
@@ -192,5 +193,13 @@ def _names(chain: Sequence[dict[str, Any]]) -> list[str]:
 
 
 KALIBR = RigFormat(
-    "kalibr", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_kalibr, write_kalibr, Unit.METRES
+    "kalibr",
+    (".yaml", ".yml"),
+    Home.FILE,
+    2**17,
+    recognises,
+    read_kalibr,
+    write_kalibr,
+    TEXT_COMMENT,
+    Unit.METRES,
 )

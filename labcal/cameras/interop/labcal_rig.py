@@ -12,7 +12,7 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     SourceText,
 )
-from labcal.cameras.rig import Rig
+from labcal.cameras.rig import KIND, Rig
 from labcal.errors import InputError
 from labcal.run.json_reading import read_json
 
@@ -40,4 +40,14 @@ def write_labcal(rig: Rig, _suffix: str) -> RigTexts:
     return RigTexts((OutputText("", rig.model_dump_json(indent=2) + "\n"),))
 
 
-LABCAL = RigFormat("labcal", (".json",), Home.FILE, 2**24, recognises, read_labcal, write_labcal, options=())
+LABCAL = RigFormat(
+    "labcal",
+    (".json",),
+    Home.FILE,
+    2**24,
+    recognises,
+    read_labcal,
+    write_labcal,
+    KIND.mark,
+    options=(),
+)

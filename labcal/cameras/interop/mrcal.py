@@ -35,6 +35,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.geometry.poses import from_rotation_vector, rotation_vector
+from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "mrcal"
 _COEFFICIENTS = {
@@ -146,5 +147,13 @@ def _camera(source: SourceText) -> CameraRecord:
 
 
 MRCAL = RigFormat(
-    "mrcal", (".cameramodel",), Home.FILE, 2**26, recognises, read_mrcal, write_mrcal, Unit.METRES
+    "mrcal",
+    (".cameramodel",),
+    Home.FILE,
+    2**26,
+    recognises,
+    read_mrcal,
+    write_mrcal,
+    TEXT_COMMENT,
+    Unit.METRES,
 )

@@ -43,6 +43,7 @@ from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
+from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "OpenCV"
 _PAIR = 2
@@ -182,5 +183,6 @@ OPENCV = RigFormat(
     recognises,
     read_opencv,
     write_opencv,
+    TEXT_COMMENT,
     options=("unit", "size", "lens"),
 )

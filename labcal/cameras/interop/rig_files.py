@@ -22,7 +22,8 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig, checked_rig
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
-from labcal.run.claims import FileKind, FileOutput, FolderOutput, Output
+from labcal.run.claims import FileOutput, FolderOutput, Output
+from labcal.run.file_kinds import FileKind
 from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.run.standing import require_file_place
@@ -154,7 +155,7 @@ def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bo
     texts : RigTexts
         What its ``write`` returned.
     force : bool
-        Replace what exists.
+        Replace what labcal wrote.
 
     Raises
     ------
@@ -171,7 +172,7 @@ def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bo
     for file in paths:
         require_file_place(file, force=force)
     for file, one in zip(paths, texts.files, strict=True):
-        write_file(file, one.text, force=force)
+        write_file(file, one.text, kind=_file_kind(chosen), force=force)
     return paths
 
 
@@ -180,8 +181,7 @@ def rig_outputs(path: Path, chosen: RigFormat, texts: RigTexts) -> list[Output]:
     folder = _folder(path, chosen, texts)
     if folder is not None:
         return [FolderOutput(path, _command(folder))]
-    kind = FileKind(f"cameras of {chosen.name}", lambda content: chosen.recognises(content.decode("latin-1")))
-    return [FileOutput(_file(path, one), kind) for one in texts.files]
+    return [FileOutput(_file(path, one), _file_kind(chosen)) for one in texts.files]
 
 
 def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
@@ -209,6 +209,15 @@ def _folder(path: Path, chosen: RigFormat, texts: RigTexts) -> dict[str, str] | 
 def _file(path: Path, one: OutputText) -> Path:
     """Return where one text goes that is no part of a folder."""
     return path.with_name(f"{path.stem}-{one.label}{path.suffix}") if one.label else path
+
+
+def _file_kind(chosen: RigFormat) -> FileKind:
+    """Return the kind of a file that is no part of a folder."""
+    return FileKind(
+        f"cameras of {chosen.name}",
+        lambda content: chosen.recognises(content.decode("latin-1")),
+        chosen.mark,
+    )
 
 
 def _command(folder: dict[str, str]) -> str:

@@ -45,6 +45,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.geometry.poses import pose
+from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "ROS"
 _PAIR = 2
@@ -231,4 +232,14 @@ def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]
     return ("rational_polynomial", held) if any(held[_PLUMB_BOB:]) else ("plumb_bob", held[:_PLUMB_BOB])
 
 
-ROS = RigFormat("ros", (".yaml", ".yml"), Home.FILE, 2**17, recognises, read_ros, write_ros, Unit.METRES)
+ROS = RigFormat(
+    "ros",
+    (".yaml", ".yml"),
+    Home.FILE,
+    2**17,
+    recognises,
+    read_ros,
+    write_ros,
+    TEXT_COMMENT,
+    Unit.METRES,
+)

@@ -24,16 +24,18 @@ from labcal.correspond.sense import measured_soundly
 from labcal.correspond.sources import Source, loose_source, refuse_unnamed_cameras
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
-from labcal.run.claims import FileKind
+from labcal.run.file_kinds import FileKind
+from labcal.run.file_marks import VNL_COMMENT
 from labcal.run.file_reading import read_text
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 
 _SIGMA = re.compile(r"^## sigma_px (\S+)", re.MULTILINE)
 _LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULTILINE)
+KIND = FileKind(
+    "a corners.vnl", lambda content: _LEGEND.search(content.decode("latin-1")) is not None, VNL_COMMENT
+)
 _MOST_BYTES = 2**27
-KIND = FileKind("a corners.vnl", lambda content: _LEGEND.search(content.decode("latin-1")) is not None)
-_MOST_BYTES = 2**28
 _MOST_LEVEL = 30
 _LEAST_WEIGHT = 1e-10
 _EQUAL_PITCH = 1e-9

@@ -10,8 +10,9 @@ from typing import NoReturn
 import pytest
 
 from labcal.errors import DiskFullError, OutputError
+from labcal.run.aside import settle
 from labcal.run.foreign import foreign_entries
-from labcal.run.made import COMMAND, JOURNAL, MADE, SCRAP, made_in, make_folder
+from labcal.run.made import ASIDE, COMMAND, JOURNAL, MADE, SCRAP, made_in, make_folder, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import abandon, unfinished_folder
 
@@ -60,7 +61,8 @@ def test_the_mark_says_who_made_what_and_is_the_same_each_time(tmp_path: Path) -
         with unfinished_folder(tmp_path / name, "bench detect True 0", force=False) as working:
             for file in ("b.txt", "a.txt") if name == "one" else ("a.txt", "b.txt", "a.txt"):
                 write_file(working / file, file, force=True)
-            write_file(working / "run.json", name, force=True)  # times, which always differ
+            times = provenance_text({"seconds": 1.5 if name == "one" else 2.5})  # they always differ
+            write_file(working / "run.json", times, force=True)
     assert (tmp_path / "one" / MADE).read_bytes() == (tmp_path / "two" / MADE).read_bytes()
     mark = made_in(tmp_path / "one")
     assert mark is not None
@@ -142,6 +144,18 @@ def test_folders_for_files_and_torn_lists_count_as_made(tmp_path: Path) -> None:
         write_file(here / "b.txt", "2", force=True)
     made(target, force=True)
     assert entries(target) == [MADE, "a.txt", "images"]
+
+
+def test_work_does_not_go_on_through_a_link(tmp_path: Path) -> None:
+    target, mine = tmp_path / "shoot", tmp_path / "mine"
+    with pytest.raises(KeyboardInterrupt):
+        work_until_interrupted(target, "render")
+    mine.mkdir()
+    lay(mine / "a.png")
+    (tmp_path / "shoot.unfinished" / "images").symlink_to("../mine")
+    for force in (False, True):
+        refuse(target, "images in it is a link", force=force)
+    assert (mine / "a.png").read_text() == "mine"
 
 
 @pytest.mark.parametrize("kind", ["folder", "file", "link"])
@@ -301,7 +315,7 @@ class Killed(BaseException):
     """The process ends here."""
 
 
-STEPS = 12
+STEPS = 13
 """Renamings and removals while a folder is replaced."""
 
 
@@ -370,17 +384,6 @@ def test_a_replacement_that_fails_or_is_interrupted_puts_the_old_folder_back(
     assert entries(tmp_path) == ["shoot"]
 
 
-def test_something_of_the_users_named_like_an_old_folder_stays(tmp_path: Path) -> None:
-    target, old = made(tmp_path / "shoot"), tmp_path / "shoot.labcal-old"
-    old.mkdir()
-    lay(old / "thesis.txt")
-    refuse(target, "in the way")
-    assert (old / "thesis.txt").read_text() == "mine"
-    target.rename(tmp_path / "elsewhere")
-    made(target)
-    assert (old / "thesis.txt").read_text() == "mine"
-
-
 def hold(target: Path, begun: Event, done: Event) -> None:
     with unfinished_folder(target, "render", force=False) as working:
         write_file(working / "a.txt", "first", force=True)
@@ -397,10 +400,15 @@ def test_two_processes_do_not_work_in_the_same_folder(tmp_path: Path) -> None:
     assert begun.wait(60)
     for command in ("render", "another"):
         refuse(tmp_path / "shoot", "Another labcal is at work", command)
+    old = made(tmp_path / "old").rename(tmp_path / "shoot.labcal-old")
+    (old / ASIDE).write_text("shoot")  # as while the other one is putting its folder in its place
+    settle(tmp_path / "shoot")
+    assert old.is_dir()
     done.set()
     other.join(60)
     assert other.exitcode == 0
     assert (tmp_path / "shoot" / "a.txt").read_text() == "first"
+    assert old.is_dir()
 
 
 def test_what_is_of_use_to_nobody_is_removed_and_nothing_else(tmp_path: Path) -> None:
