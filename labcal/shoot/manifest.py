@@ -65,10 +65,11 @@ class Manifest(BaseModel):
                 raise ValueError(
                     f"view '{clipped(view.name)}' has pictures of unknown cameras: {listed(sorted(unknown))}"
                 )
-        pictures = [picture for view in self.views for picture in view.images.values()]
-        if len(set(pictures)) != len(pictures):
-            twice = next(picture for picture in pictures if pictures.count(picture) > 1)
-            raise ValueError(f"the picture '{clipped(twice)}' is that of two cameras or views")
+        known: set[str] = set()
+        for picture in (picture for view in self.views for picture in view.images.values()):
+            if picture in known:
+                raise ValueError(f"the picture '{clipped(picture)}' is that of two cameras or views")
+            known.add(picture)
         for name, camera in self.cameras.items():
             if camera.size[0] * camera.size[1] > MOST_PIXELS:
                 raise ValueError(f"pictures of camera '{clipped(name)}' have more than {MOST_PIXELS} pixels")
