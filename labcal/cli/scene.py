@@ -90,6 +90,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     """List the shipped scenes."""
     from rich.table import Table
 
+    from labcal.cli.console import name_column
     from labcal.scene.catalogue import load_scene, scene_names
     from labcal.scene.views import planned_views
 
@@ -100,7 +101,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
         entries.append(
             SceneEntry(name, scene.target.name, sizes, len(planned_views(scene, 0)), scene.description)
         )
-    table = Table("scene", "target", "cameras", "views", "what it is")
+    table = Table(name_column("scene"), name_column("target"), "cameras", "views", "what it is")
     for entry in entries:
         cameras = ", ".join(f"{camera} {w} x {h}" for camera, (w, h) in entry.cameras.items())
         table.add_row(entry.name, entry.target, cameras, str(entry.views), entry.description)

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bounds import MOST_PIXELS, Side
 from labcal.cameras.record import PoseRecord
-from labcal.run.names import Name
+from labcal.run.names import Name, differ_in_case
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import clipped, listed
 
@@ -70,6 +70,13 @@ class Manifest(BaseModel):
             if picture in known:
                 raise ValueError(f"the picture '{clipped(picture)}' is that of two cameras or views")
             known.add(picture)
+        for kind, told in (("views", names), ("cameras", list(self.cameras)), ("pictures", list(known))):
+            alike = differ_in_case(told)
+            if alike is not None:
+                raise ValueError(
+                    f"the {kind} '{clipped(alike[0])}' and '{clipped(alike[1])}' differ only in capital "
+                    "letters, so that their files are the same ones on many disks; rename one of them"
+                )
         for name, camera in self.cameras.items():
             if camera.size[0] * camera.size[1] > MOST_PIXELS:
                 raise ValueError(f"pictures of camera '{clipped(name)}' have more than {MOST_PIXELS} pixels")

@@ -71,6 +71,7 @@ def changed(content: dict[str, Any], path: list[Any], value: object) -> dict[str
         (["views", 0, "images"], {}, "views.0.images"),
         (["views", 1, "name"], "one", "two views have the same name"),
         (["views", 1, "name"], "a_b", "views.1.name"),
+        (["views", 1, "name"], "One", "the views 'one' and 'One' differ only in capital letters"),
         (["views", 1, "images"], {"middle": "images/x.png"}, "unknown cameras: middle"),
         (["views", 1, "images"], {"left": "../x.png"}, "views.1.images.left"),
         (["views", 1, "images"], {"left": "images/a.png", "right": "images/a.png"}, "two cameras or views"),
