@@ -48,20 +48,20 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--rig",
         type=Path,
-        metavar="rig.json",
-        help="what the points were reconstructed with: views that it was calibrated from are not scored, or "
-        "are said to be; RIG-dots.json and a shoot tell so themselves",
+        metavar="MODEL-or-rig.json",
+        help="what the points were reconstructed with: views that it was calibrated from, or taught, are not "
+        "scored, or are said to be; RIG-dots.json and a shoot tell so themselves",
     )
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and tell."""
-    from labcal.cameras.rig import read_rig
     from labcal.correspond.detections import read_detections
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
     from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
+    from labcal.solve.reconstruction import load_reconstructor
     from labcal.targets.catalogue import AnyTarget, load_target
     from labcal.targets.places import DotPlaces, read_places
     from labcal.workflow import evaluate
@@ -77,7 +77,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                 arguments, option, "goes with the truth of a rendered shoot, which is not given here"
             )
     points = read_points(arguments.points)
-    learned = None if arguments.rig is None else read_rig(arguments.rig).calibrated_on
+    learned = None if arguments.rig is None else load_reconstructor(arguments.rig).calibrated_on
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)

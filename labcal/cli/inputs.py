@@ -67,6 +67,27 @@ def dots_of(arguments: Namespace, target: "AnyTarget", session: Session) -> "Det
     return read_detections(arguments.detections)
 
 
+def say_roles(detections: "Detections", verb: str, session: Session) -> None:
+    """Say where a table is of a shoot that has views to test on, since all views in the table enter."""
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import is_shoot, open_shoot
+    from labcal.shoot.manifest import Role
+    from labcal.wording import listed
+
+    home = Path(str(detections.image[0])).parent.parent if len(detections) else Path()
+    if not is_shoot(home):
+        return
+    try:
+        tested = [view.name for view in open_shoot(home).views(Role.TEST) if view.name in detections.views]
+    except InputError:  # nothing is wanted of that shoot
+        return
+    if tested:
+        session.warn(
+            f"the views {listed(tested)} enter, which the shoot {home} keeps to test on. To leave them "
+            f"out: labcal {verb} {home} --detections TABLE"
+        )
+
+
 def require_shoot_or_table(source: str) -> None:
     """Raise unless there is a shoot or a file.
 

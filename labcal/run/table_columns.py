@@ -50,7 +50,7 @@ class TableLines:
 
     def whole(self, names: Sequence[str], empty: str | None = None) -> Int64[np.ndarray, "n columns"]:
         """Return columns of whole numbers, and for cells that are empty another; -1 where one is none."""
-        columns = [self._numbers(name, _whole, -1, empty) for name in names]
+        columns = [self._numbers(name, _whole, -1.0, empty) for name in names]
         return np.stack(columns, axis=1).astype(np.int64)
 
     def require(self, holds: Bool[np.ndarray, " n"], why: str) -> None:

@@ -66,6 +66,10 @@ class FittedModel:
         How the method did on points between the trained ones; None where that could not be rehearsed.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data.
+    calibrated_on : tuple of str
+        Names of the views that it was taught, as of a rig; empty where that is not known.
+    held_out : tuple of str
+        Names of the views that it was not taught, since it is to be judged by them.
     warnings : tuple of str
         What was not as it should be when it was fitted, for people; not kept in the file.
 
@@ -82,6 +86,8 @@ class FittedModel:
     resected: tuple[Camera, ...] | None = None
     rehearsed: Rehearsed | None = None
     calibration: CalibrationRecord | None = None
+    calibrated_on: tuple[str, ...] = ()
+    held_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
