@@ -10,6 +10,7 @@ from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
+from labcal.wording import counted
 
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import TruthErrors
@@ -98,7 +99,7 @@ def _against_truth(errors: "TruthErrors") -> object:
 
     x, y, z = errors.mean_signed_mm
     caption = (
-        f"scored: {errors.scored}, not the {errors.not_scored} others; alignment: {errors.alignment}\n"
+        f"scored: {errors.scored}, {counted(errors.not_scored, 'other')} not; alignment: {errors.alignment}\n"
         f"{scored_words(len(errors.views_scored), errors.views_calibrated_on)}"
     )
     table = Table("error against truth", "mm", caption=caption)
@@ -124,7 +125,7 @@ def _of_lengths(errors: "LengthErrors") -> object:
     from labcal.evaluate.scored_views import scored_words
 
     told = scored_words(len(errors.views_scored), errors.views_calibrated_on)
-    table = Table("error of lengths on the target", "", caption=f"{errors.n} lengths in {told}")
+    table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {told}")
     table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")

@@ -7,6 +7,7 @@ from labcal.cli.options import add_output, add_seed
 from labcal.cli.parser import CommandGroup, Parser
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.wording import counted
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -128,7 +129,8 @@ def run_check(arguments: Namespace, session: Session) -> ExitStatus:
     check_scene(scene, arguments.seed)
     views = [view.name for view in planned_views(scene, arguments.seed)]
     session.emit(
-        SceneCheck(scene.name, ok=True, views=views), f"{scene.name}: {len(views)} views, nothing wrong."
+        SceneCheck(scene.name, ok=True, views=views),
+        f"{scene.name}: {counted(len(views), 'view')}, nothing wrong.",
     )
     return ExitStatus.DONE
 
@@ -142,5 +144,5 @@ def run_gallery(arguments: Namespace, session: Session) -> ExitStatus:
     with session.progress() as progress:
         scenes = make_gallery(arguments.output, arguments.seed, progress, force=arguments.force)
     page = str(arguments.output / "README.md")
-    session.emit(SceneGallery(page, scenes), f"{page}: {len(scenes)} scenes.")
+    session.emit(SceneGallery(page, scenes), f"{page}: {counted(len(scenes), 'scene')}.")
     return ExitStatus.DONE
