@@ -73,6 +73,7 @@ def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[st
         not as many cells.
     """
     data = read_bytes(path, what, MOST_OF_A_TABLE)
+    number = -1
     marked = b"'" in data  # else no cell is marked as a text
     try:
         with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="") as text:
@@ -91,7 +92,7 @@ def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[st
     except UnicodeDecodeError as error:
         raise no_text(what, path, data) from error
     except csv.Error as error:
-        raise InputError(f"The {what} {path} cannot be read: {error}.") from error
+        raise InputError(f"The {what} {path} cannot be read: line {number + 3}: {error}.") from error
 
 
 def _bounded_lines(text: Iterable[str], path: Path) -> Iterator[str]:

@@ -28,6 +28,7 @@ from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.run.claims import FileKind
 from labcal.run.file_reading import MOST_OF_A_TABLE, read_text
+from labcal.run.tables import MOST_LINES
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 
@@ -190,6 +191,8 @@ def _points_by_image(
     InputError
         A line is damaged (it is named), there are no images, too many, or one with too many points.
     """
+    if text.count("\n") > MOST_LINES:
+        raise InputError(f"{path} has more than {MOST_LINES} lines. Split it by images.")
     images: dict[str, list[tuple[float, float, float]]] = {}
     for found in _LINE.finditer(text):
         image, *fields = found[0][:_LONGEST_LINE].split() or [_COMMENT]

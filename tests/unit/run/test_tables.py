@@ -56,3 +56,10 @@ def test_a_table_has_an_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     path.write_text("name,x_px\n" + "a,1\n" * 3)
     with pytest.raises(InputError, match=r"more than 2 lines\. Split the table by views"):
         list(read_table(HEADER, "things", path))
+
+
+def test_a_quotation_mark_that_is_never_closed_is_told_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text('name,x_px\na,1\n"b,2\nc,3\n')
+    with pytest.raises(InputError, match=r"things .*a\.csv cannot be read: line 3: unexpected end of data"):
+        list(read_table(HEADER, "things", path))
