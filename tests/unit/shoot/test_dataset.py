@@ -107,10 +107,10 @@ def test_a_picture_given_twice_among_many_is_found_at_once(tmp_path: Path, manif
     content = json.loads(manifest.model_dump_json())
     view = content["views"][0] | {"T_world_target_nominal": None}
     content["views"] = [
-        view | {"name": f"v{n}", "images": {"left": f"images/{min(n, 14_998)}.png"}} for n in range(15_000)
+        view | {"name": f"v{n}", "images": {"left": f"images/{min(n, 29_998)}.png"}} for n in range(30_000)
     ]
     (tmp_path / "shoot.json").write_text(json.dumps(content))
     started = time.process_time()
-    with pytest.raises(InputError, match=r"'images/14998\.png' is that of two cameras or views"):
+    with pytest.raises(InputError, match=r"'images/29998\.png' is that of two cameras or views"):
         open_shoot(tmp_path)
-    assert time.process_time() - started < 3.0  # comparing each with all took over ten
+    assert time.process_time() - started < 4.0  # comparing each with all took over ten
