@@ -27,6 +27,8 @@ MOST_DISTORTION = 1e4
 """Of what a single coefficient does at the picture's rim (or at 45 degrees), over the radius there."""
 MOST_TILT_RAD = 1.4
 """Of a tilted sensor: beyond 80 degrees it sees nothing."""
+MOST_PICTURES = 200_000
+"""Of a shoot or a table."""
 MARGIN_SIDES = 1.0
 """How many of a picture's sides a dot may be measured outside of it."""
 LEAST_VARIANCE_PX2 = 1e-18

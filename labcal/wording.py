@@ -71,3 +71,8 @@ def listed(names: Sequence[str] | Iterable[str], most: int = _MOST_NAMES) -> str
     every = list(names)
     first = ", ".join(clipped(name) for name in islice(every, most))
     return first if len(every) <= most else f"{first} and {len(every) - most} more"
+
+
+def counted(number: int, noun: str, plural: str | None = None) -> str:
+    """Return a number with its noun, as in ``1 view`` and ``2 views``."""
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

@@ -168,7 +168,8 @@ def evaluate(
 ) -> TruthErrors | LengthErrors:
     """Return the errors of points, against the truth where a shoot has one, else against lengths.
 
-    `learned` names the views that the cameras were calibrated from, where known: ``rig.calibrated_on``.
+    `learned` names the views that the cameras were calibrated from or the method was taught, where known:
+    `calibrated_on` of the rig or model.
     """
     if not isinstance(source, Shoot):
         return errors_of_lengths(points, source, learned)

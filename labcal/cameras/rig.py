@@ -11,7 +11,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 from labcal.run.documents import read_document
 from labcal.run.file_kinds import beginning_with
-from labcal.run.names import Name
+from labcal.run.names import Name, differ_in_case
 from labcal.run.outputs import write_file
 
 KIND = beginning_with("a rig.json", b'{\n  "format": "labcal-rig"')
@@ -113,6 +113,12 @@ def checked_rig(rig: Rig, source: str) -> Rig:
     InputError
         A camera is impossible, or its lens images nothing in the middle of its picture.
     """
+    alike = differ_in_case(rig.cameras)
+    if alike is not None:
+        raise InputError(
+            f"{source}: the cameras '{alike[0]}' and '{alike[1]}' differ only in capital letters, so that "
+            "their files would be the same ones on many disks. Rename one of them."
+        )
     for name, record in rig.cameras.items():
         try:
             record.sensible_camera(name)

@@ -10,7 +10,6 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.correspond.detections import Detections
     from labcal.solve.calibrated import Calibrated
     from labcal.solve.handheld import HandheldSettings
 
@@ -64,13 +63,21 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import KIND, write_rig
     from labcal.cli.calibrate_result import calibrate_result, calibrate_table
-    from labcal.cli.inputs import choose_target, dots_of, paths_read, refuse_idle_workers, shoot_or_none
+    from labcal.cli.inputs import (
+        choose_target,
+        dots_of,
+        paths_read,
+        refuse_idle_workers,
+        say_roles,
+        shoot_or_none,
+    )
     from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.shoot.pictures import png_output
     from labcal.targets.places import KIND as DOTS_KIND
+    from labcal.wording import listed
     from labcal.workflow import calibrate, epipolar_rms
 
     require_name(arguments.output)
@@ -90,7 +97,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     detections = dots_of(arguments, target, session)
     hold_out = parse_hold_out(arguments.hold_out, detections.views) if arguments.hold_out else ()
     if shoot is None and not hold_out:
-        _say_roles(detections, session)
+        say_roles(detections, "calibrate", session)
     # A target that is named may be another one than the shoot's description says.
     source = shoot if shoot is None or shoot.target == target else shoot.showing(target)
     with session.progress() as progress:
@@ -98,7 +105,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
-        session.say(f"left out, to be scored by 'labcal evaluate': {', '.join(made.held_out)}")
+        session.say(f"left out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
     found = made.found
     write_rig(arguments.output, made.rig, force=arguments.force)
     if found.freed is not None:
@@ -109,26 +116,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     two_lenses = any(fit.two_lenses is not None for fit in found.fits.values())
     amiss = found.skipped or two_lenses or result.inconsistent
     return ExitStatus.PARTIAL if amiss else ExitStatus.DONE
-
-
-def _say_roles(detections: "Detections", session: Session) -> None:
-    """Say where a table is of a shoot that has views to test on, since all views in the table enter."""
-    from labcal.errors import InputError
-    from labcal.shoot.dataset import is_shoot, open_shoot
-    from labcal.shoot.manifest import Role
-
-    home = Path(str(detections.image[0])).parent.parent if len(detections) else Path()
-    if not is_shoot(home):
-        return
-    try:
-        tested = [view.name for view in open_shoot(home).views(Role.TEST) if view.name in detections.views]
-    except InputError:  # nothing is wanted of that shoot
-        return
-    if tested:
-        session.warn(
-            f"the views {', '.join(tested)} enter, which the shoot {home} keeps to test on. To leave them "
-            f"out: labcal calibrate {home} --detections TABLE"
-        )
 
 
 def _settings(arguments: Namespace) -> "HandheldSettings":

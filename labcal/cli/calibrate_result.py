@@ -178,6 +178,7 @@ def calibrate_table(result: CalibrateResult) -> object:
     from rich.table import Table
     from rich.text import Text
 
+    from labcal.cli.console import name_column
     from labcal.cli.lens_table import lens_table
     from labcal.report.print_words import print_words
 
@@ -186,7 +187,8 @@ def calibrate_table(result: CalibrateResult) -> object:
         caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
     bias = result.centre_bias_px
     caption += f"\ntaken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
-    table = Table("camera", "RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
+    columns = ("RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
+    table = Table(name_column("camera"), *columns)
     table.caption = caption
     for name, camera in result.cameras.items():
         (fx, _, cx), (_, fy, cy), _ = camera.K
@@ -214,7 +216,10 @@ def _outlier_table(result: CalibrateResult) -> "Table":
     """Return the worst outliers for people."""
     from rich.table import Table
 
-    table = Table("view", "camera", "col, row", "off by [px]", title=f"outliers: {result.outlier_count}")
+    from labcal.cli.console import name_column
+
+    title = f"outliers: {result.outlier_count}"
+    table = Table(name_column("view"), name_column("camera"), "col, row", "off by [px]", title=title)
     for outlier in result.outliers[:_SHOWN_OUTLIERS]:
         x, y = outlier.off_px
         table.add_row(outlier.view, outlier.camera, f"{outlier.col}, {outlier.row}", f"{x:.2f}, {y:.2f}")

@@ -9,6 +9,7 @@ from labcal.cli.options import refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.wording import counted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -119,7 +120,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         if result.baseline_mm is not None:
             apart = f"the first two cameras are {result.baseline_mm:.6g} mm apart"
         session.say(f"lengths of '{result.source}' were taken for {result.unit}: {apart}")
-    of = f"{len(result.cameras)} cameras" if result.points is None else f"{result.points} points"
+    of = counted(len(result.cameras), "camera") if result.points is None else counted(result.points, "point")
     session.emit(result, f"{', '.join(result.files)}: {of} ({', '.join(result.cameras)}), {result.wanted}.")
     return ExitStatus.PARTIAL if result.inconsistent else ExitStatus.DONE
 
@@ -220,7 +221,9 @@ def _convert_detections(arguments: Namespace) -> ConvertResult:
     )
     notes = [told]
     if found.left_out:
-        notes.append(f"{found.left_out} dots that are no measurements of the grid stand as missing.")
+        alone = found.left_out == 1
+        stand = "that is no measurement of the grid stands" if alone else "that are none of the grid stand"
+        notes.append(f"{counted(found.left_out, 'dot')} {stand} as missing.")
     return _converted(("labcal", "mrcal"), output, detections.cameras, found.points, notes)
 
 

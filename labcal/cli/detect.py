@@ -75,7 +75,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.workflow import measure
 
     tone_curve = find_tone_curve(arguments.tone_curve)
-    sources, target = pictures_and_target(arguments)
+    sources, target = pictures_and_target(arguments, session)
     drawing = "detect --overlay " + " ".join(source.image for source in sources)
     outputs: list[Output] = [FileOutput(arguments.output, KIND)]
     if arguments.overlay is not None:
@@ -131,12 +131,24 @@ def _flags(dots: "PictureDots") -> dict[str, int]:
 def _table(result: DetectResult) -> object:
     from rich.table import Table
 
+    from labcal.cli.console import name_column
+    from labcal.correspond.refused_pictures import shared_reasons
+
+    shared = shared_reasons([(one.image, one.reason) for one in result.images if one.reason is not None])
+    several = {image for reason in shared if len(reason.images) > 1 for image in reason.images}
+    captions = [reason.words for reason in shared if len(reason.images) > 1]
     table = Table(
-        "picture", "dots", "what came of it", caption=f"{result.indexed} indexed, {result.refused} refused"
+        name_column("picture"),
+        "dots",
+        "what came of it",
+        caption="\n".join([*captions, f"{result.indexed} indexed, {result.refused} refused"]),
+        caption_justify="left",
     )
     for image in result.images:
         others = ", ".join(f"{count} {flag}" for flag, count in image.flags.items())
         came = image.reason or ("ok" if not others else f"ok; not used: {others}")
+        if image.image in several:
+            came = "refused, see below"
         table.add_row(image.image, f"{image.dots} of {image.expected}", came)
     return table
 

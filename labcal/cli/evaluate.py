@@ -10,6 +10,7 @@ from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
+from labcal.wording import counted
 
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import TruthErrors
@@ -48,20 +49,20 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--rig",
         type=Path,
-        metavar="rig.json",
-        help="what the points were reconstructed with: views that it was calibrated from are not scored, or "
-        "are said to be; RIG-dots.json and a shoot tell so themselves",
+        metavar="MODEL-or-rig.json",
+        help="what the points were reconstructed with: views that it was calibrated from, or taught, are not "
+        "scored, or are said to be; RIG-dots.json and a shoot tell so themselves",
     )
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and tell."""
-    from labcal.cameras.rig import read_rig
     from labcal.correspond.detections import read_detections
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
     from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
+    from labcal.solve.reconstruction import load_reconstructor
     from labcal.targets.catalogue import AnyTarget, load_target
     from labcal.targets.places import DotPlaces, read_places
     from labcal.workflow import evaluate
@@ -77,7 +78,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                 arguments, option, "goes with the truth of a rendered shoot, which is not given here"
             )
     points = read_points(arguments.points)
-    learned = None if arguments.rig is None else read_rig(arguments.rig).calibrated_on
+    learned = None if arguments.rig is None else load_reconstructor(arguments.rig).calibrated_on
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)
@@ -98,7 +99,7 @@ def _against_truth(errors: "TruthErrors") -> object:
 
     x, y, z = errors.mean_signed_mm
     caption = (
-        f"scored: {errors.scored}, not the {errors.not_scored} others; alignment: {errors.alignment}\n"
+        f"scored: {errors.scored}, {counted(errors.not_scored, 'other')} not; alignment: {errors.alignment}\n"
         f"{scored_words(len(errors.views_scored), errors.views_calibrated_on)}"
     )
     table = Table("error against truth", "mm", caption=caption)
@@ -124,7 +125,7 @@ def _of_lengths(errors: "LengthErrors") -> object:
     from labcal.evaluate.scored_views import scored_words
 
     told = scored_words(len(errors.views_scored), errors.views_calibrated_on)
-    table = Table("error of lengths on the target", "", caption=f"{errors.n} lengths in {told}")
+    table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {told}")
     table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")

@@ -110,6 +110,10 @@ class FitResult:
     """How the target was placed; null where a stage told."""
     warnings: list[str]
     """What was not as it should be with the dots that were taught."""
+    calibrated_on: list[str]
+    """Views that the methods were taught."""
+    held_out: list[str]
+    """Views that they were not, since they are to be scored."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -120,6 +124,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.solve.model_file import KIND
+    from labcal.wording import listed
     from labcal.workflow import taught
 
     estimators = _estimators(arguments)
@@ -136,6 +141,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         )
     if centred.reason is not None:
         session.say(f"centroids are taken as they are: {centred.reason}")
+    if training.held_out:
+        session.say(f"left out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
     with session.progress() as progress:
         learned = taught(training, estimators, fit_settings(arguments), progress)
     results, fitted = [], []
@@ -151,7 +158,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             for told in _blind(model):
                 session.warn(_named(estimator.method, told))
     _save_all(fitted, force=arguments.force)
-    result = FitResult(results, centred.bias, centred.reason, handheld, list(training.warnings))
+    result = FitResult(
+        results,
+        centred.bias,
+        centred.reason,
+        handheld,
+        list(training.warnings),
+        list(training.calibrated_on),
+        list(training.held_out),
+    )
     session.emit(result, _table(result, rehearsed=not arguments.no_rehearsal))
     failed = len(results) - len(fitted)
     if failed == len(results):

@@ -22,7 +22,8 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
     A shoot brings its own target where none is given. Pictures without ids are told as warnings.
     """
     from labcal.correspond.detections import read_detections
-    from labcal.correspond.measure import detections_of
+    from labcal.correspond.measure import detections_of, refusals
+    from labcal.correspond.refused_pictures import shared_reasons
     from labcal.correspond.sources import shoot_sources
     from labcal.shoot.dataset import open_shoot
     from labcal.workflow import measure
@@ -34,10 +35,10 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
     say_whether_compiling(session)
     with session.progress() as progress:
         measurements = measure(shoot_sources(shoot), target or shoot.target, workers, progress)
-    for found in measurements:
-        if found.reason is not None:
-            session.warn(f"{found.source.image}: {found.reason}")
-    return detections_of(measurements)
+    found = detections_of(measurements)
+    for shared in shared_reasons(refusals(measurements)):
+        session.warn(shared.words)
+    return found
 
 
 def shoot_or_none(source: str) -> "Shoot | None":
@@ -64,6 +65,27 @@ def dots_of(arguments: Namespace, target: "AnyTarget", session: Session) -> "Det
     if shoot_or_none(arguments.source) is None:
         raise InputError("--detections goes with the folder of a shoot. Give the table alone.")
     return read_detections(arguments.detections)
+
+
+def say_roles(detections: "Detections", verb: str, session: Session) -> None:
+    """Say where a table is of a shoot that has views to test on, since all views in the table enter."""
+    from labcal.errors import InputError
+    from labcal.shoot.dataset import is_shoot, open_shoot
+    from labcal.shoot.manifest import Role
+    from labcal.wording import listed
+
+    home = Path(str(detections.image[0])).parent.parent if len(detections) else Path()
+    if not is_shoot(home):
+        return
+    try:
+        tested = [view.name for view in open_shoot(home).views(Role.TEST) if view.name in detections.views]
+    except InputError:  # nothing is wanted of that shoot
+        return
+    if tested:
+        session.warn(
+            f"the views {listed(tested)} enter, which the shoot {home} keeps to test on. To leave them "
+            f"out: labcal {verb} {home} --detections TABLE"
+        )
 
 
 def require_shoot_or_table(source: str) -> None:
@@ -123,7 +145,7 @@ def say_whether_compiling(session: Session) -> None:
         session.say("The detector is compiled for this machine now, once: it takes about half a minute.")
 
 
-def pictures_and_target(arguments: Namespace) -> "tuple[list[Source], AnyTarget]":
+def pictures_and_target(arguments: Namespace, session: Session) -> "tuple[list[Source], AnyTarget]":
     """Return the pictures that a command is given, and the target that they show.
 
     Raises
@@ -133,11 +155,27 @@ def pictures_and_target(arguments: Namespace) -> "tuple[list[Source], AnyTarget]
     UnknownNameError
         There is no target of that name.
     """
+    return pictures_given(arguments, session), choose_target(arguments.target, arguments.pictures)
+
+
+def pictures_given(arguments: Namespace, session: Session) -> "list[Source]":
+    """Return the pictures that a command is given; those in folders that are left out are told as warnings.
+
+    Raises
+    ------
+    InputError
+        There are none, or their names do not tell which camera took them.
+    """
+    from labcal.correspond.pictures_left_out import left_out_words
     from labcal.correspond.sources import find_sources, parse_camera_endings
+    from labcal.shoot.dataset import is_shoot
 
     refuse_endings_of_shoot(arguments)
     endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
-    return find_sources(arguments.pictures, endings), choose_target(arguments.target, arguments.pictures)
+    if not (len(arguments.pictures) == 1 and is_shoot(Path(arguments.pictures[0]))):
+        for told in left_out_words(arguments.pictures):
+            session.warn(told)
+    return find_sources(arguments.pictures, endings)
 
 
 def refuse_endings_of_shoot(arguments: Namespace) -> None:

@@ -76,9 +76,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
     from labcal.run.claims import claim_outputs
     from labcal.shoot.pictures import picture_output, write_single_picture
+    from labcal.wording import counted
     from labcal.workflow import measure
 
-    sources, target = pictures_and_target(arguments)
+    sources, target = pictures_and_target(arguments, session)
     read = paths_read([*arguments.pictures, arguments.target], sources)
     claim_outputs([picture_output(arguments.output)], read, force=arguments.force)
     roles = _roles(arguments.pictures)
@@ -107,7 +108,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         coverages.append(SheetCoverage(title, size, cells))
     views = len({found.source.view for found in measurements})
     place = Path(os.path.realpath(arguments.pictures[0])).name  # of a loop of links, too
-    heading = f"{place}: {target.name}, {views} views, {len(tiles)} pictures"
+    heading = f"{place}: {target.name}, {counted(views, 'view')}, {counted(len(tiles), 'picture')}"
     sheet = contact_sheet(heading, layout, tiles, coverages)
     write_single_picture(arguments.output, sheet, force=arguments.force)
     result = InspectResult(str(arguments.output), pictures, cameras)
@@ -164,10 +165,23 @@ def _inspect(
 def _table(result: InspectResult, expected: int) -> object:
     from rich.table import Table
 
+    from labcal.cli.console import name_column
+    from labcal.correspond.refused_pictures import shared_reasons
+
+    shared = shared_reasons([(one.image, one.reason) for one in result.pictures if one.reason is not None])
+    told = [reason.words for reason in shared]
     cameras = "; ".join(f"{name}: {camera.coverage:.0%}" for name, camera in result.cameras.items())
     caption = f"{result.sheet}\nshare of the picture where dots were found: {cameras}"
     table = Table(
-        "view", "camera", "role", "median", "full scale", "sharpness, 1/px", "dots", caption=caption
+        name_column("view"),
+        name_column("camera"),
+        "role",
+        "median",
+        "full scale",
+        "sharpness, 1/px",
+        "dots",
+        caption="\n".join([*told, caption]),
+        caption_justify="left",
     )
     for picture in result.pictures:
         exposure = ("-", "-", "-")
@@ -177,6 +191,6 @@ def _table(result: InspectResult, expected: int) -> object:
                 f"{picture.saturated_share:.2%}",
                 f"{picture.sharpness:.3f}",
             )
-        dots = picture.reason or f"{picture.dots} of {expected}"
+        dots = f"{picture.dots} of {expected}" if picture.reason is None else "refused, see below"
         table.add_row(picture.view, picture.camera, picture.role or "-", *exposure, dots)
     return table

@@ -12,7 +12,10 @@ def lens_table(choice: "LensChoice") -> "Table":
     """Return the table of the models that were tried, the chosen one marked."""
     from rich.table import Table
 
-    table = Table("lens", "RMS held out [px]", "worse than the best by [px\u00b2]", "", title="lens models")
+    from labcal.cli.console import name_column
+
+    worse_by = "worse than the best by [px\u00b2]"
+    table = Table(name_column("lens"), "RMS held out [px]", worse_by, "", title="lens models")
     for trial in choice.trials:
         if trial.refused is not None:
             table.add_row(trial.lens, "", "", trial.refused, style="dim")

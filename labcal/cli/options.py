@@ -97,7 +97,8 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
         type=positive_number,
         default=usable_cores(),
         metavar="N",
-        help="processes at work (default %(default)s, the cores here); the results are the same for any",
+        help="processes at work (default %(default)s, the cores here); the results are the same for any. "
+        "With 1 all is done in the program itself, which a picture that makes a library crash would end",
     )
 
 

@@ -7,6 +7,7 @@ from labcal.cli.options import add_output, add_seed, add_workers, positive_numbe
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.wording import counted
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -60,5 +61,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         shoot = render_shoot(scene, arguments.output, settings, progress)
     images = sum(len(view.images) for view in shoot.views())
     result = RenderResult(str(arguments.output), len(shoot.views()), images)
-    session.emit(result, f"{arguments.output}: {result.images} pictures of {result.views} views.")
+    session.emit(
+        result, f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
+    )
     return ExitStatus.DONE

@@ -7,6 +7,7 @@ from pathlib import Path
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.wording import counted
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -50,5 +51,5 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     missing = missing_pictures(result, arguments.folder)
     for file in missing:
         session.warn(f"The picture {file} cannot be shown on the page.")
-    session.emit(ReportResult(str(page), missing), f"{page}: {len(result.rows)} rows.")
+    session.emit(ReportResult(str(page), missing), f"{page}: {counted(len(result.rows), 'row')}.")
     return ExitStatus.PARTIAL if missing else ExitStatus.DONE

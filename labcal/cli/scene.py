@@ -7,6 +7,7 @@ from labcal.cli.options import add_output, add_seed
 from labcal.cli.parser import CommandGroup, Parser
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.wording import counted
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -90,6 +91,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     """List the shipped scenes."""
     from rich.table import Table
 
+    from labcal.cli.console import name_column
     from labcal.scene.catalogue import load_scene, scene_names
     from labcal.scene.views import planned_views
 
@@ -100,7 +102,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
         entries.append(
             SceneEntry(name, scene.target.name, sizes, len(planned_views(scene, 0)), scene.description)
         )
-    table = Table("scene", "target", "cameras", "views", "what it is")
+    table = Table(name_column("scene"), name_column("target"), "cameras", "views", "what it is")
     for entry in entries:
         cameras = ", ".join(f"{camera} {w} x {h}" for camera, (w, h) in entry.cameras.items())
         table.add_row(entry.name, entry.target, cameras, str(entry.views), entry.description)
@@ -127,7 +129,8 @@ def run_check(arguments: Namespace, session: Session) -> ExitStatus:
     check_scene(scene, arguments.seed)
     views = [view.name for view in planned_views(scene, arguments.seed)]
     session.emit(
-        SceneCheck(scene.name, ok=True, views=views), f"{scene.name}: {len(views)} views, nothing wrong."
+        SceneCheck(scene.name, ok=True, views=views),
+        f"{scene.name}: {counted(len(views), 'view')}, nothing wrong.",
     )
     return ExitStatus.DONE
 
@@ -141,5 +144,5 @@ def run_gallery(arguments: Namespace, session: Session) -> ExitStatus:
     with session.progress() as progress:
         scenes = make_gallery(arguments.output, arguments.seed, progress, force=arguments.force)
     page = str(arguments.output / "README.md")
-    session.emit(SceneGallery(page, scenes), f"{page}: {len(scenes)} scenes.")
+    session.emit(SceneGallery(page, scenes), f"{page}: {counted(len(scenes), 'scene')}.")
     return ExitStatus.DONE

@@ -62,10 +62,11 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     """List the shipped targets."""
     from rich.table import Table
 
+    from labcal.cli.console import name_column
     from labcal.targets.catalogue import load_target, target_names
 
     targets = [load_target(name) for name in target_names()]
-    table = Table("target", "dots", "pitch [mm]", "dot [mm]", "what it is")
+    table = Table(name_column("target"), "dots", "pitch [mm]", "dot [mm]", "what it is")
     for target in targets:
         table.add_row(target.name, f"{target.cols} x {target.rows}", *_sizes(target), target.description)
     session.emit(TargetList(targets), table)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from labcal.cli.session import Session
+from labcal.wording import counted
 
 if TYPE_CHECKING:
     from labcal.cli.inconsistent_result import InconsistentResult
@@ -30,10 +31,11 @@ class HandheldResult:
     def words(self) -> str:
         """Return it for people."""
         freed = "with" if self.free_dots else "without"
+        views, left_out = counted(self.views, "view"), counted(len(self.left_out), "picture")
         return (
-            f"the target was held: a bundle adjustment of {self.views} views ({len(self.left_out)} pictures "
-            f"left out), lens {self.lens}, {freed} free dots, left an RMS of {self.rms_px:.4f} px and "
-            f"{self.outlier_count} outliers; the first camera is the world"
+            f"the target was held: a bundle adjustment of {views} ({left_out} left out), lens {self.lens}, "
+            f"{freed} free dots, left an RMS of {self.rms_px:.4f} px and "
+            f"{counted(self.outlier_count, 'outlier')}; the first camera is the world"
         )
 
 
@@ -45,7 +47,7 @@ def read_training(arguments: Namespace, session: Session) -> "Training":
     InputError
         As of :func:`~labcal.workflow.training_of`, or an option does not go with the source.
     """
-    from labcal.cli.inputs import choose_target, dots_of, refuse_idle_workers, shoot_or_none
+    from labcal.cli.inputs import choose_target, dots_of, refuse_idle_workers, say_roles, shoot_or_none
     from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
     from labcal.solve.taught import on_stage
@@ -65,6 +67,8 @@ def read_training(arguments: Namespace, session: Session) -> "Training":
     settings = fit_settings(arguments)
     if arguments.hold_out is not None:
         settings = replace(settings, hold_out=parse_hold_out(arguments.hold_out, detections.views))
+    elif shoot is None:
+        say_roles(detections, "fit", session)
     with session.progress() as progress:
         training = training_of(source or target, detections, settings, progress)
     for warning in training.warnings:

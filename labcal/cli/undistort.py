@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.inputs import paths_read, refuse_endings_of_shoot
+from labcal.cli.inputs import paths_read, pictures_given
 from labcal.cli.options import add_output, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -87,17 +87,16 @@ class UndistortResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Resample all pictures and write them with the maps and the new cameras."""
     from labcal.cameras.rig import Rig, contradiction_note, read_rig, write_rig
-    from labcal.correspond.sources import find_sources, parse_camera_endings
+    from labcal.correspond.refused_pictures import no_picture_left, shared_reasons
     from labcal.errors import InputError
     from labcal.run.claims import FolderOutput, claim_outputs
     from labcal.run.unfinished import abandon, unfinished_folder
+    from labcal.wording import counted
 
     rig = read_rig(arguments.model)
-    refuse_endings_of_shoot(arguments)
     if arguments.rectify:
         refuse_option(arguments, "whole", "is what --rectify does anyway")
-    endings = parse_camera_endings(arguments.cameras) if arguments.cameras else {}
-    sources = [_with_camera(source, rig) for source in find_sources(arguments.pictures, endings)]
+    sources = [_with_camera(source, rig) for source in pictures_given(arguments, session)]
     names = list(dict.fromkeys(source.camera for source in sources))
     if all(rig.camera(name).optics.central for name in names):
         refuse_option(arguments, "distance_mm", "is for a lens prescription or a flat window; there is none")
@@ -121,17 +120,17 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                 try:
                     written.append(_write_picture(working, source, rig, maps.get(source.camera)))
                 except InputError as error:
-                    skipped.append(str(error))
+                    skipped.append((source.image, str(error)))
                 progress.advance()
         if not written:
             abandon(working)  # nothing in it is of use to a better command
-            raise InputError(f"None of the {len(sources)} pictures can be used. {skipped[0]}")
-    for reason in skipped:
-        session.warn(reason)
+            raise no_picture_left(skipped)
+    for shared in shared_reasons(skipped):
+        session.warn(shared.words)
     if told := contradiction_note(rig):
         session.warn(told)
-    result = UndistortResult(str(arguments.output), written, list(ideals), skipped)
-    session.emit(result, f"{arguments.output}: {len(written)} pictures of {', '.join(ideals)}.")
+    result = UndistortResult(str(arguments.output), written, list(ideals), [reason for _, reason in skipped])
+    session.emit(result, f"{arguments.output}: {counted(len(written), 'picture')} of {', '.join(ideals)}.")
     return ExitStatus.PARTIAL if skipped or told else ExitStatus.DONE
 
 

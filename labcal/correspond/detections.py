@@ -3,22 +3,20 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import isnan
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.bounds import LONGEST_SIDE_PX, MOST_INDEX
-from labcal.correspond.sense import measured_soundly, refuse_contradictions
+from labcal.bounds import MOST_INDEX
+from labcal.correspond.sense import PicturesOfLines, covaries_soundly, near_picture
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.run.file_kinds import beginning_with
-from labcal.run.names import is_name
-from labcal.run.tables import damaged_line, read_table, table_text
-from labcal.wording import has_control
+from labcal.run.table_columns import TableLines, table_parts
+from labcal.run.tables import refuse_twice, table_text
 
 HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
@@ -190,45 +188,54 @@ def read_detections(path: Path) -> Detections:
         It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
         picture, or a picture has two names or sizes; the line is named.
     """
-    lines = read_table(HEADER, "detections", path)
-    flags = {flag.value for flag in DotFlag}
-    figures = np.full((len(lines), 5), np.nan)
-    whole = np.zeros((len(lines), 4), dtype=np.int64)
-    has_id = np.zeros(len(lines), dtype=bool)
-    for i, line in enumerate(lines):
-        try:
-            view, camera, image, width, height, col, row, x, y, xx, xy, yy, flag = line
-            has_id[i] = col != "" and row != ""
-            size, index = (int(width), int(height)), (int(col or 0), int(row or 0))
-            values = [float(v) for v in (x, y, xx, xy, yy)]
-            sound = (
-                flag in flags
-                and is_name(camera)
-                and not (has_control(view) or has_control(image))
-                and 1 <= min(size) <= max(size) <= LONGEST_SIDE_PX
-                and max(map(abs, index)) <= MOST_INDEX
-            )
-            whole[i], figures[i] = (*size, *index), values
-        except (ValueError, OverflowError):
-            sound = False
-        measured = sound and measured_soundly(size, values)
-        missing = sound and all(map(isnan, values))
-        if (
-            not sound
-            or not (measured or missing)
-            or (flag == DotFlag.OK.value and not (measured and has_id[i]))
-        ):
-            raise damaged_line(path, i, line)
-    refuse_contradictions(path, lines, whole, has_id)
-    names = np.array([line[:3] for line in lines], dtype=np.str_).reshape(-1, 3)
+    pictures = PicturesOfLines(path)
+    read = [_columns(part, pictures) for part in table_parts(HEADER, "detections", path)]
+    if read:
+        picture, index, has_id, figures, flag = (np.concatenate(column) for column in zip(*read, strict=True))
+    else:
+        picture, index, has_id, figures, flag = _NO_LINES
+    keys = np.column_stack([np.where(has_id, picture, -1), index + MOST_INDEX])
+    refuse_twice(path, keys, "dot of a picture")
     return Detections(
-        view=names[:, 0],
-        camera=names[:, 1],
-        image=names[:, 2],
-        size=whole[:, :2],
-        index=whole[:, 2:],
+        view=pictures.column("view", picture),
+        camera=pictures.column("camera", picture),
+        image=pictures.column("image", picture),
+        size=pictures.sizes(picture),
+        index=index,
         has_id=has_id,
         position=figures[:, :2],
         covariance=figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
-        flag=np.array([line[-1] for line in lines], dtype=np.str_),
+        flag=flag,
     )
+
+
+_NO_LINES = (
+    np.empty(0, dtype=np.int64),
+    np.empty((0, 2), dtype=np.int64),
+    np.empty(0, dtype=bool),
+    np.empty((0, 5)),
+    np.empty(0, dtype=np.str_),
+)
+
+
+def _columns(
+    part: TableLines, pictures: PicturesOfLines
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return picture, (col, row), whether there is one, figures and flag of lines; raise at a damaged one."""
+    picture = pictures.numbers(part)
+    size = pictures.sizes(picture)
+    index = part.whole(("col", "row"), empty="0")
+    has_id = np.array([line[5] != "" and line[6] != "" for line in part.lines])
+    figures = part.figures(HEADER[7:12])
+    flag = np.array(part.column("flag"), dtype=object)  # of any length until it is known
+    ok, missing = flag == DotFlag.OK.value, np.isnan(figures).all(axis=1)
+    part.require(np.isin(flag, list(_FLAGS)), f"its flag should be one of {', '.join(sorted(_FLAGS))}")
+    part.require((np.abs(index) <= MOST_INDEX).all(axis=1), f"col and row are at most {MOST_INDEX}")
+    part.require(missing | near_picture(size, figures[:, :2]), "it is far outside of its picture")
+    part.require(missing | covaries_soundly(size, figures[:, 2:]), "its covariance is none")
+    part.require(~ok | (has_id & ~missing), "what is flagged 'ok' has a column, a row and a position")
+    part.refuse()
+    return picture, index, has_id, figures, flag.astype(np.str_)
+
+
+_FLAGS = frozenset(flag.value for flag in DotFlag)

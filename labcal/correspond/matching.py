@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -35,9 +36,25 @@ class Matches:
         """Positions as columns x1 y1 x2 y2 ..., px."""
         return self.q.reshape(len(self.q), 2 * len(self.cameras))
 
+    @cached_property
+    def rows_by_view(self) -> dict[str, Int64[np.ndarray, " rows"]]:
+        """The numbers of the lines of each view, views in order of appearance."""
+        return rows_by_name(self.view)
+
     def where(self, mask: np.ndarray) -> "Matches":
         """Return the lines where the mask holds."""
         return Matches(self.cameras, self.view[mask], self.index[mask], self.q[mask], self.covariance[mask])
+
+
+def rows_by_name(names: np.ndarray) -> dict[str, Int64[np.ndarray, " rows"]]:
+    """Return which elements of an array of str are each name, names in order of appearance.
+
+    Comparing the array with every name in turn takes minutes where a table has thousands of views.
+    """
+    each, first, number = np.unique(names, return_index=True, return_inverse=True)
+    order = np.argsort(number, kind="stable")
+    rows = np.split(order, np.searchsorted(number[order], np.arange(1, len(each))))
+    return {str(each[at]): rows[at] for at in np.argsort(first).tolist()}
 
 
 def match(detections: Detections, cameras: Sequence[str]) -> Matches:
@@ -119,7 +136,7 @@ def stage_points(matches: Matches, target: Target, T_world_target: Mapping[str, 
     """
     p_target = target.points(matches.index)
     p = np.full(p_target.shape, np.nan)
-    for view, T in T_world_target.items():
-        mask = matches.view == view
-        p[mask] = transform(T, p_target[mask])
+    for view, rows in matches.rows_by_view.items():
+        if view in T_world_target:
+            p[rows] = transform(T_world_target[view], p_target[rows])
     return p

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 
 from labcal.correspond.detections import Detections, gather
+from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
 from labcal.correspond.way_up import settle_way_up
 from labcal.detect.detector import detect_dots
@@ -105,6 +106,11 @@ def measure_pictures(
     ]
 
 
+def refusals(measurements: Sequence[Measurement]) -> list[tuple[str, str]]:
+    """Return which pictures have no ids, as given, and why."""
+    return [(found.source.image, found.reason) for found in measurements if found.reason is not None]
+
+
 def detections_of(measurements: Sequence[Measurement]) -> Detections:
     """Return one table of all dots in the pictures that could be read.
 
@@ -115,5 +121,5 @@ def detections_of(measurements: Sequence[Measurement]) -> Detections:
     """
     readable = [(found.source, found.dots) for found in measurements if found.dots is not None]
     if not readable:
-        raise InputError(f"None of the {len(measurements)} pictures can be used. {measurements[0].reason}")
+        raise no_picture_left(refusals(measurements))
     return gather([source for source, _ in readable], [dots for _, dots in readable])

@@ -2,16 +2,18 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Float64, Int64
 
 from labcal.arrays import PointCovariances, Points
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.geometry.covariances import stated_soundly
 from labcal.run.file_kinds import beginning_with
-from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
+from labcal.run.table_columns import TableLines, names_of_lines, table_parts
+from labcal.run.tables import refuse_twice, table_text
 from labcal.wording import has_control
 
 HEADER = (
@@ -81,36 +83,56 @@ def read_points(path: Path) -> ReconstructedPoints:
         It cannot be read, has other columns, a line in it is damaged, or two are of the same dot of a view;
         the line is named.
     """
-    lines = read_table(HEADER, "points", path)
-    flags = {flag.value for flag in PointFlag}
-    index = np.zeros((len(lines), 2), dtype=np.int64)
-    figures = np.full((len(lines), 9), np.nan)
-    for i, line in enumerate(lines):
-        try:
-            view, col, row, X, Y, Z, xx, xy, xz, yy, yz, zz, flag = line
-            index[i] = [int(col), int(row)]
-            figures[i] = [float(v) for v in (X, Y, Z, xx, xy, xz, yy, yz, zz)]
-            sound = flag in flags and not has_control(view) and np.abs(index[i]).max() <= MOST_INDEX
-        except (ValueError, OverflowError):
-            sound = False
-        place = figures[i, :3]
-        missing = flag == PointFlag.NO_SOLUTION.value and np.isnan(place).all() if sound else False
-        if not sound or not (missing or np.all(np.abs(place) <= MOST_MM)):
-            raise damaged_line(path, i, line)
-    covariance = np.empty((len(figures), 3, 3))
-    covariance[:, _UPPER[0], _UPPER[1]] = figures[:, 3:]
-    covariance[:, _UPPER[1], _UPPER[0]] = figures[:, 3:]
-    unsound = ~stated_soundly(covariance, MOST_MM**2)
-    if unsound.any():
-        at = int(np.argmax(unsound))
-        raise damaged_line(path, at, lines[at], "its covariance is none")
-    refuse_twice(
-        path, [(line[0], *place) for line, place in zip(lines, index.tolist(), strict=True)], "dot of a view"
+    views: dict[str, int] = {}
+    read = [_columns(part, views) for part in table_parts(HEADER, "points", path)]
+    view, index, figures, flag = (
+        (np.concatenate(column) for column in zip(*read, strict=True)) if read else _NO_LINES
     )
+    refuse_twice(path, np.column_stack([view, index + MOST_INDEX]), "dot of a view")
     return ReconstructedPoints(
-        view=np.array([line[0] for line in lines], dtype=np.str_),
+        view=names_of_lines(path, list(views), view),
         index=index,
         point=figures[:, :3],
-        covariance=covariance,
-        flag=np.array([line[-1] for line in lines], dtype=np.str_),
+        covariance=_matrices(figures[:, 3:]),
+        flag=flag,
     )
+
+
+_NO_LINES = (
+    np.empty(0, dtype=np.int64),
+    np.empty((0, 2), dtype=np.int64),
+    np.empty((0, 9)),
+    np.empty(0, dtype=np.str_),
+)
+
+
+def _columns(
+    part: TableLines, views: dict[str, int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return number of the view, (col, row), figures and flag of lines; raise at a damaged one."""
+    names = part.column("view")
+    known = len(views)
+    view = np.array([views.setdefault(name, len(views)) for name in names], dtype=np.int64)
+    hidden = [number for number, name in enumerate(islice(views, known, None), known) if has_control(name)]
+    index, figures = part.whole(("col", "row")), part.figures(HEADER[3:12])
+    flag = np.array(part.column("flag"), dtype=object)  # of any length until it is known
+    part.require(~np.isin(view, hidden), "the view's name has control characters")
+    part.require(np.isin(flag, list(_FLAGS)), f"its flag should be one of {', '.join(sorted(_FLAGS))}")
+    part.require((np.abs(index) <= MOST_INDEX).all(axis=1), f"col and row are at most {MOST_INDEX}")
+    missing = (flag == PointFlag.NO_SOLUTION.value) & np.isnan(figures[:, :3]).all(axis=1)
+    near = (np.abs(figures[:, :3]) <= MOST_MM).all(axis=1)
+    part.require(missing | near, f"coordinates are numbers of at most {MOST_MM:g} mm")
+    part.require(stated_soundly(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
+    part.refuse()
+    return view, index, figures, flag.astype(np.str_)
+
+
+def _matrices(upper: Float64[np.ndarray, "n 6"]) -> Float64[np.ndarray, "n 3 3"]:
+    """Return symmetric matrices from their upper triangles."""
+    covariance = np.empty((len(upper), 3, 3))
+    covariance[:, _UPPER[0], _UPPER[1]] = upper
+    covariance[:, _UPPER[1], _UPPER[0]] = upper
+    return covariance
+
+
+_FLAGS = frozenset(flag.value for flag in PointFlag)

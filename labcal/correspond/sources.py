@@ -9,10 +9,10 @@ import numpy as np
 from labcal.correspond.name_patterns import ANY, best_pattern, view_in
 from labcal.correspond.named_cameras import named_cameras
 from labcal.errors import InputError
-from labcal.run.names import is_name
+from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
-from labcal.wording import clipped, has_control, printable
+from labcal.wording import clipped, has_control, listed, printable
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,9 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     Raises
     ------
     InputError
-        A path does not exist, a name fits no ending, two pictures are the same view of the same camera,
-        there is no picture at all, or names tell of several cameras and `endings` is empty.
+        A path does not exist, a name fits no ending, two pictures are the same view of the same camera, views
+        or cameras differ only in capital letters, there is no picture at all, or names tell of several
+        cameras and `endings` is empty.
     """
     sources: dict[tuple[str, str], Source] = {}
     images = _files(paths)
@@ -113,7 +114,14 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
                 "Give them different names, or tell the cameras apart with --cameras '_0=left,_1=right'."
             )
     if not sources:
-        raise InputError(f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {', '.join(paths)}.")
+        raise InputError(f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}.")
+    for kind in ("view", "camera"):
+        alike = differ_in_case(dict.fromkeys(str(getattr(source, kind)) for source in sources.values()))
+        if alike is not None:
+            raise InputError(
+                f"The {kind}s '{alike[0]}' and '{alike[1]}' differ only in capital letters, so that their "
+                "files would be the same ones on many disks. Rename the pictures of one of them."
+            )
     return [sources[key] for key in sorted(sources)]
 
 
@@ -154,17 +162,19 @@ def _files(paths: Sequence[str]) -> list[str]:
     for given in paths:
         path = Path(given)
         if path.is_dir():
-            found += _pictures_in(path) or [
-                image
-                for folder in sorted(path.iterdir())
-                if folder.is_dir()
-                for image in _pictures_in(folder)
-            ]
+            found += [image for folder in picture_folders(path) for image in _pictures_in(folder)]
         elif path.is_file():
             found.append(given)
         else:
             raise InputError(f"There is no picture or folder {given}.")
     return found
+
+
+def picture_folders(folder: Path) -> list[Path]:
+    """Return the folders whose pictures a folder stands for: itself, or those in it where it has none."""
+    if _pictures_in(folder):
+        return [folder]
+    return [folder, *(entry for entry in sorted(folder.iterdir()) if entry.is_dir())]
 
 
 def _pictures_in(folder: Path) -> list[str]:

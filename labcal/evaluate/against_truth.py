@@ -20,7 +20,7 @@ from labcal.geometry.poses import rigid_alignment, transform
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.truth import Truth, read_true_dots, read_truth
-from labcal.wording import listed
+from labcal.wording import counted, listed
 
 _HULL_TOLERANCE_MM = 1e-3
 
@@ -100,7 +100,7 @@ def errors_against_truth(
     counts, scored = _scored(points, true, shoot, views)
     counts &= np.isfinite(points.point).all(axis=1) & np.isfinite(true).all(axis=1)
     if not counts.any():
-        raise InputError(f"None of the {len(points)} points can be scored; {scored} would be.")
+        raise InputError(f"None of the {counted(len(points), 'point')} can be scored; {scored} would be.")
     kept, true = points.where(counts), true[counts]
     alignment = alignment or ("none" if shoot.nominal_poses() else "rigid")
     predicted, covariance = kept.point, kept.covariance

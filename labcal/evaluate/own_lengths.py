@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import pdist
 
+from labcal.correspond.matching import rows_by_name
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
 from labcal.evaluate.scored_views import ScoredViews, scored_warnings
@@ -77,8 +78,10 @@ def errors_of_lengths(
     scored = ScoredViews.of(points.view, learned)
     counted &= scored.holds(points.view)
     measured, nominal = [], []
-    for view in dict.fromkeys(points.view[counted].tolist()):
-        rows = counted & (points.view == view)
+    for lines in rows_by_name(points.view).values():
+        rows = lines[counted[lines]]
+        if len(rows) == 0:
+            continue
         measured.append(pdist(points.point[rows]))
         nominal.append(pdist(places[numbers[rows]]))
     lengths = np.concatenate(measured) if measured else np.zeros(0)

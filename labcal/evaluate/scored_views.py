@@ -8,6 +8,7 @@ import numpy as np
 from labcal.arrays import Mask
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
+from labcal.wording import counted
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,9 @@ class ScoredViews:
 
 def scored_words(scored: int, calibrated_on: int | None) -> str:
     """Return which views are scored, for people: how many, and how many of these were learned from."""
-    views = f"{scored} view{'' if scored == 1 else 's'}"
+    views = counted(scored, "view")
     if calibrated_on is None:
-        return f"{views}; not known whether the cameras were calibrated from them ('--rig rig.json' tells)"
+        return f"{views}; not known whether the cameras were calibrated from them (--rig RIG-or-MODEL tells)"
     if calibrated_on:
         return f"{views}, all of them calibrated from: circular, no check of how right the points are"
     return f"{views} held out from the calibration"
@@ -78,7 +79,7 @@ def scored_warnings(n_ok: int, calibrated_on: int | None) -> tuple[str, ...]:
         warnings.append(
             "these figures are circular: by their names, all views that are scored are views that the "
             "cameras were calibrated from. They tell how well the calibration repeats itself, not how right "
-            "it is. Score other views: 'labcal calibrate --hold-out 2' keeps two for that."
+            "it is. Score other views: '--hold-out 2' of 'labcal calibrate' or 'fit' keeps two."
         )
     if n_ok == 0:
         warnings.append("not one of the points that are scored is flagged 'ok'")

@@ -1,7 +1,9 @@
 """Files read whole: regular files of a sensible size, and nothing that waits or never ends."""
 
+import codecs
 import errno
 import os
+import re
 import stat
 from pathlib import Path
 
@@ -13,6 +15,21 @@ MOST_OF_A_DOCUMENT = 2**24
 """Bytes of a JSON file."""
 MOST_OF_A_TABLE = 2**27
 """Bytes of a CSV file: a million dots."""
+
+_PIECE = 2**20
+"""Bytes read at a time beyond the size that a file states: it may be growing, or state none."""
+_BEGINNING = 1024
+_BEGINNINGS = {
+    "a model that 'labcal fit' wrote": re.compile(rb'.{7}\0\{\s*"__metadata__"', re.DOTALL),
+    "a PNG picture": re.compile(rb"\x89PNG\r\n"),
+    "a JPEG picture": re.compile(rb"\xff\xd8\xff"),
+    "a TIFF picture": re.compile(rb"II\*\0|MM\0\*"),
+    "an OpenEXR picture": re.compile(rb"\x76\x2f\x31\x01"),
+    "a PDF document": re.compile(rb"%PDF-"),
+    "a ZIP archive (or a spreadsheet, which programs save as CSV, too)": re.compile(rb"PK\x03\x04"),
+    "compressed with gzip": re.compile(rb"\x1f\x8b"),
+}
+"""How files that are no text in UTF-8 begin, by their kind, for messages."""
 
 
 def require_file(path: Path, what: str, most: int) -> None:
@@ -55,7 +72,9 @@ def read_bytes(path: Path, what: str, most: int) -> bytes:
     require_file(path, what, most)
     try:
         with path.open("rb") as handle:
-            data = handle.read(most + 1)
+            data = handle.read(os.fstat(handle.fileno()).st_size)  # what is asked for is set aside at once
+            while len(data) <= most and (more := handle.read(_PIECE)):
+                data += more
     except OSError as error:
         raise InputError(f"The {what} {path} cannot be read: {error.strerror or error}.") from error
     if len(data) > most:  # a file that says it is empty may go on for ever
@@ -71,7 +90,23 @@ def read_text(path: Path, what: str, most: int) -> str:
     InputError
         As of :func:`require_file`, or it is no such text.
     """
+    data = read_bytes(path, what, most)
     try:
-        return read_bytes(path, what, most).decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"The {what} {path} cannot be read: {error}. Save it as UTF-8.") from error
+        raise no_text(what, path, data) from error
+
+
+def no_text(what: str, path: Path, data: bytes) -> InputError:
+    """Return the error for a file that should hold text in UTF-8 and does not, with what it holds instead."""
+    if data[:2] in {codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE}:
+        return InputError(f"The {what} {path} cannot be read: it is a text in UTF-16. Save it as UTF-8.")
+    kind = next((kind for kind, begins in _BEGINNINGS.items() if begins.match(data)), None)
+    if kind is None:
+        begins = data[:_BEGINNING]
+        if b"\0" not in begins and not any(byte < 9 for byte in begins):  # noqa: PLR2004 -- below the tab
+            return InputError(
+                f"The {what} {path} cannot be read: it is a text, but not in UTF-8. Save it as UTF-8."
+            )
+        kind = "a binary file"
+    return InputError(f"The {what} {path} cannot be read: it is {kind}, not a text. Give another file.")

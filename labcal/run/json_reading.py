@@ -1,6 +1,7 @@
 """JSON as it is read here: every key once, numbers that are finite, and not too deep."""
 
 import json
+from collections import Counter
 from typing import Any, NoReturn, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -51,8 +52,8 @@ def read_json(model: type[Document], text: str, source: str) -> Document:
 def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     content = dict(pairs)
     if len(content) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
+        number = Counter(key for key, _ in pairs)
+        twice = next(key for key, times in number.items() if times > 1)
         raise ValueError(f"the key {shown(twice)} stands twice in one object")
     return content
 

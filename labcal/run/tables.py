@@ -6,9 +6,15 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Int64
+
 from labcal.errors import InputError
-from labcal.run.file_reading import MOST_OF_A_TABLE, read_text
-from labcal.wording import clipped
+from labcal.run.file_reading import MOST_OF_A_TABLE, no_text, read_bytes
+from labcal.wording import clipped, counted
+
+MOST_LINES = 2_000_000
+"""Of a table: all the dots of thousands of pictures."""
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 """How a text begins that a spreadsheet would take for a formula, after any marks that it is a text."""
@@ -39,11 +45,13 @@ def _cell(value: object) -> object:
 
 def _value(cell: str) -> str:
     """Return the text that a cell stands for."""
-    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
+    return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
 
 
-def read_table(header: Sequence[str], what: str, path: Path) -> list[list[str]]:
-    """Read the lines of a table after its header, as text.
+def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[str]]:
+    """Yield the lines of a table after its header, as text; what is wrong is told when it is come to.
+
+    A table may hold millions of lines, so that a reader should refuse a bad one when it has it in hand.
 
     Parameters
     ----------
@@ -53,29 +61,43 @@ def read_table(header: Sequence[str], what: str, path: Path) -> list[list[str]]:
         What the table holds, for messages: ``"detections"``.
     path : Path
 
+    Yields
+    ------
+    list of str
+        The cells of a line.
+
     Raises
     ------
     InputError
-        The file cannot be read, has other columns, or a line of it has not as many cells.
+        The file cannot be read, has other columns, more than :data:`MOST_LINES` lines, or a line of it has
+        not as many cells.
     """
-    text = read_text(path, what, MOST_OF_A_TABLE)
+    data = read_bytes(path, what, MOST_OF_A_TABLE)
+    number = -1
+    marked = b"'" in data  # else no cell is marked as a text
     try:
-        reader = csv.reader(_bounded_lines(text, path), strict=True)
-        if next(reader, None) != list(header):
-            raise InputError(f"{path} is no table of {what}: its first line should be {','.join(header)}.")
-        lines = []
-        for number, line in enumerate(reader):
-            if len(line) != len(header):  # at once: a file may hold millions of them
-                raise damaged_line(path, number, line)
-            lines.append([_value(cell) if cell.startswith("'") else cell for cell in line])
+        with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="") as text:
+            reader = csv.reader(_bounded_lines(text, path), strict=True)
+            if next(reader, None) != list(header):
+                raise InputError(
+                    f"{path} is no table of {what}: its first line should be {','.join(header)}."
+                )
+            for number, line in enumerate(reader):
+                if number == MOST_LINES:
+                    raise InputError(f"{path} has more than {MOST_LINES} lines. Split the table by views.")
+                if len(line) != len(header):
+                    cells = counted(len(line), "cell")
+                    raise damaged_line(path, number, line, f"it has {cells}, not {len(header)}")
+                yield [_value(cell) for cell in line] if marked else line
+    except UnicodeDecodeError as error:
+        raise no_text(what, path, data) from error
     except csv.Error as error:
-        raise InputError(f"The {what} {path} cannot be read: {error}.") from error
-    return lines
+        raise InputError(f"The {what} {path} cannot be read: line {number + 3}: {error}.") from error
 
 
-def _bounded_lines(text: str, path: Path) -> Iterator[str]:
+def _bounded_lines(text: Iterable[str], path: Path) -> Iterator[str]:
     """Yield the lines of a text with their ends as they are, which a cell in quotation marks may hold."""
-    for line in io.StringIO(text, newline=""):
+    for line in text:
         if len(line) > _LONGEST_LINE:
             raise InputError(f"{path} is no table: a line in it has {len(line)} characters.")
         yield line
@@ -87,20 +109,29 @@ def damaged_line(path: Path, number: int, line: Sequence[str], why: str = "") ->
     return InputError(f"Line {number + 2} of {path} is damaged{why and f' ({why})'}: {given}")
 
 
-def refuse_twice(path: Path, keys: Sequence[object], what: str) -> None:
-    """Raise where two lines are of the same thing; one key a line.
+def refuse_twice(path: Path, keys: Int64[np.ndarray, "n parts"], what: str) -> None:
+    """Raise where two lines are of the same thing.
+
+    Parameters
+    ----------
+    path : Path
+        Of the table, for messages.
+    keys : ndarray of int, shape (n, parts)
+        A key a line; one with a negative part is that of no thing.
+    what : str
+        Of what there is one, for messages: ``"dot of a view"``.
 
     Raises
     ------
     InputError
         The first such line is named.
     """
-    if len(set(keys)) == len(keys):
-        return
-    first: dict[object, int] = {}
-    for number, key in enumerate(keys):
-        known = first.setdefault(key, number)
-        if known != number:
-            raise InputError(
-                f"Line {number + 2} of {path} is of the same {what} as line {known + 2}. Keep one of them."
-            )
+    known = np.flatnonzero((keys >= 0).all(axis=1))
+    order = known[np.lexsort(keys[known].T)]  # stable: equal keys stay in the order of their lines
+    again = np.flatnonzero((keys[order[1:]] == keys[order[:-1]]).all(axis=1))
+    if len(again):
+        at = again[np.argmin(order[again + 1])]
+        raise InputError(
+            f"Line {order[at + 1] + 2} of {path} is of the same {what} as line {order[at] + 2}. "
+            "Keep one of them."
+        )

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from labcal.bounds import Amount
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
-from labcal.run.names import Name
+from labcal.run.names import Name, differ_in_case
 from labcal.scene.board import Board
 from labcal.scene.camera import CameraDescription
 from labcal.scene.lamps import Lamp
@@ -88,6 +88,12 @@ class Scene(BaseModel):
                 "a rolling shutter needs a readout_ms above 0, and a global one has none: set shutter and "
                 "readout_ms together"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _camera_names_differ(self) -> "Scene":
+        if alike := differ_in_case(self.cameras):
+            raise ValueError(f"the cameras '{alike[0]}' and '{alike[1]}' differ only in capital letters")
         return self
 
     def true_cameras(self) -> dict[str, Camera]:

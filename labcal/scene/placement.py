@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bounds import Margin
 from labcal.rng import generator
-from labcal.run.names import Name
+from labcal.run.names import Name, differ_in_case
 from labcal.scene.camera import Coordinate, Vector
 from labcal.shoot.manifest import Role
 
@@ -54,6 +54,8 @@ class ListedPlaces(Stage):
         names = [view.name for view in self.views]
         if len(set(names)) != len(names):
             raise ValueError("two views have the same name")
+        if alike := differ_in_case(names):
+            raise ValueError(f"the views '{alike[0]}' and '{alike[1]}' differ only in capital letters")
         return self
 
     def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bounds import MOST_PIXELS, Side
 from labcal.cameras.record import PoseRecord
-from labcal.run.names import Name
+from labcal.run.names import Name, differ_in_case
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import clipped, listed
 
@@ -65,10 +65,18 @@ class Manifest(BaseModel):
                 raise ValueError(
                     f"view '{clipped(view.name)}' has pictures of unknown cameras: {listed(sorted(unknown))}"
                 )
-        pictures = [picture for view in self.views for picture in view.images.values()]
-        if len(set(pictures)) != len(pictures):
-            twice = next(picture for picture in pictures if pictures.count(picture) > 1)
-            raise ValueError(f"the picture '{clipped(twice)}' is that of two cameras or views")
+        known: set[str] = set()
+        for picture in (picture for view in self.views for picture in view.images.values()):
+            if picture in known:
+                raise ValueError(f"the picture '{clipped(picture)}' is that of two cameras or views")
+            known.add(picture)
+        for kind, told in (("views", names), ("cameras", list(self.cameras)), ("pictures", list(known))):
+            alike = differ_in_case(told)
+            if alike is not None:
+                raise ValueError(
+                    f"the {kind} '{clipped(alike[0])}' and '{clipped(alike[1])}' differ only in capital "
+                    "letters, so that their files are the same ones on many disks; rename one of them"
+                )
         for name, camera in self.cameras.items():
             if camera.size[0] * camera.size[1] > MOST_PIXELS:
                 raise ValueError(f"pictures of camera '{clipped(name)}' have more than {MOST_PIXELS} pixels")

@@ -14,6 +14,8 @@ HEADER = ("value", "light")
 SRGB_KNEE = 0.0031308
 REC709_KNEE = 0.018
 _LEAST_POINTS = 3
+_MOST_POINTS = 2**17
+"""Of a measured curve: two for every value of 16 bits."""
 _LEAST_STEP = 1e-9
 """Between points of a measured curve, in shares of full scale: far below a step of 16 bits."""
 
@@ -113,12 +115,14 @@ def find_tone_curve(text: str) -> AnyToneCurve:
     path = Path(text)
     if path.suffix.lower() != ".csv":
         raise UnknownNameError("tone curve", text, tuple(ToneCurve))
-    rows = []
+    rows: list[tuple[float, float]] = []
     for number, line in enumerate(read_table(HEADER, "tone curve", path)):
         try:
             value, shone = (float(figure) for figure in line)
         except ValueError as error:
-            raise damaged_line(path, number, line) from error
+            raise damaged_line(path, number, line, "two numbers are expected") from error
+        if len(rows) == _MOST_POINTS:
+            raise InputError(f"The tone curve {path} has more than {_MOST_POINTS} points.")
         rows.append((value, shone))
     points = np.array(rows, dtype=np.float64).reshape(-1, 2)
     ends = len(points) >= _LEAST_POINTS and (points[0] == 0.0).all() and (points[-1] == 1.0).all()

@@ -1,7 +1,7 @@
 """The truth of a rendered shoot, in a folder of its own that the measuring arm never opens."""
 
-import math
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,7 +16,8 @@ from labcal.run.documents import read_document
 from labcal.run.made import make_folder
 from labcal.run.names import Name, is_name
 from labcal.run.outputs import write_file
-from labcal.run.tables import damaged_line, read_table, refuse_twice, table_text
+from labcal.run.table_columns import TableLines, table_parts
+from labcal.run.tables import refuse_twice, table_text
 
 FOLDER = "truth"
 HEADER = (
@@ -128,39 +129,45 @@ def read_true_dots(folder: Path) -> list[TrueDots]:
         It is missing, its columns are not those of this version, a line is damaged, or a dot is there twice.
     """
     path = folder / FOLDER / "dots.csv"
-    pictures: dict[tuple[str, str], list[list[float]]] = {}
-    keys: list[object] = []
-    for number, line in enumerate(read_table(HEADER, "true dots", path)):
-        try:
-            view, camera, *figures = line
-            col, row, X, Y, Z, _, _, _, _, visible = values = [float(figure) for figure in figures]
-            sound = (
-                is_name(view)
-                and is_name(camera)
-                and all(index == int(index) and 0 <= index <= MOST_INDEX for index in (col, row))
-                and all(abs(value) <= MOST_MM for value in (X, Y, Z))
-                and not any(math.isinf(value) for value in values)
-                and visible in {0.0, 1.0}
-            )
-        except (ValueError, OverflowError):
-            sound = False
-        if not sound:
-            raise damaged_line(path, number, line)
-        pictures.setdefault((view, camera), []).append(values)
-        keys.append((view, camera, col, row))
-    refuse_twice(path, keys, "dot of a picture")
-    dots = []
-    for (view, camera), rows in pictures.items():
-        table = np.array(rows, dtype=np.float64)
-        dots.append(
-            TrueDots(
-                view=view,
-                camera=camera,
-                index=table[:, :2].astype(np.int64),
-                point=table[:, 2:5],
-                centre=table[:, 5:7],
-                centroid=table[:, 7:9],
-                visible=table[:, 9] != 0.0,
-            )
+    pictures: dict[tuple[str, str], int] = {}
+    read = [_columns(part, pictures) for part in table_parts(HEADER, "true dots", path)]
+    if not read:
+        return []
+    picture, table = (np.concatenate(column) for column in zip(*read, strict=True))
+    refuse_twice(path, np.column_stack([picture, table[:, :2].astype(np.int64)]), "dot of a picture")
+    order = np.argsort(picture, kind="stable")
+    rows = np.split(order, np.searchsorted(picture[order], np.arange(1, len(pictures))))
+    return [
+        TrueDots(
+            view=view,
+            camera=camera,
+            index=table[lines, :2].astype(np.int64),
+            point=table[lines, 2:5],
+            centre=table[lines, 5:7],
+            centroid=table[lines, 7:9],
+            visible=table[lines, 9] != 0.0,
         )
-    return dots
+        for (view, camera), lines in zip(pictures, rows, strict=True)
+    ]
+
+
+def _columns(part: TableLines, pictures: dict[tuple[str, str], int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return number of the picture and figures of lines; raise at a damaged one."""
+    known = len(pictures)
+    names = zip(part.column("view"), part.column("camera"), strict=True)
+    picture = np.array([pictures.setdefault(name, len(pictures)) for name in names], dtype=np.int64)
+    bad = [
+        number
+        for number, name in enumerate(islice(pictures, known, None), known)
+        if not all(map(is_name, name))
+    ]
+    table = part.figures(HEADER[2:])
+    index, place, images, visible = np.split(table, (2, 5, 9), axis=1)
+    whole = (index == np.floor(index)) & (index >= 0) & (index <= MOST_INDEX)
+    part.require(~np.isin(picture, bad), "names have letters, digits and hyphens only")
+    part.require(whole.all(axis=1), f"col and row are whole numbers of 0 to {MOST_INDEX}")
+    part.require((np.abs(place) <= MOST_MM).all(axis=1), f"coordinates are at most {MOST_MM:g} mm")
+    part.require(~np.isinf(images).any(axis=1), "pixels are numbers, or nan")
+    part.require(np.isin(visible[:, 0], (0.0, 1.0)), "visible is 0 or 1")
+    part.refuse()
+    return picture, table

@@ -16,6 +16,7 @@ from labcal.solve.estimator import FittedArray, PointEstimator
 from labcal.solve.field.learned_camera import LearnedCamera, triangulated
 from labcal.solve.geometry_checks import camera_count, refuse_other_than_points
 from labcal.solve.learned_arrays import FIGURES, LearnedArrays, free_count, from_arrays, to_arrays
+from labcal.wording import counted
 
 _CAMERAS = 2
 """Fewer cameras see rays, not points."""
@@ -128,7 +129,7 @@ class CameraEstimator(PointEstimator):
             return [(int(width), int(height)) for width, height in reach]
         if len(self.image_sizes) != seen.shape[1]:
             raise InputError(
-                f"{self.method}: image_sizes names {len(self.image_sizes)} pictures, but X has the columns "
-                f"of {seen.shape[1]} cameras."
+                f"{self.method}: image_sizes names {counted(len(self.image_sizes), 'picture')}, but X has "
+                f"the columns of {counted(seen.shape[1], 'camera')}."
             )
         return self.image_sizes

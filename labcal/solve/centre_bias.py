@@ -15,7 +15,7 @@ from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.triangulation import triangulate
-from labcal.correspond.matching import Matches
+from labcal.correspond.matching import Matches, rows_by_name
 from labcal.errors import InputError
 from labcal.geometry.poses import rigid_alignment
 from labcal.targets.target import Target
@@ -104,10 +104,20 @@ def shifts_at_poses(
     ndarray, shape (n, cameras, 2)
         0 in views without a pose.
     """
+    return _shifts(cameras, rows_by_name(view), dots, T_world_target, discs)
+
+
+def _shifts(
+    cameras: Sequence[Camera],
+    rows_by_view: Mapping[str, Int64[np.ndarray, " rows"]],
+    dots: Int64[np.ndarray, " n"],
+    T_world_target: Mapping[str, Pose],
+    discs: Discs,
+) -> Float64[np.ndarray, "n cameras 2"]:
+    """Return the shifts of :func:`shifts_at_poses` by the rows of each view."""
     shift = np.zeros((len(dots), len(cameras), 2))
-    for name in dict.fromkeys(view.tolist()):
+    for name, rows in rows_by_view.items():
         if name in T_world_target:
-            rows = np.flatnonzero(view == name)
             for number, camera in enumerate(cameras):
                 shift[rows, number] = centre_shift(camera, T_world_target[name], discs, dots[rows])
     return shift
@@ -140,15 +150,14 @@ def shifts_of_matches(
     discs = Discs.of(target)
     dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
     T_world_target: dict[str, Pose] = {}
-    for view in dict.fromkeys(matches.view.tolist()):
-        rows = np.flatnonzero(matches.view == view)
+    for view, rows in matches.rows_by_view.items():
         known = rows[np.isfinite(p[rows]).all(axis=1)]
         try:
             T_world_target[view] = rigid_alignment(p[known], discs.centres[dots[known]])
         except InputError:
             continue
         _refuse_other_size(p[known], discs.centres[dots[known]], target)
-    return shifts_at_poses(cameras, matches.view, dots, T_world_target, discs)
+    return _shifts(cameras, matches.rows_by_view, dots, T_world_target, discs)
 
 
 def _refuse_other_size(

@@ -10,6 +10,7 @@ from labcal.cameras.rig import CalibrationRecord
 from labcal.errors import InputError
 from labcal.solve.estimator import PointEstimator
 from labcal.solve.rehearsal import Rehearsed
+from labcal.wording import counted
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,10 @@ class FittedModel:
         How the method did on points between the trained ones; None where that could not be rehearsed.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data.
+    calibrated_on : tuple of str
+        Names of the views that it was taught, as of a rig; empty where that is not known.
+    held_out : tuple of str
+        Names of the views that it was not taught, since it is to be judged by them.
     warnings : tuple of str
         What was not as it should be when it was fitted, for people; not kept in the file.
 
@@ -82,6 +87,8 @@ class FittedModel:
     resected: tuple[Camera, ...] | None = None
     rehearsed: Rehearsed | None = None
     calibration: CalibrationRecord | None = None
+    calibrated_on: tuple[str, ...] = ()
+    held_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
@@ -95,11 +102,11 @@ class FittedModel:
         if not (2 * len(self.cameras) == 2 * len(self.image_sizes) == inputs):
             raise InputError(
                 f"A model of {inputs} columns needs {inputs / 2:g} cameras with a picture size each, but got "
-                f"{len(self.cameras)} names and {len(self.image_sizes)} sizes."
+                f"{counted(len(self.cameras), 'name')} and {counted(len(self.image_sizes), 'size')}."
             )
         if self.resected is not None and len(self.resected) != len(self.cameras):
             raise InputError(
-                f"A model of {len(self.cameras)} cameras has {len(self.resected)} resected ones. "
+                f"A model of {counted(len(self.cameras), 'camera')} has {len(self.resected)} resected. "
                 "Fit it again."
             )
         if len(set(self.cameras)) < len(self.cameras):

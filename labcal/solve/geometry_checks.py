@@ -5,6 +5,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels
 from labcal.errors import InputError
+from labcal.wording import counted
 
 FLAT = 1e-9
 """An extent below this fraction of the largest one counts as none: nominal places are exact to rounding."""
@@ -20,10 +21,11 @@ def refuse_few(method: str, points: Float64[np.ndarray, "n dim"], needed: int) -
     """
     given, different = len(points), len(np.unique(points, axis=0))
     if different < needed:
+        were = "was" if given == 1 else "were"
         again = "" if different == given else f", only {different} of them different"
         raise InputError(
-            f"{method}: {given} points were given{again}, but at least {needed} are needed for its unknowns. "
-            f"Train on more dots or more views. (n_samples = {given})"
+            f"{method}: {counted(given, 'point')} {were} given{again}, but at least {needed} are needed for "
+            f"its unknowns. Train on more dots or more views. (n_samples = {given})"
         )
 
 
@@ -37,8 +39,8 @@ def camera_count(method: str, columns: int) -> int:
     """
     if columns % 2:
         raise InputError(
-            f"{method}: X has {columns} columns, but needs two a camera: x1 y1 x2 y2 ... in pixels. "
-            f"Reshape your data so that every camera has both."
+            f"{method}: X has {counted(columns, 'column')}, but needs two a camera: x1 y1 x2 y2 ... in "
+            f"pixels. Reshape your data so that every camera has both."
         )
     return columns // 2
 
@@ -52,7 +54,7 @@ def refuse_other_than_points(method: str, outputs: int) -> None:
         Y has not three columns.
     """
     if outputs != 3:  # noqa: PLR2004 - X, Y, Z
-        raise InputError(f"{method}: Y has {outputs} columns, but needs three: X Y Z in mm.")
+        raise InputError(f"{method}: Y has {counted(outputs, 'column')}, but needs three: X Y Z in mm.")
 
 
 def extents(points: Float64[np.ndarray, "n dim"]) -> Float64[np.ndarray, " dim"]:

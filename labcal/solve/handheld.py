@@ -38,6 +38,7 @@ from labcal.solve.rig_start import rig_start
 from labcal.solve.triangulation_check import calibration_record
 from labcal.solve.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
 
 __all__ = ["HandheldSettings", "calibrate_handheld", "require_handheld_lens"]
 
@@ -127,8 +128,8 @@ def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
         if name not in usable.cameras:
             views = len(set(detections.view[detections.camera == name].tolist()))
             raise InputError(
-                f"Camera '{name}' has {views} views, but not one dot with an id that is measured. See the "
-                "flags in the detections; take its pictures anew, or leave them out."
+                f"Camera '{name}' has {counted(views, 'view')}, but not one dot with an id that is measured. "
+                "See the flags in the detections; take its pictures anew, or leave them out."
             )
     return usable.cameras
 

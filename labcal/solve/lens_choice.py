@@ -21,6 +21,7 @@ from labcal.solve.lens_start import LensStart, start_from_camera, start_from_pic
 from labcal.solve.lens_support import undetermined
 from labcal.solve.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
 
 CANDIDATES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "fisheye-kb4")
 """The first as good as the best is chosen. The fisheye is last: for a lens that is none it is about as good
@@ -91,8 +92,8 @@ def choose_lens(
     for name, pictures in zip(entering.cameras, cameras, strict=True):
         if len(pictures) < MIN_VIEWS:
             raise InputError(
-                f"Camera '{name}' has {len(pictures)} usable views, but to choose a lens model needs "
-                f"{MIN_VIEWS}. Take more views, or name the model with --lens."
+                f"Camera '{name}' has {counted(len(pictures), 'usable view')}, but to choose a lens model "
+                f"needs {MIN_VIEWS}. Take more views, or name the model with --lens."
             )
     plenty = min(map(len, cameras)) >= PLENTY
     lenses = [lens for lens in CANDIDATES if plenty or lens != LARGE]

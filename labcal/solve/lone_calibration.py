@@ -22,6 +22,7 @@ from labcal.solve.lens_start import (
 from labcal.solve.one_lens import TwoLenses
 from labcal.solve.rig_start import LoneCamera
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
 
 MIN_VIEWS = 3
 """Views that a camera needs: two fix four intrinsics of a plane target, the third checks them."""
@@ -102,7 +103,8 @@ def _lens_start(
     needed = MIN_VIEWS if settings.lenses is Lenses.FREE else 1
     if len(dots.views) < needed:
         raise InputError(
-            f"Camera '{name}' has {len(dots.views)} usable views, but needs {needed} at different tilts."
+            f"Camera '{name}' has {counted(len(dots.views), 'usable view')}, but needs {needed} at "
+            "different tilts."
         )
     pictures = dots.by_view()
     size = dots.picture_size(name)

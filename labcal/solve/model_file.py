@@ -105,6 +105,8 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
         resected=None if model.resected is None else tuple(map(CameraRecord.of, model.resected)),
         rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
         calibration=model.calibration,
+        calibrated_on=model.calibrated_on or None,
+        held_out=model.held_out or None,
     ).signed(arrays)
     content = safetensors.numpy.save(arrays, {METADATA_KEY: header.text()})
     write_file(path, content, kind=KIND, force=force)
@@ -155,7 +157,15 @@ def load_model(path: Path) -> FittedModel:
         resected = tuple(record.sensible_camera(name) for name, record in pairs)
     rehearsed = None if header.rehearsed is None else _rehearsed(path, header.rehearsed)
     return FittedModel(
-        estimator, header.cameras, header.image_sizes, box, resected, rehearsed, header.calibration
+        estimator,
+        header.cameras,
+        header.image_sizes,
+        box,
+        resected,
+        rehearsed,
+        header.calibration,
+        header.calibrated_on or (),
+        header.held_out or (),
     )
 
 

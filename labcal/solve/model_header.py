@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from labcal.bounds import Side
+from labcal.bounds import MOST_PICTURES, Side
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import CalibrationRecord
 from labcal.run.names import Name
@@ -47,6 +47,10 @@ class ModelHeader(BaseModel):
         The figures of a `Rehearsed`, null for NaN; left out where there are none.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data; left out where that is not known.
+    calibrated_on : tuple of str, optional
+        Names of the views that it was taught; left out where they are not known, as in older files.
+    held_out : tuple of str, optional
+        Names of the views that were kept to test on; left out where there were none.
     digest : str
         SHA-256 over this header, with an empty digest, and all arrays.
     """
@@ -67,6 +71,8 @@ class ModelHeader(BaseModel):
     resected: tuple[CameraRecord, ...] | None = None
     rehearsed: dict[str, Annotated[float, Field(ge=0)] | None] | None = None
     calibration: CalibrationRecord | None = None
+    calibrated_on: Annotated[tuple[str, ...], Field(max_length=MOST_PICTURES)] | None = None
+    held_out: Annotated[tuple[str, ...], Field(max_length=MOST_PICTURES)] | None = None
 
     def text(self) -> str:
         """Return the header as JSON, always the same for the same content."""

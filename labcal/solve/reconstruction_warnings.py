@@ -6,6 +6,7 @@ from labcal.correspond.points import PointFlag
 from labcal.solve.fitted_model import FittedModel
 from labcal.solve.reconstruction import Reconstruction
 from labcal.solve.triangulation_check import TriangulationCheck
+from labcal.wording import counted, listed
 
 
 def reconstruction_warnings(
@@ -42,9 +43,11 @@ def reconstruction_warnings(
         )
     if found.check is not None:
         warnings += _residual_warnings(found.check)
-    without = [view for view in detections.views if view not in set(found.points.view.tolist())]
+    measured = set(found.points.view.tolist())
+    without = [view for view in detections.views if view not in measured]
     if without:
-        warnings.append(f"no dot was measured by all cameras in {len(without)} views: {', '.join(without)}")
+        views = counted(len(without), "view")
+        warnings.append(f"no dot was measured by all cameras in {views}: {listed(without)}")
     if not (found.points.flag == PointFlag.OK.value).any():
         warnings.append("not one of the points is 'ok': see their flags before they are used")
     return tuple(warnings)
@@ -63,7 +66,7 @@ def _residual_warnings(check: TriangulationCheck) -> list[str]:
         told = (
             "in some views rays miss each other by far more than the calibration lets expect: a camera or "
             f"the target moved there. Their points are flagged 'model-misfit'. Views: "
-            f"{', '.join(check.views)}."
+            f"{listed(check.views)}."
         )
         return [told]
     return []

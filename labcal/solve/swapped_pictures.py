@@ -36,8 +36,7 @@ def refuse_swapped(cameras: Sequence[Camera], matches: Matches) -> None:
         In a view, the rays of the dots meet far better when two cameras' pictures are exchanged.
     """
     misses_px = RayMisses.of(cameras, matches).px
-    for view in dict.fromkeys(matches.view.tolist()):
-        rows = matches.view == view
+    for view, rows in matches.rows_by_view.items():
         given = float(np.median(misses_px[rows]))
         if given <= MOST_PX:
             continue

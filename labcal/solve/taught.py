@@ -52,11 +52,21 @@ class Training:
         How the target was placed; None where a stage told.
     warnings : tuple of str
         What is not as it should be, for people.
+    held_out : tuple of str
+        Views that are kept to test on.
     """
 
     centred: CentredTraining
     held: Calibrated | None
     warnings: tuple[str, ...]
+    held_out: tuple[str, ...] = ()
+
+    @property
+    def calibrated_on(self) -> tuple[str, ...]:
+        """The views that it comes from."""
+        if self.held is not None:
+            return self.held.calibrated_on
+        return tuple(dict.fromkeys(self.centred.data.view.tolist()))
 
 
 def on_stage(shoot: Shoot) -> bool:
@@ -89,17 +99,19 @@ def training_of(
         :func:`~labcal.solve.calibrated.calibrated`.
     """
     settings = settings or FitSettings()
+    tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
     if isinstance(source, Shoot) and on_stage(source):
         data = training_data(source, detections)
         centred = centred_training(data, source.target, source.nominal_poses())
-        return Training(centred, None, _unlearned(source, data))
+        return Training(centred, None, _unlearned(source, data), tested)
     if isinstance(source, Shoot):
         trained = [view.name for view in source.views(Role.TRAIN)]
         detections = detections.where(np.isin(detections.view, trained))
     target = source.target if isinstance(source, Shoot) else source
     how = HandheldSettings(free_dots=settings.free_dots)
     found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
-    return Training(handheld_training(found.found, detections, target), found, found.warnings)
+    learned = handheld_training(found.found, detections, target)
+    return Training(learned, found, found.warnings, (*found.held_out, *tested))
 
 
 def _unlearned(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
@@ -144,9 +156,8 @@ def taught(
     for estimator in estimators:
         try:
             model = teach(data, estimator, training.centred.cameras, twin)
-            learned.append(
-                replace(model, calibration=training.centred.calibration, warnings=training.warnings)
-            )
+            about = replace(model, calibration=training.centred.calibration, warnings=training.warnings)
+            learned.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
         except InputError as error:
             learned.append(error)
         progress.advance()

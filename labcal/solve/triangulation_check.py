@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
 from scipy.stats import chi2
 
 from labcal.cameras.camera import Camera
@@ -50,16 +50,15 @@ class TriangulationCheck:
         expected = _expected(matches, scatter)
         finite = np.isfinite(misses.px)
         square = float((misses.px[finite] ** 2).mean()) if finite.any() else float("nan")
-        all_views = tuple(dict.fromkeys(matches.view.tolist()))
+        by_view = matches.rows_by_view
         off = [
             view
-            for view in all_views
-            if (matches.view == view).sum() >= _FEWEST
-            and _times(misses, expected, matches.view == view) > _TIMES_IN_VIEW
+            for view, rows in by_view.items()
+            if len(rows) >= _FEWEST and _times(misses, expected, rows) > _TIMES_IN_VIEW
         ]
         rest = ~np.isin(matches.view, off)
         inconsistent = _times(misses, expected, rest) > _TIMES if rest.any() else len(matches) > 0
-        views = all_views if inconsistent else tuple(off)
+        views = tuple(by_view) if inconsistent else tuple(off)
         return cls(np.sqrt(square), float(np.sqrt(expected.mean())), left is None, inconsistent, views)
 
 
@@ -106,7 +105,11 @@ def _expected(matches: Matches, scatter_px: float) -> Float64[np.ndarray, " n"]:
     return np.asarray((2 * cameras - 3) / cameras * (noise + scatter_px**2))
 
 
-def _times(misses: RayMisses, expected: Float64[np.ndarray, " n"], rows: Bool[np.ndarray, " n"]) -> float:
+def _times(
+    misses: RayMisses,
+    expected: Float64[np.ndarray, " n"],
+    rows: Bool[np.ndarray, " n"] | Int64[np.ndarray, " some"],
+) -> float:
     """Return how many times the expected variance residuals have, by their median."""
     usual = float(chi2.median(misses.freedom)) / misses.freedom
     return float(np.median(misses.px[rows] ** 2 / expected[rows])) / usual

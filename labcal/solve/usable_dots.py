@@ -8,6 +8,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import require_on_target
 from labcal.errors import InputError
 from labcal.targets.target import Target
+from labcal.wording import counted
 
 MIN_DOTS = 8
 """Dots that a view needs to enter: a homography takes four, and a lens wants more than it leaves over."""
@@ -51,5 +52,5 @@ def in_full_pictures(usable: Detections) -> tuple[Detections, tuple[str, ...]]:
     for few in np.flatnonzero((dots > 0) & (dots < MIN_DOTS)):
         camera, view = divmod(int(few), len(usable.views))
         what = f"view '{usable.views[view]}' of camera '{usable.cameras[camera]}'"
-        skipped.append(f"{what}: only {dots[few]} dots, at least {MIN_DOTS} are needed")
+        skipped.append(f"{what}: only {counted(int(dots[few]), 'dot')}, at least {MIN_DOTS} are needed")
     return usable.where(dots[picture] >= MIN_DOTS), tuple(skipped)

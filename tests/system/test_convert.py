@@ -157,11 +157,11 @@ def test_pictures_that_do_not_fit_are_named(labcal: Run, rig: Path, tmp_path: Pa
     assert told.document["images"] == ["images/a_left.png"]
     assert "it was scaled" in told.document["skipped"][0]
     for words, hint in (
-        ((rig, tmp_path / "b_0.png", *sides), "None of the 1 pictures can be used"),
+        ((rig, tmp_path / "b_0.png", *sides), "The only picture cannot be used"),
         ((rig, tmp_path / "a_0.png"), "--cameras"),
         ((rig, tmp_path / "a_0.png", "--cameras", "_0=middle"), "only left, right"),
         ((rig, tmp_path / "none.png", *sides), "no picture or folder"),
-        ((tmp_path / "a_0.png", tmp_path / "a_0.png", *sides), "is not a rig"),
+        ((tmp_path / "a_0.png", tmp_path / "a_0.png", *sides), "it is a PNG picture, not a text"),
         ((rig, tmp_path / "a_0.png", *sides, "--distance-mm", "-3"), "more than 0"),
     ):
         told = labcal("undistort", *words, "-o", tmp_path / "never")

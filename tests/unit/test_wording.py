@@ -4,7 +4,16 @@ import sys
 import pytest
 
 from labcal.errors import InputError, UnknownNameError
-from labcal.wording import MOST_LETTERS, has_control, json_escaped, listed, printable, shortened, shown
+from labcal.wording import (
+    MOST_LETTERS,
+    counted,
+    has_control,
+    json_escaped,
+    listed,
+    printable,
+    shortened,
+    shown,
+)
 
 
 @pytest.mark.parametrize(
@@ -48,3 +57,8 @@ def test_values_are_shown_in_part() -> None:
     assert "digits" in shown(10 ** (2 * sys.int_info.default_max_str_digits))
     assert listed([str(i) for i in range(1009)]).endswith("11 and 997 more")
     assert listed(["a", "b"]) == "a, b"
+
+
+def test_numbers_agree_with_their_nouns() -> None:
+    assert [counted(n, "view") for n in (0, 1, 2)] == ["0 views", "1 view", "2 views"]
+    assert counted(2, "axis", "axes") == "2 axes"

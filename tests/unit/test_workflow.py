@@ -130,6 +130,33 @@ def test_the_command_says_which_views_it_left_out(shoot: Shoot, dots: Detections
     assert command("calibrate", table, *words, "--hold-out", "pose-9", "-o", rig)[0] == 2
 
 
+def test_a_method_keeps_what_it_was_taught_for_evaluation(
+    shoot: Shoot, dots: Detections, tmp_path: Path
+) -> None:
+    table, model, points = tmp_path / "dots.csv", tmp_path / "m.safetensors", tmp_path / "points.csv"
+    table.write_text(detections_csv(dots))
+    target, how = _target(shoot, tmp_path), ("--method", "bundle", "--lens", "brown-k1k2", "--no-rehearsal")
+    words = (table, "--target", target, *how, "-o", model, "--force")
+    status, told, said = command("fit", *words, "--hold-out", 2)
+    assert (status, told["held_out"]) == (0, ["pose-2", "pose-6"])
+    assert told["calibrated_on"] == [view for view in dots.views if view not in told["held_out"]]
+    assert "left out, to be scored by 'labcal evaluate': pose-2, pose-6" in said
+    assert command("reconstruct", model, table, "--target", target, "-o", points)[0] == 0
+    status, scored, _ = command("evaluate", points, "--target", target, "--rig", model)
+    assert (status, scored["views_scored"], scored["views_calibrated_on"]) == (0, told["held_out"], 0)
+    status, told, said = command("fit", *words)
+    assert (told["held_out"], len(told["calibrated_on"])) == ([], 8)
+    assert "pose-6, pose-7 enter, which the shoot" in said
+    _, scored, said = command("evaluate", points, "--target", target, "--rig", model)
+    assert scored["views_calibrated_on"] == 8
+    assert "circular" in said
+    status, told, _ = command("fit", shoot.folder, "--detections", table, *how, "-o", model, "--force")
+    assert (status, told["held_out"]) == (0, list(TESTED))
+    status, _, said = command("evaluate", points, "--target", target, "--rig", table)
+    assert status == 2
+    assert "is neither a model from" in said
+
+
 def test_pictures_that_teach_nothing_are_told(shoot: Shoot, dots: Detections, grid: DotGrid) -> None:
     spoilt = (dots.view == "pose-1") & (dots.camera == "left")
     flagged = replace(dots, flag=np.where(spoilt, "bad-fit", dots.flag))
@@ -138,7 +165,7 @@ def test_pictures_that_teach_nothing_are_told(shoot: Shoot, dots: Detections, gr
     assert skipped == "view 'pose-1' of camera 'left': none of its dots is measured (20 bad-fit)"
     assert any(skipped in warning for warning in made.warnings)
     found = workflow.reconstruct(made.rig, flagged, grid)
-    assert any("1 views: pose-1" in warning for warning in found.warnings)
+    assert any("in 1 view: pose-1" in warning for warning in found.warnings)
     blind = replace(dots, flag=np.where(dots.camera == "right", "bad-fit", dots.flag))
     with pytest.raises(InputError, match="Camera 'right' has 6 views, but not one dot"):
         workflow.calibrate(shoot, blind, "brown-k1k2", CENTRES)

@@ -32,7 +32,7 @@ def read_labcal(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIV
     """
     if len(sources) != 1:
         raise InputError("A rig.json holds a whole rig. Give one of them.")
-    return ReadRig(read_json(Rig, sources[0].text, f"{sources[0].path} is not a rig: it"))
+    return ReadRig(read_json(Rig, sources[0].text, f"The rig {sources[0].path}"))
 
 
 def write_labcal(rig: Rig, _suffix: str) -> RigTexts:

@@ -12,6 +12,7 @@ from labcal.solve.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.solve.adjustment.state import Freedom, Lenses
 from labcal.solve.freed_dots import MIN_PICTURES, FreedDots
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
 
 _FEWEST_DOTS = 8
 _WORSE = 10.0
@@ -64,8 +65,8 @@ def adjust_dots(
     movable = pictures >= MIN_PICTURES
     if movable.sum() < _FEWEST_DOTS:
         raise InputError(
-            f"Only {movable.sum()} dots were measured in at least {MIN_PICTURES} pictures, too few to free "
-            "them. Take more pictures that show the same dots, or leave --free-dots out."
+            f"Only {counted(int(movable.sum()), 'dot')} measured in at least {MIN_PICTURES} pictures, too "
+            "few to free them. Take more pictures that show the same dots, or leave --free-dots out."
         )
     entering = observations.where(movable[observations.dot])
     hold = _hold(flat, entering, movable, lenses)

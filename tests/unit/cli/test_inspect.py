@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from labcal.cli import main
+from labcal.cli import console, main
 from labcal.cli.status import ExitStatus
 from labcal.shoot.dataset import write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
@@ -120,5 +120,24 @@ def test_pictures_without_a_dot_have_a_sheet_and_ones_that_cannot_be_read_a_reas
     assert json.loads(capsys.readouterr().out)["cameras"] == {"camera": {"coverage": 0.0, "dots": 0}}
     sheet.unlink()
     assert main(["inspect", str(tmp_path / "text.png"), *words]) == ExitStatus.UNUSABLE
-    assert "None of the 1 pictures" in json.loads(capsys.readouterr().out)["error"]["message"]
+    assert "The only picture cannot be used" in json.loads(capsys.readouterr().out)["error"]["message"]
     assert not sheet.exists()
+
+
+def test_names_are_whole_at_80_columns_and_a_reason_is_told_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(console, "_WIDTH_OF_A_FILE", 80)
+    names = [f"a-rather-long-name-of-a-view-that-only-ends-in-another-number-{n}" for n in range(4)]
+    for name in names:
+        write_picture(tmp_path / f"{name}.png", np.full((48, 64), 200, np.uint8))
+    words = [str(tmp_path), "--target", "paper-13x10", "--workers", "1", "--cameras", "*=camera"]
+    for verb in ("inspect", "detect"):
+        main([verb, *words, "-o", str(tmp_path / f"{verb}.png")])
+        out = capsys.readouterr().out
+        cells = "".join(
+            line.split("\u2502")[1].strip() for line in out.splitlines() if line.count("\u2502") > 2
+        )
+        assert all(name in cells for name in names)
+        assert " ".join(out.split()).count("No dots were found") == 1
+        assert "4 pictures" in out

@@ -1,5 +1,6 @@
 """detections.csv: written and read back exactly, and damaged in every way."""
 
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
@@ -177,3 +178,52 @@ def test_pictures_are_gathered_in_order() -> None:
     assert table.views == ("b", "c")
     assert table.ok.tolist() == [True, True, False, False, False]
     assert len(gather(sources[1:2], [dots(0, Refusal.NO_DOTS)])) == 0
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        (LINE.removesuffix(",ok"), "it has 12 cells, not 13"),
+        (LINE.replace("ok", "okay"), "its flag should be one of "),
+        (LINE.replace("1.25", "one"), "x_px 'one' is no number"),
+        (LINE.replace("640", "640.5"), "width and height should be whole numbers"),
+        (LINE.replace(",3,4,", ",3.5,4,"), "col '3.5' is no whole number"),
+        (LINE.replace(",3,4,", ",123456,4,"), "col and row are at most 10000"),
+        (LINE.replace("1.25", "nan"), "far outside of its picture"),
+        (LINE.replace("0.002", "0.9"), "its covariance is none"),
+        (LINE.replace(",3,4,", ",,,"), "what is flagged 'ok' has a column"),
+        (LINE.replace(",left,", ",left_1,"), "a camera's name has letters"),
+        (LINE.replace("a,left", "\x1b[2J,left"), "control characters"),
+        (LINE.replace("a.png", "a" * 5000), "more than 4096 letters"),
+    ],
+)
+def test_a_damaged_line_says_why(tmp_path: Path, line: str, why: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_detections(written(tmp_path, HEADER, LINE.replace(",3,", ",5,"), line, "and,so,on"))
+    assert str(caught.value).startswith(f"Line 3 of {tmp_path}")  # not the one behind it
+    assert why in str(caught.value)
+
+
+def test_a_table_is_left_at_its_first_bad_line(tmp_path: Path) -> None:
+    bad = LINE.replace("1.25", "x")
+    path = written(tmp_path, HEADER, *[bad] * 40_000)
+    tracemalloc.start()
+    with pytest.raises(InputError, match="Line 2 of"):
+        read_detections(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 3 * path.stat().st_size
+
+
+def test_lines_far_apart_may_be_of_the_same_dot(tmp_path: Path) -> None:
+    lines = [LINE.replace(",3,4,", f",{n % 100},{n // 100},") for n in range(5000)]
+    assert len(read_detections(written(tmp_path, HEADER, *lines))) == 5000
+    with pytest.raises(InputError, match=r"Line 5002 of .* is of the same dot of a picture as line 8"):
+        read_detections(written(tmp_path, HEADER, *lines, lines[6]))
+
+
+def test_a_long_name_in_a_long_table_does_not_fill_the_memory(tmp_path: Path) -> None:
+    lines = [LINE.replace("a,left,a.png", f"{'b' * 4000},left,{'b' * 4000}.png")]
+    lines += [LINE.replace(",3,4,", f",{n % 200},{n // 200},") for n in range(35_000)]
+    with pytest.raises(InputError, match="35001 lines, and a name of 4000 letters"):
+        read_detections(written(tmp_path, HEADER, *lines))

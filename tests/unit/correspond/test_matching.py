@@ -6,7 +6,7 @@ import pytest
 
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
-from labcal.correspond.matching import match, require_on_target, stage_points
+from labcal.correspond.matching import match, require_on_target, rows_by_name, stage_points
 from labcal.errors import InputError
 from labcal.targets.grid import DotGrid
 
@@ -76,3 +76,10 @@ def test_an_ok_dot_beyond_the_target_tells_of_another_target(
         require_on_target(exact, grid)
     exact.flag[17] = "beyond-grid"
     require_on_target(exact, grid)
+
+
+def test_rows_by_name_keep_the_order_of_appearance() -> None:
+    found = rows_by_name(np.array(["b", "a", "b", "c", "a"]))
+    assert list(found) == ["b", "a", "c"]
+    assert [rows.tolist() for rows in found.values()] == [[0, 2], [1, 4], [3]]
+    assert rows_by_name(np.empty(0, dtype=np.str_)) == {}

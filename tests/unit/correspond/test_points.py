@@ -82,3 +82,24 @@ def test_a_dot_is_listed_once_for_a_view(tmp_path: Path) -> None:
     (tmp_path / "p.csv").write_text(f"{HEADER}\n{LINE}\n{LINE.replace('10.5', '11.5')}\n")
     with pytest.raises(InputError, match=r"Line 3 of .* is of the same dot of a view as line 2"):
         read_points(tmp_path / "p.csv")
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        (LINE.removesuffix(",ok"), "it has 12 cells, not 13"),
+        (LINE.replace(",ok", ",fine"), "its flag should be one of "),
+        (LINE.replace("10.5", "ten"), "X_mm 'ten' is no number"),
+        (LINE.replace("a,1,", "a,1.5,"), "col '1.5' is no whole number"),
+        (LINE.replace("a,1,", "a,20000,"), "col and row are at most 10000"),
+        (LINE.replace("-30.0", "1e200"), "coordinates are numbers of at most 1e+09 mm"),
+        (LINE.replace("9.0", "-9.0"), "its covariance is none"),
+        (LINE.replace("a,1,", "\x1b[2J,1,"), "control characters"),
+    ],
+)
+def test_a_damaged_line_says_why(tmp_path: Path, line: str, why: str) -> None:
+    (tmp_path / "p.csv").write_text(f"{HEADER}\n{LINE.replace('a,1', 'a,2')}\n{line}\nand,so,on\n")
+    with pytest.raises(InputError) as caught:
+        read_points(tmp_path / "p.csv")
+    assert str(caught.value).startswith(f"Line 3 of {tmp_path}")
+    assert why in str(caught.value)

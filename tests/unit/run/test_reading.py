@@ -1,11 +1,14 @@
 """Files, YAML and JSON as they are read: nothing that never ends, unfolds, or says a thing twice."""
 
 import os
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 
+from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.run.descriptions import explain_validation, parse_yaml
 from labcal.run.documents import read_document
@@ -62,7 +65,7 @@ def test_a_document_with_a_byte_order_mark_is_read_and_one_in_utf_16_refused(tmp
     path.write_bytes(b'\xef\xbb\xbf{"n": 1}')
     assert read_document(Kept, "thing", path) == Kept(n=1)
     path.write_bytes('{"n": 1}'.encode("utf-16"))
-    with pytest.raises(InputError, match="is no text in UTF-8"):
+    with pytest.raises(InputError, match=r"it is a text in UTF-16\. Save it as UTF-8"):
         read_document(Kept, "thing", path)
 
 
@@ -99,12 +102,64 @@ def test_only_files_of_a_sensible_size_are_read(tmp_path: Path) -> None:
 def test_texts_that_begin_as_formulas_are_none_and_come_back(name: str, tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text(table_text(("name", "x"), [[name, -1.5]]), newline="")
-    assert read_table(("name", "x"), "things", path) == [[name, "-1.5"]]
+    assert list(read_table(("name", "x"), "things", path)) == [[name, "-1.5"]]
     cell = path.read_text().splitlines()[1].rpartition(",")[0].strip('"')
     assert cell[0] not in "=+-@\t\r"
 
 
 def test_lines_of_the_same_thing_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"Line 4 of .* is of the same dot as line 2"):
-        refuse_twice(tmp_path / "a.csv", ["a", "b", "a"], "dot")
-    refuse_twice(tmp_path / "a.csv", ["a", "b"], "dot")
+        refuse_twice(tmp_path / "a.csv", np.array([[1], [2], [1]]), "dot")
+    refuse_twice(tmp_path / "a.csv", np.array([[1], [2], [-1], [-1]]), "dot")
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"\x89PNG\r\n\x1a\n\x00\x00", "it is a PNG picture, not a text"),
+        (
+            b"\x50\x00\x00\x00\x00\x00\x00\x00" + b'{"__metadata__":{}}\xff',
+            "it is a model that 'labcal fit' wrote",
+        ),
+        ("gr\u00fcn".encode("latin-1"), "it is a text, but not in UTF-8. Save it as UTF-8"),
+        ("gr\u00fcn".encode("utf-16"), "a text in UTF-16"),
+        (b"\x00\x01\x02\xff", "it is a binary file, not a text"),
+    ],
+)
+def test_what_is_no_text_is_told_by_its_kind(tmp_path: Path, data: bytes, said: str) -> None:
+    (tmp_path / "a").write_bytes(data)
+    with pytest.raises(InputError) as caught:
+        read_text(tmp_path / "a", "thing", 1000)
+    assert said in str(caught.value)
+    assert "codec" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[1]", "is not a rig: it holds a list of 1, not a mapping of keys to values"),
+        ('{"format": "labcal-shoot"}', "is not a rig: its 'format' is 'labcal-shoot', not 'labcal-rig'"),
+        (
+            '{"format": "labcal-rig", "format_version": 2}',
+            "has format_version 2, but this labcal reads up to 1",
+        ),
+        ('{"format": "labcal-rig", "cameras": {}}', "cannot be used: cameras"),
+        ('{"format": "labcal-rig", "cameras": {', "is no JSON that is read here"),
+    ],
+)
+def test_what_a_document_is_not_and_what_is_wrong_with_it_are_told_apart(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_document(Rig, "rig", tmp_path / "a.json")
+    assert said in str(caught.value)
+    assert "that this version reads" not in str(caught.value)
+
+
+def test_a_key_that_stands_twice_among_many_is_found_at_once() -> None:
+    keys = [f'"{n}": 0' for n in range(40_000)]
+    started = time.process_time()
+    with pytest.raises(InputError, match="the key '39999' stands twice"):
+        json_content("{" + ", ".join([*keys, keys[-1]]) + "}", "a.json")
+    assert time.process_time() - started < 3.0  # comparing each with all took over ten

@@ -112,7 +112,7 @@ def test_damage_is_refused(tmp_path: Path, pair: dict[str, Camera]) -> None:
     ):
         assert damaged != good
         path.write_text(damaged)
-        with pytest.raises(InputError, match=r"Line 6 of .*dots\.csv is damaged"):
+        with pytest.raises(InputError, match=r"Line 6 of .*dots\.csv is damaged \(.*\)"):
             read_true_dots(tmp_path)
     path.write_text(good.replace("one,left,1,1,", "one,left,0,1,"))
     with pytest.raises(InputError, match="is of the same dot of a picture as line"):
@@ -124,5 +124,5 @@ def test_damage_is_refused(tmp_path: Path, pair: dict[str, Camera]) -> None:
     with pytest.raises(InputError, match="its first line should be view,camera"):
         read_true_dots(tmp_path)
     (tmp_path / "truth" / "truth.json").write_text("{}")
-    with pytest.raises(InputError, match=r"is not a truth.*cameras: this key is missing"):
+    with pytest.raises(InputError, match=r"The truth .* cannot be used: cameras: this key is missing"):
         read_truth(tmp_path)

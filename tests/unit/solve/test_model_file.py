@@ -2,6 +2,7 @@ import json
 import pickle
 import struct
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -241,3 +242,19 @@ def test_box_holds_what_was_trained(stereo: View, plane: np.ndarray, volume: np.
     np.testing.assert_array_equal(
         flat.holds(np.array([[1000.0, 1000.0, 200.1], [600.0, 1000.0, 200.0]])), [True, False]
     )
+
+
+def test_a_model_keeps_what_it_was_taught_and_what_not(
+    tmp_path: Path, stereo: View, volume: np.ndarray
+) -> None:
+    model = replace(fitted("affine", stereo(volume), volume), calibrated_on=("a", "c"), held_out=("b",))
+    save_model(tmp_path / "m", model, force=False)
+    kept = load_model(tmp_path / "m")
+    assert (kept.calibrated_on, kept.held_out) == (("a", "c"), ("b",))
+
+
+def test_a_model_of_before_says_nothing_of_views(saved: Path) -> None:
+    content: dict[str, object] = {}
+    rewritten(saved, content.update)
+    assert not {"calibrated_on", "held_out"} & content.keys()  # what is not known is left out, as it was then
+    assert load_model(saved).calibrated_on == ()

@@ -164,7 +164,7 @@ def test_lines_that_cannot_be_are_refused(noisy: Detections, grid: DotGrid) -> N
     position[21] = np.nan
     with pytest.raises(InputError, match=r"Dot \(1, 0\) in view 'pose-0' of camera 'right' .* no position"):
         calibrate_handheld(replace(noisy, position=position), grid, "brown5", CENTRES)
-    with pytest.raises(InputError, match="has 1 usable views, but needs 3"):
+    with pytest.raises(InputError, match="has 1 usable view, but needs 3"):
         calibrate_handheld(noisy.where(noisy.view == "pose-0"), grid, "brown5", CENTRES)
 
 

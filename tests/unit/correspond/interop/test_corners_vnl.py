@@ -308,3 +308,19 @@ def test_corners_of_a_charuco_board_stand_in_the_order_of_opencvs_numbers(
     x, y = np.array([[float(word) for word in line[1:3]] for line in lines]).T
     assert np.corrcoef(x, theirs[:, 0])[0, 1] > 0.99
     assert np.corrcoef(y, theirs[:, 1])[0, 1] > 0.99
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("\n# a comment\na.png 1 2 x\n", "Line 4 of .* is damaged: '1 2 x' should be x, y and a weight"),
+        ("a.png 1 2 1\n" * 10_000, r"a\.png has more than \d+ points"),
+        ("\n" * 2_000_001, "has more than 2000000 lines"),
+    ],
+)
+def test_a_hostile_file_is_left_where_it_is_bad(
+    square: DotGrid, tmp_path: Path, lines: str, said: str
+) -> None:
+    (tmp_path / "c.vnl").write_text("# filename x y weight\n" + lines)
+    with pytest.raises(InputError, match=said):
+        read_corners(tmp_path / "c.vnl", square, {}, size_of)

@@ -1,0 +1,144 @@
+"""Lines of a table taken by the column: figures are judged together, and the first bad line is told."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from labcal.errors import InputError
+from labcal.run.tables import damaged_line, read_table
+from labcal.wording import clipped
+
+_TOGETHER = 2**11
+"""Lines."""
+_MOST_OF_NAMES = 2**29
+"""Bytes of a column of names, which NumPy keeps with as many letters a line as the longest has."""
+_MOST_WHOLE = 2**53
+"""Of a whole number; far beyond any index or side, and within what float64 and int64 hold."""
+
+
+@dataclass
+class TableLines:
+    """Some lines of a table, and what was found wrong with them so far."""
+
+    path: Path
+    first: int
+    """Number of the first line, counted from 0 after the header."""
+    header: Sequence[str]
+    lines: list[list[str]]
+    faults: list[tuple[int, str]] = field(default_factory=list)
+    """Line (counted from 0 here) and reason; of each check the first."""
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    @cached_property
+    def _columns(self) -> list[tuple[str, ...]]:
+        return list(zip(*self.lines, strict=True))
+
+    def column(self, name: str) -> tuple[str, ...]:
+        """Return the cells of a column."""
+        return self._columns[self.header.index(name)]
+
+    def figures(self, names: Sequence[str]) -> Float64[np.ndarray, "n columns"]:
+        """Return columns of numbers; NaN where one is none, which is a fault."""
+        return np.stack([self._numbers(name, float, np.nan) for name in names], axis=1)
+
+    def whole(self, names: Sequence[str], empty: str | None = None) -> Int64[np.ndarray, "n columns"]:
+        """Return columns of whole numbers, and for cells that are empty another; -1 where one is none."""
+        columns = [self._numbers(name, _whole, -1.0, empty) for name in names]
+        return np.stack(columns, axis=1).astype(np.int64)
+
+    def require(self, holds: Bool[np.ndarray, " n"], why: str) -> None:
+        """Note what is wrong with the first line for which something does not hold."""
+        if not holds.all():
+            self.faults.append((int(np.argmin(holds)), why))
+
+    def refuse(self) -> None:
+        """Raise where something was found wrong.
+
+        Raises
+        ------
+        InputError
+            The first such line is named, with what was noted first about it.
+        """
+        if self.faults:
+            at, why = min(self.faults, key=lambda fault: fault[0])  # of equal ones the first
+            raise damaged_line(self.path, self.first + at, self.lines[at], why)
+
+    def _numbers(
+        self, name: str, number: Callable[[str], float], other: float, empty: str | None = None
+    ) -> np.ndarray:
+        cells = self.column(name)
+        if empty is not None:
+            cells = tuple(cell or empty for cell in cells)
+        try:
+            return np.array(list(map(number, cells)))
+        except (ValueError, OverflowError):
+            values = np.full(len(cells), other)
+            for at, cell in enumerate(cells):
+                try:
+                    values[at] = number(cell)
+                except (ValueError, OverflowError):
+                    kind = "whole number" if number is _whole else "number"
+                    self.faults.append((at, f"{name} '{clipped(cell, 20)}' is no {kind}"))
+                    break  # what is behind it does not matter any more
+            return values
+
+
+def _whole(cell: str) -> int:
+    value = int(cell)
+    if abs(value) > _MOST_WHOLE:
+        raise OverflowError
+    return value
+
+
+def table_parts(header: Sequence[str], what: str, path: Path) -> Iterator[TableLines]:
+    """Yield the lines of a table, many at a time; parameters and errors are those of :func:`read_table`."""
+    lines = read_table(header, what, path)
+    first = 0
+    while part := list(_until_bad(lines, _TOGETHER)):
+        good = [line for line in part if not isinstance(line, InputError)]
+        if good:
+            yield TableLines(path, first, header, good)
+        if isinstance(part[-1], InputError):  # the lines before it were good
+            raise part[-1]
+        first += len(part)
+
+
+def _until_bad(lines: Iterator[list[str]], most: int) -> Iterator[list[str] | InputError]:
+    """Yield lines, and in the place of the one that cannot be read the reason."""
+    try:
+        yield from islice(lines, most)
+    except InputError as error:
+        yield error
+
+
+def names_of_lines(path: Path, names: Sequence[str], lines: Int64[np.ndarray, " n"]) -> np.ndarray:
+    """Return the name of every line as an array of str.
+
+    Parameters
+    ----------
+    path : Path
+        Of the table, for messages.
+    names : sequence of str
+        Each of them once.
+    lines : ndarray of int, shape (n,)
+        The number of every line's name.
+
+    Raises
+    ------
+    InputError
+        A name is so long that the column would take more than :data:`_MOST_OF_NAMES`.
+    """
+    longest = max(map(len, names), default=1)
+    if 4 * longest * len(lines) > _MOST_OF_NAMES:
+        raise InputError(
+            f"{path} has {len(lines)} lines, and a name of {longest} letters among them: too much to hold. "
+            "Use shorter names, or split the table by views."
+        )
+    return np.asarray(np.array(names or [""], dtype=np.str_)[lines])
