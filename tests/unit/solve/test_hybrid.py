@@ -146,7 +146,7 @@ def test_what_cannot_be_fitted_is_refused(stereo: View, volume: np.ndarray, plan
         Bundle().fit(X[:, :2], volume)
     with pytest.raises(InputError, match="one plane"):
         Bundle().fit(stereo(plane), plane)
-    with pytest.raises(InputError, match="1 pictures"):
+    with pytest.raises(InputError, match="1 picture,"):
         Bundle(image_sizes=((640, 480),)).fit(X, volume)
     with pytest.raises(InputError, match="NaN"):
         Hybrid().fit(np.where(X[3, 1] == X, np.nan, X), volume)
