@@ -2,15 +2,16 @@
 
 import errno
 import os
-import sys
 from collections.abc import Mapping
 from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
 from labcal.errors import InputError, OutputError
 from labcal.run.outputs import appearing_file
+from labcal.shoot.library_messages import kept_messages
 from labcal.shoot.picture_header import require_sensible_size
 
 
@@ -30,15 +31,17 @@ def read_exr(path: Path) -> np.ndarray:
     import OpenEXR  # noqa: PLC0415 -- a compiled library that few pictures need
 
     try:
-        with OpenEXR.File(str(path), header_only=True) as exr:
-            first, last = (np.asarray(corner, dtype=np.int64) for corner in exr.header()["dataWindow"])
-        width, height = np.maximum(last - first + 1, 0).tolist()
-        require_sensible_size(path, (width, height), path.stat().st_size)
-        # What the library has to say about a damaged file is no result, so not for stdout.
-        with redirect_stdout(sys.stderr), OpenEXR.File(str(path)) as exr:
-            channels = exr.channels()
-            wanted = next((name for name in ("RGB", "RGBA", "Y") if name in channels), next(iter(channels)))
-            pixels = np.asarray(channels[wanted].pixels, dtype=np.float32)
+        # What the library has to say about a damaged file is no result, and may be thousands of lines.
+        with kept_messages(), redirect_stdout(StringIO()):
+            with OpenEXR.File(str(path), header_only=True) as exr:
+                first, last = (np.asarray(corner, dtype=np.int64) for corner in exr.header()["dataWindow"])
+            width, height = np.maximum(last - first + 1, 0).tolist()
+            require_sensible_size(path, (width, height), path.stat().st_size)
+            with OpenEXR.File(str(path)) as exr:
+                channels = exr.channels()
+                colours = (name for name in ("RGB", "RGBA", "Y") if name in channels)
+                wanted = next(colours, next(iter(channels)))
+                pixels = np.asarray(channels[wanted].pixels, dtype=np.float32)
     except InputError:
         raise
     except Exception as error:
@@ -57,7 +60,7 @@ def read_exr_texts(path: Path) -> dict[str, str]:
     import OpenEXR  # noqa: PLC0415 -- as above
 
     try:
-        with OpenEXR.File(str(path), header_only=True) as exr:
+        with kept_messages(), redirect_stdout(StringIO()), OpenEXR.File(str(path), header_only=True) as exr:
             return {name: value for name, value in exr.header().items() if isinstance(value, str)}
     except Exception as error:
         raise InputError(f"{path} is not an OpenEXR file that can be read: {error}.") from error

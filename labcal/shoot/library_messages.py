@@ -22,8 +22,8 @@ class LibraryMessages:
 def kept_messages() -> Iterator[LibraryMessages]:
     """Give an object that gets what is printed on the file descriptor of stderr meanwhile.
 
-    libtiff, libpng and libjpeg print a line for every damaged part of a picture, past ``sys.stderr``; a
-    hostile file has thousands of them.
+    libtiff, libpng, libjpeg and OpenEXR print a line for every damaged part of a picture, past
+    ``sys.stderr``; a hostile file has thousands of them.
     """
     found = LibraryMessages()
     try:

@@ -1,3 +1,4 @@
+import contextlib
 import os
 from pathlib import Path
 from typing import Any
@@ -63,3 +64,18 @@ def test_what_the_disk_refuses_leaves_nothing_behind(
         write_exr(tmp_path / "a.exr", LIGHT, {})
     assert type(caught.value) is kind
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_the_library_prints_of_damaged_files_stays_off_the_terminal(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    write_exr(tmp_path / "a.exr", np.ones((64, 64), np.float32), {"labcal:note": "x" * 99})
+    content = (tmp_path / "a.exr").read_bytes()
+    for at in range(8, 400, 9):
+        path = tmp_path / f"{at}.exr"
+        path.write_bytes(content[:at] + bytes(24) + content[at + 24 :])
+        with contextlib.suppress(InputError):
+            read_exr(path)
+        with contextlib.suppress(InputError):
+            read_exr_texts(path)
+    assert capfd.readouterr() == ("", "")
