@@ -16,6 +16,7 @@ from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.plane_pose import plane_pose
 from labcal.geometry.poses import from_rotation_vector, transform
+from labcal.solve.gross_errors import gross_errors
 from labcal.solve.opencv_threads import one_opencv_thread
 from labcal.solve.resection.lens_choice import camera_of_lens
 from labcal.solve.resection.start import camera_with_field
@@ -67,7 +68,7 @@ def start_from_pictures(pictures: list[Detections], target: Target, lens: str) -
     Parameters
     ----------
     pictures : list of Detections
-        The dots of each view.
+        The dots of each view. Those that are grossly wrong are left out.
     target : Target
         Its dots are taken as flat and exactly placed.
     lens : str
@@ -81,6 +82,7 @@ def start_from_pictures(pictures: list[Detections], target: Target, lens: str) -
         The dots determine no camera.
     """
     require_adjustable(lens)
+    pictures = _without_gross_errors(pictures, target)
     if lens_by_name(lens).opencv is PERSPECTIVE:
         return _by_opencv(pictures, target, lens)
     return _by_scan(pictures, target, lens)
@@ -95,7 +97,7 @@ def start_from_camera(pictures: list[Detections], target: Target, known: Camera)
         The dots of a view are no picture of the target through this camera.
     """
     camera = replace(known, T_cam_world=np.eye(4))
-    return LensStart(camera, _poses(camera, pictures, target))
+    return LensStart(camera, _poses(camera, _without_gross_errors(pictures, target), target))
 
 
 def camera_as_lens(known: Camera, lens: str, name: str) -> Camera:
@@ -123,6 +125,10 @@ def camera_as_lens(known: Camera, lens: str, name: str) -> Camera:
     dist = np.zeros(max(LENGTH, new.coefficients))
     dist[: new.coefficients] = from_order(old.opencv, new.names, values)
     return replace(known, lens=lens, dist=dist)
+
+
+def _without_gross_errors(pictures: list[Detections], target: Target) -> list[Detections]:
+    return [dots.where(~gross_errors(dots, target)) for dots in pictures]
 
 
 @one_opencv_thread()

@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float64
 
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES
+from labcal.optim.solution import StopReason
 from labcal.solve.adjustment.blocks import assemble
 from labcal.solve.adjustment.free_dots import adjust_dots
 from labcal.solve.adjustment.observations import Observations
@@ -113,6 +114,8 @@ def two_lenses(
     bias_rounds : int
         As in :func:`~labcal.solve.adjustment.rounds.adjust_in_rounds`.
     """
+    if adjusted.reason is StopReason.EPOCHS:  # views differ in what is left of the way, too
+        return None
     found = apart(adjusted, observations, views)
     variances = np.trace(observations.covariance, axis1=1, axis2=2)
     uneven = adjusted.scatter_px > _UNEVEN * np.sqrt(0.5 * np.median(variances))

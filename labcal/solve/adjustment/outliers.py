@@ -54,7 +54,7 @@ def outliers(
         if len(candidates) == 0:
             continue
         places = dots[observations.dot[picture.rows]]
-        apart, usual = _apart(residual[picture.rows], places, candidates)
+        apart, usual = beside_neighbours(residual[picture.rows], places, candidates)
         covariance = observations.covariance[picture.rows][candidates]
         beyond_noise = Scatter.of(apart, covariance, share).squares(extra) > bound
         of_picture[candidates] = beyond_noise & (np.linalg.norm(apart, axis=1) > _TIMES * usual)
@@ -63,12 +63,22 @@ def outliers(
     return off
 
 
-def _apart(
+def beside_neighbours(
     residual: Float64[np.ndarray, "m 2"],
     places: Float64[np.ndarray, "m 3"],
     candidates: Int64[np.ndarray, " c"],
 ) -> tuple[Float64[np.ndarray, "c 2"], Float64[np.ndarray, " c"]]:
-    """Return how far residuals are from the median of the nearest dots', and how far these are, px."""
+    """Return how far residuals are from the median of the nearest dots', and how far these are, px.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (m, 2)
+        Of a picture's dots, px.
+    places : ndarray, shape (m, 3)
+        In the target's frame, mm.
+    candidates : ndarray of int, shape (c,)
+        The dots that are asked for.
+    """
     if len(places) <= 1:
         return residual[candidates], np.zeros(len(candidates))
     distance = ((places[candidates, None] - places) ** 2).sum(axis=2)

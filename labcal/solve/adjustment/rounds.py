@@ -101,7 +101,7 @@ def adjust_in_rounds(
     Raises
     ------
     InputError
-        A measured dot cannot be imaged at the start.
+        A measured dot cannot be imaged at the start, or where the adjustment went.
     """
     if not np.isfinite(start.residuals(observations)).all():
         raise InputError(
@@ -135,6 +135,7 @@ class _Rounds:
         # The start may be drawn towards outliers: at first they are only held back.
         loss: Loss = Huber() if now.aside.any() else SQUARES
         entering = np.full(len(observations), fill_value=True)
+        reasons: list[StopReason] = []
         for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
             if 0 < number <= bias_rounds:
                 now = now.shifted(predicted_shift(now.state, observations, self.radii))
@@ -144,7 +145,10 @@ class _Rounds:
             now = _Standing.of(solution.parameters, observations, now.shift, freedom)
             settled = bool((entering == ~now.aside).all())
             entering, loss = ~now.aside, SQUARES
-            if settled and number >= max(bias_rounds, 1):
+            # Twice: what does not get near an end is not worth more rounds, and the reason is told.
+            reasons.append(solution.reason)
+            hopeless = reasons[-2:] == [StopReason.EPOCHS] * 2
+            if hopeless or (settled and number >= max(bias_rounds, 1)):
                 break
         dots = now.measured.where(entering).scattered(now.extra)
         end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)
@@ -156,7 +160,7 @@ class _Rounds:
             shift=now.shift,
             outlier=now.aside,
             scatter_px=float(np.sqrt(now.extra)),
-            reason=solution.reason,
+            reason=reasons[-1],
             normal=end.blocks,
             prior_width=width,
         )
@@ -186,6 +190,11 @@ class _Standing:
         """Judge the residuals of a state."""
         measured = centroids.moved(-shift)
         residual = state.residuals(measured)
+        if not np.isfinite(residual).all():
+            raise InputError(
+                "The adjustment went to where a camera cannot image all of its dots. Check that the target "
+                "is the one in the pictures and that no dots are far off, or choose another lens model."
+            )
         unknowns = Layout(state, freedom).count + POSE * len(state.T_world_target)
         aside = outliers(measured, residual, state.dots, _share(unknowns, len(residual)))
         kept = Scatter.of(

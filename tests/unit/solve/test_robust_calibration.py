@@ -9,6 +9,7 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
+from labcal.experiments.bench_solve.held_rig import TARGET, HeldRig
 from labcal.geometry.poses import pose
 from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.targets.grid import DotGrid
@@ -67,6 +68,24 @@ def test_intrinsics_with_outliers_are_within_three_sigma(
     for name, true in pair.items():
         off = np.subtract(found.rig.camera(name).intrinsics, true.intrinsics)
         assert np.abs(off / found.fits[name].sigma.intrinsics).max() < 3.0
+
+
+@pytest.mark.parametrize(("lens", "count", "seed"), [("brown-k1k2", 2, 0), ("fisheye-kb4", 3, 0)])
+def test_dots_that_are_nowhere_near_lead_nothing_astray(lens: str, count: int, seed: int) -> None:
+    """Of four views of 30 dots: the start takes squares, and from it the adjustment would not come back."""
+    drawn = HeldRig.drawn(4, seed).detections()
+    dots = drawn.where((drawn.index[:, 0] < 6) & (drawn.index[:, 1] < 5))
+    wrong = np.flatnonzero((dots.camera == "right") & (dots.view == dots.views[-1]))[[3, 9, 20][:count]]
+    position = dots.position.copy()
+    position[wrong, 0] = 0.0
+    found = calibrate_handheld(replace(dots, position=position), TARGET, lens, CENTRES)
+    assert found.disagreement is None
+    assert found.skipped == ()
+    assert sorted(found.outliers.index.tolist()) == sorted(dots.index[wrong].tolist())
+    clean = calibrate_handheld(dots, TARGET, lens, CENTRES)
+    for name in clean.rig.cameras:
+        apart = np.subtract(found.rig.camera(name).intrinsics, clean.rig.camera(name).intrinsics)
+        assert np.abs(apart / found.fits[name].sigma.intrinsics).max() < 1.0
 
 
 def test_a_lens_that_does_not_suit_makes_no_outliers(noisy: Detections, grid: DotGrid) -> None:
