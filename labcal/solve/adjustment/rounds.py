@@ -145,9 +145,9 @@ class _Rounds:
             now = _Standing.of(solution.parameters, observations, now.shift, freedom)
             settled = bool((entering == ~now.aside).all())
             entering, loss = ~now.aside, SQUARES
-            # Twice: what does not get near an end is not worth more rounds, and the reason is told.
+            # What does not come near an end is not worth more rounds; photographs did in the third.
             reasons.append(solution.reason)
-            hopeless = reasons[-2:] == [StopReason.EPOCHS] * 2
+            hopeless = reasons[-3:] == [StopReason.EPOCHS] * 3
             if hopeless or (settled and number >= max(bias_rounds, 1)):
                 break
         dots = now.measured.where(entering).scattered(now.extra)
