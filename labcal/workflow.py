@@ -14,6 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.calibrate.calibrated import Calibrated, calibrated
+from labcal.calibrate.centre_bias import centred
+from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
@@ -23,9 +26,13 @@ from labcal.correspond.points import ReconstructedPoints
 from labcal.correspond.sources import Source, find_sources, shoot_sources
 from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
+from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
 from labcal.evaluate.against_truth import Alignment, TruthErrors, errors_against_truth
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
 from labcal.evaluate.scored_views import ScoredViews
+from labcal.reconstruct.reconstruction import Reconstruction, reconstruct_centres
+from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress, Progress
@@ -34,13 +41,6 @@ from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve
 from labcal.shoot.truth import has_truth
-from labcal.solve.calibrated import Calibrated, calibrated
-from labcal.solve.centre_bias import centred
-from labcal.solve.fitted_model import FittedModel
-from labcal.solve.handheld import HandheldSettings
-from labcal.solve.reconstruction import Reconstruction, reconstruct_centres
-from labcal.solve.reconstruction_warnings import reconstruction_warnings
-from labcal.solve.taught import FitSettings, estimators_of, taught, training_of
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
@@ -108,7 +108,7 @@ def calibrate(
         A shoot, whose test views do not enter; or the target that the dots are of.
     detections : Detections
     lens, settings, hold_out, progress
-        As in :func:`~labcal.solve.calibrated.calibrated`, where errors are told, too.
+        As in :func:`~labcal.calibrate.calibrated.calibrated`, where errors are told, too.
     """
     if not isinstance(source, Shoot):
         return calibrated(detections, source, lens, settings, hold_out, progress)

@@ -10,11 +10,11 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.solve.calibrated import Calibrated
-    from labcal.solve.handheld import HandheldSettings
+    from labcal.calibrate.calibrated import Calibrated
+    from labcal.calibrate.handheld import HandheldSettings
 
 DEFAULT_LENS, AUTO = "brown5", "auto"
-"""Those of :mod:`labcal.solve.calibrated`, which help must not import."""
+"""Those of :mod:`labcal.calibrate.calibrated`, which help must not import."""
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -120,10 +120,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 def _settings(arguments: Namespace) -> "HandheldSettings":
     """Return how to calibrate, and refuse a lens model or a rig that is of no use before any dot is found."""
+    from labcal.calibrate.adjustment.state import Lenses
+    from labcal.calibrate.handheld import HandheldSettings, require_handheld_lens
     from labcal.cameras.rig import read_rig
     from labcal.errors import InputError
-    from labcal.solve.adjustment.state import Lenses
-    from labcal.solve.handheld import HandheldSettings, require_handheld_lens
 
     if arguments.lens == AUTO and arguments.start is not None:
         raise InputError(f"--lens {AUTO} tries lens models from the beginning. Leave --start out.")

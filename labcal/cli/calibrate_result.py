@@ -8,14 +8,14 @@ from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_resu
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from labcal.calibrate.calibrated import Calibrated
+    from labcal.calibrate.calibration import HandheldCalibration
+    from labcal.calibrate.centre_bias import CentreBias
+    from labcal.calibrate.freed_dots import FreedDots
+    from labcal.calibrate.lens_choice import LensChoice
+    from labcal.calibrate.one_lens import TwoLenses
+    from labcal.calibrate.outlying_dots import OutlyingDots
     from labcal.evaluate.print_shape import PrintShape
-    from labcal.solve.calibrated import Calibrated
-    from labcal.solve.calibration import HandheldCalibration
-    from labcal.solve.centre_bias import CentreBias
-    from labcal.solve.freed_dots import FreedDots
-    from labcal.solve.lens_choice import LensChoice
-    from labcal.solve.one_lens import TwoLenses
-    from labcal.solve.outlying_dots import OutlyingDots
 
 MOST_OUTLIERS = 200
 """Outliers that the document lists, the worst ones."""

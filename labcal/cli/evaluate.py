@@ -60,9 +60,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.detections import read_detections
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
+    from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
-    from labcal.solve.reconstruction import load_reconstructor
     from labcal.targets.catalogue import AnyTarget, load_target
     from labcal.targets.places import DotPlaces, read_places
     from labcal.workflow import evaluate

@@ -12,12 +12,12 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.calibrate.centre_bias import CentreBias
     from labcal.cli.training import HandheldResult
     from labcal.correspond.training import TrainingData
-    from labcal.solve.centre_bias import CentreBias
-    from labcal.solve.estimator import PointEstimator
-    from labcal.solve.fitted_model import FittedModel
-    from labcal.solve.rehearsal import Rehearsed
+    from labcal.estimators.estimator import PointEstimator
+    from labcal.estimators.fitted_model import FittedModel
+    from labcal.estimators.rehearsal import Rehearsed
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -121,9 +121,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.inputs import paths_read
     from labcal.cli.training import fit_settings, handheld_result, read_training
     from labcal.errors import InputError
+    from labcal.estimators.model_file import KIND
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
-    from labcal.solve.model_file import KIND
     from labcal.wording import listed
     from labcal.workflow import taught
 
@@ -198,7 +198,7 @@ def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool
 def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:
     """Write all models or, where the disk refuses one, leave none that was not there before."""
     from labcal.errors import OutputError
-    from labcal.solve.model_file import save_model
+    from labcal.estimators.model_file import save_model
 
     written: list[Path] = []
     try:
@@ -223,8 +223,8 @@ def _refused(method: str, reason: str) -> MethodResult:
 
 
 def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodResult:
+    from labcal.estimators.camera_estimator import CameraEstimator
     from labcal.evaluate.statistics import error_statistics
-    from labcal.solve.camera_estimator import CameraEstimator
 
     estimator = model.estimator
     cameras = estimator.cameras_ if isinstance(estimator, CameraEstimator) else None
@@ -246,7 +246,7 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
 def _blind(model: "FittedModel") -> list[str]:
     """Return what pixels of a method's cameras see no direction, for people."""
     from labcal.cameras.blind_pixels import blind_pixels
-    from labcal.solve.camera_estimator import CameraEstimator
+    from labcal.estimators.camera_estimator import CameraEstimator
 
     if not isinstance(model.estimator, CameraEstimator):
         return []

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from labcal.solve.lens_choice import LensChoice
+    from labcal.calibrate.lens_choice import LensChoice
 
 
 def lens_table(choice: "LensChoice") -> "Table":

@@ -12,10 +12,10 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
+    from labcal.calibrate.centre_bias import CentreBias
+    from labcal.calibrate.triangulation_check import TriangulationCheck
     from labcal.cameras.rig import Rig
-    from labcal.solve.centre_bias import CentreBias
-    from labcal.solve.fitted_model import FittedModel
-    from labcal.solve.triangulation_check import TriangulationCheck
+    from labcal.estimators.fitted_model import FittedModel
     from labcal.targets.target import Target
 
 
@@ -77,9 +77,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     from labcal.cli.inputs import paths_read, read_or_detect, refuse_idle_workers
     from labcal.correspond.points import KIND, PointFlag, points_csv
+    from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
-    from labcal.solve.reconstruction import load_reconstructor
     from labcal.workflow import reconstruct
 
     refuse_idle_workers(arguments)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.solve.adjustment.dot_freedom import Held
-from labcal.solve.freed_dots import FreedDots
+from labcal.calibrate.adjustment.dot_freedom import Held
+from labcal.calibrate.freed_dots import FreedDots
 
 _WORST = 5
 

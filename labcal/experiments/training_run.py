@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.registry import make_estimator
 from labcal.evaluate.statistics import error_statistics
 from labcal.experiments.paper_rows import PaperRow, Solver
 from labcal.experiments.problem import Problem
 from labcal.experiments.simulated import NoiseReading, simulate
 from labcal.optim.solution import StopReason
-from labcal.solve.estimator import PointEstimator
-from labcal.solve.registry import make_estimator
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from io import BytesIO
 import numpy as np
 from matplotlib.figure import Figure
 
-from labcal.solve.freed_dots import FreedDots
+from labcal.calibrate.freed_dots import FreedDots
 
 _LENGTH = 0.4
 """Longest arrow, as a share of the pitch."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from labcal.cameras.interop.registry import FORMATS
-from labcal.solve.registry import method_names
+from labcal.estimators.registry import method_names
 
 
 @dataclass(frozen=True)

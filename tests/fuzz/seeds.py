@@ -15,20 +15,20 @@ from labcal.cameras.window import FlatWindow
 from labcal.correspond.detections import Detections, detections_csv
 from labcal.correspond.interop.corners_vnl import corners_text
 from labcal.correspond.points import points_csv
+from labcal.estimators.camera_estimator import CameraEstimator
+from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model_file import save_model
+from labcal.estimators.networks.mlp import Mlp
+from labcal.estimators.networks.mlp_bayes import MlpBayes
+from labcal.estimators.networks.ray_net import RayNet
+from labcal.estimators.registry import make_estimator, method_names
 from labcal.geometry.poses import from_rotation_vector, look_at
+from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.run.json_text import to_json
 from labcal.shoot.dataset import write_manifest
 from labcal.shoot.exr import write_exr
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
 from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
-from labcal.solve.camera_estimator import CameraEstimator
-from labcal.solve.fitted_model import FittedModel, TrainingBox
-from labcal.solve.mlp import Mlp
-from labcal.solve.mlp_bayes import MlpBayes
-from labcal.solve.model_file import save_model
-from labcal.solve.ray_net import RayNet
-from labcal.solve.reconstruction import reconstruct_points
-from labcal.solve.registry import make_estimator, method_names
 from labcal.targets.grid import DotGrid, Rings
 from labcal.targets.places import DotPlaces, write_places
 

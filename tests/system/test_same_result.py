@@ -12,8 +12,8 @@ from labcal import workflow
 from labcal.cameras.rig import read_rig, write_rig
 from labcal.correspond.detections import detections_csv, read_detections
 from labcal.correspond.points import points_csv, read_points
+from labcal.estimators.model_file import load_model, save_model
 from labcal.shoot.dataset import open_shoot
-from labcal.solve.model_file import load_model, save_model
 from labcal.targets.catalogue import load_target
 
 Run = Callable[..., Any]

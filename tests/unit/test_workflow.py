@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from labcal import workflow
+from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.cameras.rig import Rig, read_rig, write_rig
@@ -21,8 +23,6 @@ from labcal.errors import InputError
 from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
-from labcal.solve.adjustment.state import Lenses
-from labcal.solve.handheld import HandheldSettings
 from labcal.targets.grid import DotGrid
 
 See = Callable[..., Detections]

@@ -6,14 +6,14 @@ Nothing is rendered: exact centroids of the dots' outlines come from the camera 
 import numpy as np
 
 from labcal.arrays import Pose
+from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.correspond.detections import Detections
 from labcal.experiments.hand_views import HandViews, dots_at, poses_in_hand
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
-from labcal.solve.calibration import HandheldCalibration
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.targets.grid import DotGrid, Rings
 
 VIEWS = 20

@@ -3,10 +3,10 @@
 That two cameras find the same displacements, each alone, is the check that needs no truth.
 """
 
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.correspond.detections import Detections
 from labcal.evaluate.print_shape import agreement
 from labcal.report.bench import Check, at_most
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.targets.catalogue import AnyTarget
 
 LENS = "brown-k1k2"

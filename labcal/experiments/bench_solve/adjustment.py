@@ -9,6 +9,13 @@ from functools import partial
 import cv2
 import numpy as np
 
+from labcal.calibrate.adjustment.problem import AdjustmentProblem
+from labcal.calibrate.adjustment.rounds import DAMPING, STOPPING
+from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.lens_start import start_from_camera
+from labcal.calibrate.rig_start import LoneCamera, rig_start
 from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_solve.held_rig import CAMERAS, SIZE, TARGET, HeldRig
 from labcal.experiments.bench_solve.spoilt import spoilt_checks
@@ -16,13 +23,6 @@ from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Solution
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.executor import open_pool
-from labcal.solve.adjustment.problem import AdjustmentProblem
-from labcal.solve.adjustment.rounds import DAMPING, STOPPING
-from labcal.solve.adjustment.state import Freedom, Lenses, RigState
-from labcal.solve.blas_threads import one_blas_thread
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
-from labcal.solve.lens_start import start_from_camera
-from labcal.solve.rig_start import LoneCamera, rig_start
 
 SIZES = (200, 1000, 4000)
 """Views."""

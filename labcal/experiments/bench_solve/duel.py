@@ -7,13 +7,13 @@ from pydantic import BaseModel, ConfigDict
 
 from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.registry import make_estimator
+from labcal.estimators.rehearsal import fitted_beside, rehearse, twin_of
 from labcal.evaluate.statistics import coverage, error_statistics
 from labcal.experiments.bench_solve.families import FAMILIES, SIZE, Family
 from labcal.report.reproduction import Measured
 from labcal.rng import generator
-from labcal.solve.estimator import PointEstimator
-from labcal.solve.registry import make_estimator
-from labcal.solve.rehearsal import fitted_beside, rehearse, twin_of
 
 NOISE_PX = 0.05
 TESTS = 2000

@@ -4,14 +4,14 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
+from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
+from labcal.estimators.fitted_model import FittedModel
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
-from labcal.solve.calibration import HandheldCalibration
-from labcal.solve.fitted_model import FittedModel
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
-from labcal.solve.reconstruction import reconstruct_points
+from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 

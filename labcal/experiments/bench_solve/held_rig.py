@@ -6,12 +6,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
+from labcal.calibrate.adjustment.observations import Observations
+from labcal.calibrate.adjustment.state import RigState, moved_poses
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import pose
 from labcal.rng import generator
-from labcal.solve.adjustment.observations import Observations
-from labcal.solve.adjustment.state import RigState, moved_poses
 from labcal.targets.grid import DotGrid
 
 SIZE = (1280, 960)

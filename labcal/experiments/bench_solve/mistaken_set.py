@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from labcal.calibrate.agreement.finding import CauseName, ContradictionError
+from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld import calibrate_handheld
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
+from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.reproduction import Measured
 from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 from labcal.scene.mistakes import Mistake
-from labcal.solve.agreement.finding import CauseName, ContradictionError
-from labcal.solve.calibration import HandheldCalibration
-from labcal.solve.handheld import calibrate_handheld
-from labcal.solve.reconstruction import reconstruct_points
 from labcal.targets.catalogue import AnyTarget
 from labcal.workflow import detect
 

@@ -15,6 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.centre_bias import ROUNDS
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.mrcal import write_mrcal
 from labcal.cameras.rig import Rig
@@ -36,9 +39,6 @@ from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
 from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
-from labcal.solve.adjustment.state import Lenses
-from labcal.solve.centre_bias import ROUNDS
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 from labcal.targets.catalogue import AnyTarget, load_target
 
 LENS = "rational8"

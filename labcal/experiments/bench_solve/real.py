@@ -5,20 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.calibrate.handheld import calibrate_handheld
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
+from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.handheld_training import handheld_training
+from labcal.estimators.registry import make_estimator
+from labcal.estimators.taught import teach
 from labcal.experiments.bench_detect.real import PAIR, VARIABLE
 from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.bench_solve.halves import disagreement, halves, lengths_elsewhere, print_and_rig
 from labcal.report.bench import Figure, at_most
 from labcal.run.progress import Progress
-from labcal.solve.fitted_model import FittedModel
-from labcal.solve.handheld import calibrate_handheld
-from labcal.solve.handheld_training import handheld_training
-from labcal.solve.registry import make_estimator
-from labcal.solve.taught import teach
 from labcal.targets.catalogue import AnyTarget, load_target
 
 LENS = "brown-k1k2"

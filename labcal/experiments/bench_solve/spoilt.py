@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.correspond.detections import Detections
 from labcal.experiments.bench_solve.held_rig import CAMERAS, TARGET, HeldRig
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
-from labcal.solve.calibration import HandheldCalibration
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 
 VIEWS = 20
 SHARE = 0.02

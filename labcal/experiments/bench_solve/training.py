@@ -14,6 +14,8 @@ import numpy as np
 import torch
 from jaxtyping import Float64
 
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.estimators.scaling import RangeScaling
 from labcal.experiments.bench_groups import Bench, Findings
 from labcal.experiments.paper_rows import Data, PaperRow, Solver
 from labcal.experiments.simulated import NoiseReading, simulate
@@ -27,8 +29,6 @@ from labcal.optim.solution import Stopping
 from labcal.optim.threads import one_thread
 from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
-from labcal.solve.blas_threads import one_blas_thread
-from labcal.solve.scaling import RangeScaling
 
 PEER = "torch_levenberg_marquardt"
 ROW = PaperRow("training", Solver.NETWORK, Data.VOLUME, 520, 0.0, 0.0, (20, 30), 1e-8)

@@ -16,10 +16,10 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
 from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
+from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
-from labcal.solve.reconstruction import reconstruct_points
 from labcal.targets.grid import DotGrid
 from labcal.workflow import epipolar_rms, evaluate
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from labcal.calibrate.adjustment.dot_freedom import Held
+from labcal.calibrate.freed_dots import FreedDots
 from labcal.errors import InputError
 from labcal.evaluate.print_shape import agreement, print_shape
 from labcal.report.displacement_picture import draw_displacements
 from labcal.report.print_words import print_words
-from labcal.solve.adjustment.dot_freedom import Held
-from labcal.solve.freed_dots import FreedDots
 from labcal.targets.grid import DotGrid
 from labcal.targets.places import DotPlaces, read_places, write_places
 

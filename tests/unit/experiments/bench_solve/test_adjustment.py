@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.experiments.bench_solve.adjustment import measured_growth
 from labcal.experiments.bench_solve.halves import disagreement, halves
 from labcal.experiments.bench_solve.held_rig import CAMERAS, NOISE_PX, TARGET, HeldRig
 from labcal.experiments.bench_solve.spoilt import spoilt_checks
-from labcal.solve.handheld import HandheldSettings, calibrate_handheld
 
 
 def test_a_held_rig_is_measured_with_its_noise_and_starts_off() -> None:

@@ -1,0 +1,1 @@
+"""Cameras from pictures of a target: held in the hand, or at known places."""

@@ -1,0 +1,224 @@
+"""Bundle adjustment in rounds: adjust, predict the centre bias and the scatter, adjust again."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from labcal.calibrate.adjustment.blocks import Blocks
+from labcal.calibrate.adjustment.lens_prior import LensPrior
+from labcal.calibrate.adjustment.observations import Observations
+from labcal.calibrate.adjustment.outliers import outliers
+from labcal.calibrate.adjustment.problem import AdjustmentProblem
+from labcal.calibrate.adjustment.scatter import Scatter
+from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
+from labcal.calibrate.centre_bias import Discs, centre_shift
+from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
+from labcal.cameras.optics import INTRINSICS
+from labcal.errors import InputError
+from labcal.optim.damping import Damping
+from labcal.optim.levenberg_marquardt import minimize
+from labcal.optim.robust import SQUARES, Huber, Loss
+from labcal.optim.solution import Stopping, StopReason
+
+STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
+"""Within a thousandth of a standard deviation of the minimum."""
+_MORE_ROUNDS = 6
+"""Most rounds more until the same dots are outliers twice."""
+_FEWEST_FREE = 0.1
+"""Share of the residuals' components that unknowns leave at least."""
+DAMPING = Damping(start=1e-6, ceiling=1e6)
+"""Starts are good: OpenCV calibrates to the minimum of nearly the same cost."""
+
+
+@dataclass(frozen=True)
+class Adjusted:
+    """The end of a bundle adjustment."""
+
+    state: RigState
+    layout: Layout
+    """Where parameters stand in `covariance`."""
+    covariance: Float64[np.ndarray, "shared shared"]
+    """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
+    residual: Float64[np.ndarray, "n 2"]
+    """Predicted minus measured, px."""
+    shift: Float64[np.ndarray, "n 2"]
+    """Centroid minus centre that was taken off the measured positions, px."""
+    outlier: Bool[np.ndarray, " n"]
+    """What did not enter, since its residual is beyond what noise explains."""
+    scatter_px: float
+    """What dots scatter (per axis) beyond their covariances."""
+    reason: StopReason
+    normal: Blocks
+    """The normal equations at the end, with the scatter."""
+    prior_width: PriorWidth
+    """How tightly what the dots leave open of the lenses was held."""
+
+    @property
+    def typical_px(self) -> float:
+        """Root mean square 2-D distance of all dots but outliers."""
+        return float(np.sqrt((self.residual[~self.outlier] ** 2).sum(axis=1).mean()))
+
+    @property
+    def lenses(self) -> list[FoundLens]:
+        """The cameras with the covariances of their coefficients, where these are free."""
+        found = []
+        for camera, own in zip(self.state.cameras, self.layout.lens, strict=True):
+            at = slice(own.start + INTRINSICS, own.stop)
+            found.append(FoundLens(camera, self.covariance[at, at]))
+        return found
+
+    def rms_px(self, observations: Observations) -> Float64[np.ndarray, " cameras"]:
+        """Return OpenCV's figure by camera, without outliers: the root mean square of the 2-D distance."""
+        square = np.where(self.outlier, np.nan, (self.residual**2).sum(axis=1))
+        cameras = range(len(self.state.cameras))
+        return np.array([np.sqrt(np.nanmean(square[observations.of_camera(c)])) for c in cameras])
+
+
+def adjust_in_rounds(
+    start: RigState,
+    observations: Observations,
+    freedom: Freedom,
+    radii: Float64[np.ndarray, " dots"],
+    bias_rounds: int,
+) -> Adjusted:
+    """Adjust, and repeat with what the adjustment tells of bias, scatter and outliers.
+
+    Where the dots leave a lens open up to folds inside the picture, its coefficients are held tighter.
+
+    Parameters
+    ----------
+    start : RigState
+        Near enough for the lens formulas to image every dot.
+    observations : Observations
+        Centroids as measured; every view of the state has some.
+    freedom : Freedom
+    radii : ndarray, shape (dots,)
+        Of the dots' outer outlines, mm.
+    bias_rounds : int
+        How often centroid minus centre is predicted and taken off; 0 takes the pixels for images of centres.
+
+    Raises
+    ------
+    InputError
+        A measured dot cannot be imaged at the start, or where the adjustment went.
+    """
+    if not np.isfinite(start.residuals(observations)).all():
+        raise InputError(
+            "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
+            "is the one in the pictures, choose a lens model that suits the lens, or give a rig with --start."
+        )
+    rounds = _Rounds(start, observations, freedom, radii, bias_rounds)
+    wide = rounds.adjusted(PriorWidth.WIDE)
+    if freedom.lenses is Lenses.FIXED or not any(found.is_open for found in wide.lenses):
+        return wide
+    narrow = rounds.adjusted(PriorWidth.NARROW)
+    ratio = narrow.typical_px / max(wide.typical_px, np.finfo(np.float64).tiny)
+    return narrow if narrow_is_better(wide.state.cameras, narrow.state.cameras, ratio) else wide
+
+
+@dataclass(frozen=True)
+class _Rounds:
+    """What :func:`adjust_in_rounds` is given."""
+
+    start: RigState
+    observations: Observations
+    freedom: Freedom
+    radii: Float64[np.ndarray, " dots"]
+    bias_rounds: int
+
+    def adjusted(self, width: PriorWidth) -> Adjusted:
+        """Adjust in rounds with a prior of the lenses' coefficients."""
+        observations, freedom, bias_rounds = self.observations, self.freedom, self.bias_rounds
+        prior = LensPrior.of(self.start, observations, freedom.lenses, width)
+        now = _Standing.of(self.start, observations, np.zeros_like(observations.q), freedom)
+        # The start may be drawn towards outliers: at first they are only held back.
+        loss: Loss = Huber() if now.aside.any() else SQUARES
+        entering = np.full(len(observations), fill_value=True)
+        reasons: list[StopReason] = []
+        for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
+            if 0 < number <= bias_rounds:
+                now = now.shifted(predicted_shift(now.state, observations, self.radii))
+            dots = now.measured.where(entering).scattered(now.extra)
+            problem = AdjustmentProblem(dots, freedom, loss, prior)
+            solution = minimize(problem, now.state, STOPPING, DAMPING)
+            now = _Standing.of(solution.parameters, observations, now.shift, freedom)
+            settled = bool((entering == ~now.aside).all())
+            entering, loss = ~now.aside, SQUARES
+            # What does not come near an end is not worth more rounds; photographs did in the third.
+            reasons.append(solution.reason)
+            hopeless = reasons[-3:] == [StopReason.EPOCHS] * 3
+            if hopeless or (settled and number >= max(bias_rounds, 1)):
+                break
+        dots = now.measured.where(entering).scattered(now.extra)
+        end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)
+        return Adjusted(
+            state=now.state,
+            layout=end.layout,
+            covariance=end.shared_covariance(),
+            residual=now.state.residuals(now.measured),
+            shift=now.shift,
+            outlier=now.aside,
+            scatter_px=float(np.sqrt(now.extra)),
+            reason=reasons[-1],
+            normal=end.blocks,
+            prior_width=width,
+        )
+
+
+@dataclass(frozen=True)
+class _Standing:
+    """Where the rounds stand."""
+
+    state: RigState
+    measured: Observations
+    """Images of centres, as far as their bias is known."""
+    shift: Float64[np.ndarray, "n 2"]
+    """Centroid minus centre that was taken off, px."""
+    aside: Bool[np.ndarray, " n"]
+    """Outliers."""
+    extra: float
+    """Variance of all others beyond the stated one, px squared; one for all cameras.
+
+    With one for each, a rig can come to trust one camera ever more and the other ever less.
+    """
+
+    @classmethod
+    def of(
+        cls, state: RigState, centroids: Observations, shift: Float64[np.ndarray, "n 2"], freedom: Freedom
+    ) -> "_Standing":
+        """Judge the residuals of a state."""
+        measured = centroids.moved(-shift)
+        residual = state.residuals(measured)
+        if not np.isfinite(residual).all():
+            raise InputError(
+                "The adjustment went to where a camera cannot image all of its dots. Check that the target "
+                "is the one in the pictures and that no dots are far off, or choose another lens model."
+            )
+        unknowns = Layout(state, freedom).count + POSE * len(state.T_world_target)
+        aside = outliers(measured, residual, state.dots, _share(unknowns, len(residual)))
+        kept = Scatter.of(
+            residual[~aside], measured.covariance[~aside], _share(unknowns, int((~aside).sum()))
+        )
+        return cls(state, measured, shift, aside, kept.extra_variance())
+
+    def shifted(self, shift: Float64[np.ndarray, "n 2"]) -> "_Standing":
+        """Return it with another centre bias taken off, and judged as before."""
+        return replace(self, measured=self.measured.moved(self.shift - shift), shift=shift)
+
+
+def _share(unknowns: int, dots: int) -> float:
+    """Return the degrees of freedom over the number of residuals' components."""
+    return max(_FEWEST_FREE, 1.0 - unknowns / max(2 * dots, 1))
+
+
+def predicted_shift(
+    state: RigState, observations: Observations, radii: Float64[np.ndarray, " dots"]
+) -> Float64[np.ndarray, "n 2"]:
+    """Return centroid minus centre of every observation, px."""
+    discs = Discs(state.dots, radii)
+    shift = np.zeros_like(observations.q)
+    for picture in observations.pictures:
+        camera, T = state.cameras[picture.camera], state.T_world_target[picture.view]
+        shift[picture.rows] = centre_shift(camera, T, discs, observations.dot[picture.rows])
+    return shift

@@ -1,0 +1,91 @@
+"""Cameras calibrated from pictures that can be what they are said to be: a few odd ones are left out."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+
+from labcal.calibrate.agreement.hypotheses import MOST_ODD
+from labcal.calibrate.agreement.slight import slight_contradictions
+from labcal.calibrate.lone_calibration import CameraAlone
+from labcal.calibrate.view_agreement import OddPicture, contradictions, seen_from_behind
+from labcal.correspond.detections import Detections
+from labcal.targets.catalogue import AnyTarget
+
+CalibrateAlone = Callable[[str, Detections], CameraAlone]
+"""Calibrates one camera, by its name, from all its pictures."""
+
+
+@dataclass(frozen=True)
+class LoneCameras:
+    """Cameras that were calibrated alone, and what they were calibrated from."""
+
+    cameras: list[CameraAlone]
+    entering: Detections
+    left_out: tuple[str, ...]
+    """Pictures that are not among it, and why, for people."""
+
+    def without(self, odd: Sequence[OddPicture], again: CalibrateAlone) -> "LoneCameras":
+        """Leave pictures out, and calibrate once more the cameras that took them."""
+        enters, reasons = np.full(len(self.entering), fill_value=True), []
+        for picture in odd:
+            view = self.entering.views[picture.view]
+            enters &= ~((self.entering.view == view) & (self.entering.camera == picture.camera))
+            reasons.append(f"view '{view}' of camera '{picture.camera}': {picture.reason}")
+        entering, touched = self.entering.where(enters), {picture.camera for picture in odd}
+        cameras = [
+            again(camera.name, entering) if camera.name in touched else camera.among(entering.views)
+            for camera in self.cameras
+        ]
+        return LoneCameras(cameras, entering, (*self.left_out, *reasons))
+
+    def too_many(self, odd: Sequence[OddPicture], before: "LoneCameras") -> bool:
+        """Tell whether so many pictures of a camera are odd, with those left out before, that none is."""
+        for camera in self.cameras:
+            all_ = next(len(one.dots.views) for one in before.cameras if one.name == camera.name)
+            out = all_ - len(camera.dots.views) + sum(one.camera == camera.name for one in odd)
+            if out > max(1, int(MOST_ODD * all_)):
+                return True
+        return False
+
+
+def of_agreeing_views(
+    found: LoneCameras, target: AnyTarget, again: CalibrateAlone, *, free_dots: bool
+) -> LoneCameras:
+    """Leave out the pictures that cannot be what they are said to be.
+
+    Those that show the target's back; and those of a few views in which cameras contradict each other. Where
+    these are more than one, and more than a fifth of a camera's pictures, all of them stay: nothing says
+    which are right, and :func:`~labcal.calibrate.agreement.causes.disagreement` says what may have happened.
+
+    Parameters
+    ----------
+    found : LoneCameras
+    target : AnyTarget
+    again : callable
+        Calibrates a camera from the pictures that are left.
+    free_dots : bool
+        Whether each camera found a print of its own: such cameras agree too little for slight contradictions.
+
+    Raises
+    ------
+    InputError
+        A camera sees the target's back in all its pictures, has too few others, or shares none with the rest.
+    """
+    while mirrored := list(chain.from_iterable(seen_from_behind(one.lone) for one in found.cameras)):
+        found = found.without(mirrored, again)
+    rest = found
+    while odd := _contradictions(rest.cameras, target, free_dots=free_dots):
+        if rest.too_many(odd, found):
+            return found
+        rest = rest.without(odd, again)
+    return rest
+
+
+def _contradictions(cameras: list[CameraAlone], target: AnyTarget, *, free_dots: bool) -> list[OddPicture]:
+    """Return the pictures of views in which cameras contradict each other."""
+    if len(cameras) == 1:
+        return []
+    gross = contradictions([one.lone for one in cameras], target.points())
+    return gross if gross or free_dots else slight_contradictions(cameras)

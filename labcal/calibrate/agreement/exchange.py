@@ -1,0 +1,60 @@
+"""Views in which two cameras' pictures seem to be exchanged, by the poses of the target that they show."""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool
+
+from labcal.arrays import Points
+from labcal.calibrate.lone_calibration import CameraAlone
+from labcal.calibrate.rig_start import SharedViews
+from labcal.calibrate.view_agreement import target_misses
+from labcal.correspond.detections import Detections
+from labcal.geometry.poses import inverse
+
+_EXCHANGED = 0.2
+"""What is left of the misses of all views where pictures change places that were exchanged."""
+_CANDIDATES = 20
+"""Views that are tried for a reference."""
+
+
+def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Points) -> Bool[np.ndarray, " n"] | None:
+    """Return which of the views that two cameras share seem to have exchanged pictures.
+
+    The poses between the cameras of exchanged views are the inverse of the others'. None where the poses of
+    all views are not much more alike when some are taken for inverse ones, or where pictures of two sizes
+    cannot have been exchanged. Of two parts the smaller one counts as exchanged; of equal ones the later.
+
+    Parameters
+    ----------
+    first, second : CameraAlone
+    dots : ndarray, shape (dots, 3)
+        Places in the target's frame, mm.
+    """
+    shared = SharedViews.of(first.lone, second.lone)
+    if first.lone.camera.size != second.lone.camera.size:
+        return None
+    best: tuple[float, Bool[np.ndarray, " n"]] | None = None
+    for at in range(0, len(shared.views), -(-len(shared.views) // _CANDIDATES)):
+        T_second_first = shared.second[at] @ inverse(shared.first[at])
+        given = target_misses(second.lone, T_second_first, shared, dots)
+        other = target_misses(second.lone, inverse(T_second_first), shared, dots)
+        left = float(np.minimum(given, other).mean())
+        if left < _EXCHANGED * float(given.mean()) and (best is None or left < best[0]):
+            best = (left, other < given)
+    if best is None:
+        return None
+    exchanged = best[1]
+    if exchanged.mean() > 0.5 or (exchanged.mean() == 0.5 and exchanged[0]):  # noqa: PLR2004 -- half
+        exchanged = ~exchanged
+    return exchanged
+
+
+def with_exchanged(entering: Detections, cameras: tuple[str, str], views: tuple[str, ...]) -> Detections:
+    """Return detections with the pictures of two cameras exchanged in some views."""
+    first, second = cameras
+    in_views = np.isin(entering.view, views)
+    other = np.where(
+        entering.camera == first, second, np.where(entering.camera == second, first, entering.camera)
+    )
+    return replace(entering, camera=np.where(in_views, other, entering.camera))

@@ -1,0 +1,55 @@
+"""Dots that are nowhere near where their neighbours say: left out where a calibration begins.
+
+One of 150 dots that is off by half the picture leads Zhang's method, which takes squares, to a camera from
+which the adjustment does not come back. Later such dots are told and set aside as outliers.
+"""
+
+import cv2
+import numpy as np
+from jaxtyping import Bool
+from scipy.spatial import KDTree
+
+from labcal.calibrate.adjustment.outliers import beside_neighbours
+from labcal.correspond.detections import Detections
+from labcal.targets.target import Target
+
+_FEWEST = 8
+"""Dots of a picture from which on most can be told from a few."""
+_OF_A_PITCH = 0.5
+_TIMES = 5.0
+"""How much farther than its neighbours from their median a wrong dot is: far from the middle of a picture
+with strong distortion all are far from where a plane is seen without."""
+
+
+def gross_errors(dots: Detections, target: Target) -> Bool[np.ndarray, " n"]:
+    """Return which dots of a picture are off by half of the distance to the next dot, or by more.
+
+    Parameters
+    ----------
+    dots : Detections
+        Of one picture.
+    target : Target
+
+    Notes
+    -----
+    A homography that suits most dots (least median of squares, Rousseeuw 1984) leaves residuals that
+    distortion makes alike for neighbours.
+    """
+    none = np.zeros(len(dots), dtype=bool)
+    places = target.points(dots.index)
+    if len(dots) < _FEWEST:
+        return none
+    H, _ = cv2.findHomography(places[:, :2], dots.position, cv2.LMEDS)
+    if H is None:
+        return none
+    told = cv2.perspectiveTransform(places[None, :, :2], H)[0]
+    residual = np.nan_to_num(told - dots.position, nan=np.inf, posinf=np.inf, neginf=-np.inf)
+    distances, _ = KDTree(dots.position).query(dots.position, k=2)
+    least = _OF_A_PITCH * float(np.median(distances[:, 1]))
+    candidates = np.flatnonzero(np.linalg.norm(residual, axis=1) > least)
+    if len(candidates) == 0 or not np.isfinite(residual).all():
+        return none
+    apart, usual = beside_neighbours(residual, places, candidates)
+    size = np.linalg.norm(apart, axis=1)
+    none[candidates] = (size > least) & (size > _TIMES * usual)
+    return none

@@ -1,0 +1,221 @@
+"""Calibration of cameras from a hand-held target: bundle adjustment with free target poses.
+
+OpenCV starts (Zhang 2000). Each camera is then adjusted alone with all views that it measured, and the rig
+with all views of all cameras. The first camera's frame is the world. Dots weigh by their covariances, and by
+what they scatter beyond them; what a centroid of area is off the image of the centre is taken off.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labcal.calibrate.adjustment.observations import observations_of
+from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.agreeing_views import LoneCameras, of_agreeing_views
+from labcal.calibrate.agreement.causes import Calibrated, disagreement
+from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.calibrate.calibration import CameraFit, CameraSigma, HandheldCalibration
+from labcal.calibrate.centre_bias import CentreBias, centred
+from labcal.calibrate.lens_prior import PriorWidth
+from labcal.calibrate.lens_start import require_adjustable
+from labcal.calibrate.lens_support import undetermined
+from labcal.calibrate.lone_calibration import (
+    AdjustedDots,
+    CameraAlone,
+    HandheldSettings,
+    adjusted,
+    calibrate_alone,
+)
+from labcal.calibrate.one_lens import two_lenses
+from labcal.calibrate.outlying_dots import OutlyingDots
+from labcal.calibrate.resection.resected import MOST_OFF
+from labcal.calibrate.rig_start import rig_start
+from labcal.calibrate.triangulation_check import calibration_record
+from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
+from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match
+from labcal.errors import InputError
+from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
+
+__all__ = ["HandheldSettings", "calibrate_handheld", "require_handheld_lens"]
+
+require_handheld_lens = require_adjustable
+_MOST_DOTS = 20_000
+"""Measurements from which the triangulation residual is found, about: more add nothing."""
+
+
+@one_blas_thread()
+def calibrate_handheld(
+    detections: Detections, target: AnyTarget, lens: str, settings: HandheldSettings | None = None
+) -> HandheldCalibration:
+    """Calibrate every camera in the detections, and their places relative to the first.
+
+    Parameters
+    ----------
+    detections : Detections
+        Only dots flagged ``ok`` enter.
+    target : AnyTarget
+        Its dots are flat and exactly placed, unless the settings free them.
+    lens : str
+        Any lens model but a prescription.
+    settings : HandheldSettings, optional
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such lens model here.
+    InputError
+        A dot is not on the target, has no position or is listed twice, a camera has too few views or shares
+        none with the rest of the rig, the dots determine no camera, or the rig to start from does not fit.
+    ContradictionError
+        Cameras contradict each other so much that no rig explains the dots.
+    """
+    settings = settings or HandheldSettings()
+    require_adjustable(lens)
+    usable = usable_dots(detections, target)
+    cameras = _require_all(usable, detections)
+    entering, skipped = in_full_pictures(usable)
+    skipped = (*unmeasured_pictures(detections), *skipped)
+
+    def alone(name: str, dots: Detections) -> CameraAlone:
+        return calibrate_alone(name, dots, target, lens, settings)
+
+    def flat(name: str, dots: Detections) -> CameraAlone:
+        return calibrate_alone(name, dots, target, lens, replace(settings, free_dots=False))
+
+    lone = LoneCameras([alone(name, entering) for name in cameras], entering, skipped)
+    lone = of_agreeing_views(lone, target, alone, free_dots=settings.free_dots)
+    entering, skipped = lone.entering, lone.left_out
+    found = _told_apart(lone.cameras, target, settings)
+    if len(found) == 1:
+        return _assemble(found, found[0].result, target, entering.views, skipped)
+    try:
+        whole = _whole(found, entering, target, settings)
+    except InputError as error:
+        judged = [flat(camera.name, entering) for camera in found] if settings.free_dots else found
+        doubt = disagreement(Calibrated(judged, entering, flat))
+        if doubt is None:
+            raise
+        raise ContradictionError(doubt) from error
+    if whole.freed is not None:
+        found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
+        doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
+    else:
+        doubt = disagreement(Calibrated(found, entering, alone))
+    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
+
+
+def _whole(
+    found: list[CameraAlone], entering: Detections, target: AnyTarget, settings: HandheldSettings
+) -> AdjustedDots:
+    """Adjust the rig; raise where that fails, or ends in what is no rig."""
+    cameras = tuple(camera.name for camera in found)
+    observations = observations_of(entering, target, cameras, entering.views)
+    start = rig_start([camera.lone for camera in found], target.points())
+    whole = adjusted(start, observations, target, settings)
+    _refuse_far(whole, entering, target)
+    Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # raises beyond bounds of sense
+    return whole
+
+
+def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
+    """Return the cameras; raise where one has pictures, but no dot that is a measurement."""
+    for name in detections.cameras:
+        if name not in usable.cameras:
+            views = len(set(detections.view[detections.camera == name].tolist()))
+            raise InputError(
+                f"Camera '{name}' has {counted(views, 'view')}, but not one dot with an id that is measured. "
+                "See the flags in the detections; take its pictures anew, or leave them out."
+            )
+    return usable.cameras
+
+
+def _recorded(
+    found: HandheldCalibration, entering: Detections, target: AnyTarget, doubt: Disagreement | None
+) -> Rig:
+    """Return the rig with what its calibration left, by some of the views where there are very many."""
+    dots = found.outliers.left_out(entering)
+    some = dots.views[:: -(-len(dots) // _MOST_DOTS)]
+    cameras = [found.rig.camera(name) for name in found.rig.cameras]
+    matches = match(dots.where(np.isin(dots.view, some)), tuple(found.rig.cameras))
+    if len(matches) and doubt is None:  # of a rig that fits nothing, points are nowhere near a target
+        matches, _ = centred(cameras, matches, target)
+    causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
+    record = calibration_record(cameras, matches, causes)
+    return found.rig.model_copy(update={"calibration": record})
+
+
+def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) -> None:
+    """Raise where the rig's dots are nowhere near where they were measured."""
+    rms = whole.adjusted.rms_px(whole.observations)
+    widths = [entering.picture_size(name)[0] for name in entering.cameras]
+    if not (rms <= MOST_OFF * np.array(widths)).all():  # of NaN, too
+        raise InputError(
+            f"No rig explains the dots: the adjustment left them off by {float(rms.max()):.3g} px. Check "
+            f"that pictures show the target '{target.name}', and that those of a view were taken together."
+        )
+
+
+def _told_apart(found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings) -> list[CameraAlone]:
+    """Return the cameras with the groups of their views that were taken through different lenses."""
+    if settings.lenses is Lenses.FIXED:
+        return found
+    return [
+        replace(
+            alone,
+            two_lenses=two_lenses(
+                alone.result.adjusted,
+                alone.result.observations,
+                alone.dots.views,
+                target,
+                settings.bias_rounds,
+            ),
+        )
+        for alone in found
+    ]
+
+
+def _assemble(
+    found: list[CameraAlone],
+    whole: AdjustedDots,
+    target: AnyTarget,
+    views: tuple[str, ...],
+    skipped: tuple[str, ...],
+) -> HandheldCalibration:
+    """Return the rig and its figures."""
+    adjusted = whole.adjusted
+    in_rig = adjusted.rms_px(whole.observations)
+    fits = {}
+    for number, alone in enumerate(found):
+        result = alone.result
+        fits[alone.name] = CameraFit(
+            rms_px=float(result.adjusted.rms_px(result.observations)[0]),
+            rms_in_rig_px=float(in_rig[number]),
+            views=alone.dots.views,
+            dots=int((~result.adjusted.outlier).sum()),
+            sigma=CameraSigma.of(adjusted, number),
+            scatter_px=result.adjusted.scatter_px,
+            freed=result.freed,
+            undetermined=undetermined(result.adjusted, result.observations),
+            open_lens=result.adjusted.prior_width is PriorWidth.NARROW,
+            noise_px=float(np.sqrt(np.median(np.trace(alone.dots.covariance, axis1=1, axis2=2)) / 2.0)),
+            two_lenses=alone.two_lenses,
+        )
+    names = tuple(alone.name for alone in found)
+    cameras = zip(names, adjusted.state.cameras, strict=True)
+    return HandheldCalibration(
+        rig=Rig.of(dict(cameras)),
+        fits=fits,
+        rms_px=float(np.sqrt((adjusted.residual[~adjusted.outlier] ** 2).sum(axis=1).mean())),
+        skipped=skipped,
+        outliers=OutlyingDots.of(adjusted, whole.observations, target, (names, views)),
+        views=views,
+        T_world_target=adjusted.state.T_world_target,
+        bias=CentreBias.of(adjusted.shift),
+        freed=whole.freed,
+        reason=adjusted.reason,
+    )

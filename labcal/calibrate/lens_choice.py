@@ -1,0 +1,201 @@
+"""Which lens model the views support: chosen by how well it explains views that it was not fitted to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Points
+from labcal.calibrate.adjustment.free_dots import adjust_dots
+from labcal.calibrate.adjustment.observations import Observations, observations_of
+from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
+from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.calibrate.freed_dots import FreedDots
+from labcal.calibrate.handheld import HandheldSettings
+from labcal.calibrate.lens_start import LensStart, start_from_camera, start_from_pictures
+from labcal.calibrate.lens_support import undetermined
+from labcal.calibrate.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
+from labcal.correspond.detections import Detections, joined
+from labcal.errors import InputError
+from labcal.run.progress import Progress
+from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
+
+CANDIDATES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "fisheye-kb4")
+"""The first as good as the best is chosen. The fisheye is last: for a lens that is none it is about as good
+as others with as many coefficients, and for one that is, the others are no match."""
+LARGE, PLENTY = "thin-prism12", 20
+"""A candidate only from so many views of every camera on."""
+FOLDS = 4
+MIN_VIEWS = 5
+"""Of every camera: four to calibrate from, one to judge by."""
+
+
+@dataclass(frozen=True)
+class LensTrial:
+    """What came of one lens model."""
+
+    lens: str
+    held_out_px: float
+    """RMS of the 2-D distance in views that were not fitted to, without outliers; NaN where not tried."""
+    worse_px2: float
+    """Mean over these pictures by how much the mean square is larger than the best lens's, px squared."""
+    chance_px2: float
+    """Standard error of that."""
+    refused: str | None
+    """Why the views do not support it, for people."""
+
+    @property
+    def as_good(self) -> bool:
+        """Whether it is no worse than the best by more than chance explains."""
+        return self.refused is None and self.worse_px2 <= self.chance_px2
+
+
+@dataclass(frozen=True)
+class LensChoice:
+    """The simplest lens model that is as good as the best."""
+
+    lens: str
+    trials: tuple[LensTrial, ...]
+
+
+@one_blas_thread()
+def choose_lens(
+    detections: Detections, target: AnyTarget, settings: HandheldSettings, progress: Progress
+) -> LensChoice:
+    """Try lens models on views that they were not fitted to, each camera alone, as it will be calibrated.
+
+    Views are split into :data:`FOLDS` parts, each of which is held out once: only its poses are estimated,
+    with the lens, and where dots are freed with their places on the print, that the other views give. Of the
+    models that chance does not tell from the best (by one standard error of the difference, picture by
+    picture) the first of :data:`CANDIDATES` is chosen.
+
+    Parameters
+    ----------
+    detections : Detections
+        Only dots flagged ``ok`` enter.
+    target : AnyTarget
+    settings : HandheldSettings
+        Of the calibration to come; lenses are free, and the rig to start from does not count.
+    progress : Progress
+
+    Raises
+    ------
+    InputError
+        A camera has fewer than :data:`MIN_VIEWS` views, no model can be fitted, or as in
+        :func:`~labcal.calibrate.handheld.calibrate_handheld`.
+    """
+    entering, _ = in_full_pictures(usable_dots(detections, target))
+    cameras = [entering.where(entering.camera == name).by_view() for name in entering.cameras]
+    for name, pictures in zip(entering.cameras, cameras, strict=True):
+        if len(pictures) < MIN_VIEWS:
+            raise InputError(
+                f"Camera '{name}' has {counted(len(pictures), 'usable view')}, but to choose a lens model "
+                f"needs {MIN_VIEWS}. Take more views, or name the model with --lens."
+            )
+    plenty = min(map(len, cameras)) >= PLENTY
+    lenses = [lens for lens in CANDIDATES if plenty or lens != LARGE]
+    progress.start("lens models", len(lenses))
+    squares: dict[str, Float64[np.ndarray, " pictures"]] = {}
+    refused: dict[str, str] = {}
+    for lens in lenses:
+        try:
+            squares[lens] = np.concatenate(
+                [_held_out(pictures, target, lens, settings) for pictures in cameras]
+            )
+        except InputError as error:
+            refused[lens] = str(error)
+        progress.advance()
+    if not squares:
+        raise InputError("The views support no lens model. " + " ".join(dict.fromkeys(refused.values())))
+    best = min(squares.values(), key=lambda square: float(square.mean()))
+    trials = tuple(_trial(lens, squares.get(lens), best, refused.get(lens)) for lens in lenses)
+    return LensChoice(next(trial.lens for trial in trials if trial.as_good), trials)
+
+
+def _trial(
+    lens: str,
+    square: Float64[np.ndarray, " pictures"] | None,
+    best: Float64[np.ndarray, " pictures"],
+    refused: str | None,
+) -> LensTrial:
+    if square is None:
+        return LensTrial(lens, float("nan"), float("nan"), float("nan"), refused)
+    apart = square - best
+    chance = float(apart.std(ddof=1) / np.sqrt(len(apart)))
+    return LensTrial(lens, float(np.sqrt(square.mean())), float(apart.mean()), chance, None)
+
+
+def _held_out(
+    pictures: Sequence[Detections], target: AnyTarget, lens: str, settings: HandheldSettings
+) -> Float64[np.ndarray, " pictures"]:
+    """Return the mean square residual of every picture of one camera when it was held out, px squared.
+
+    Raises
+    ------
+    InputError
+        The other views determine no camera, leave coefficients of the lens open, or cannot free the dots.
+    """
+    squares, rounds = [], settings.bias_rounds
+    for fold in range(FOLDS):
+        held = list(pictures[fold::FOLDS])
+        others = [picture for number, picture in enumerate(pictures) if number % FOLDS != fold]
+        learned = _Problem.of(others, target)
+        fitted = learned.adjusted(start_from_pictures(others, target, lens), Lenses.FREE, rounds)
+        entered, judged = learned.observations, _Problem.of(held, target)
+        if settings.free_dots:
+            free = adjust_dots(fitted, entered, target, Lenses.FREE, rounds)
+            fitted, entered, judged = free.adjusted, free.observations, judged.at(free.dots)
+        left_open = undetermined(fitted, entered)
+        if left_open:
+            raise InputError(f"The views do not determine its coefficients {', '.join(left_open)}.")
+        known = start_from_camera(held, target, fitted.state.cameras[0])
+        squares.append(judged.squares(judged.adjusted(known, Lenses.FIXED, rounds)))
+    return np.concatenate(squares)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Pictures of one camera."""
+
+    observations: Observations
+    target: AnyTarget
+    dots: Points
+    """Where they are on the print, mm."""
+
+    @classmethod
+    def of(cls, pictures: Sequence[Detections], target: AnyTarget) -> "_Problem":
+        """Return them as numbers."""
+        dots = joined(pictures)
+        return cls(observations_of(dots, target, dots.cameras, dots.views), target, target.points())
+
+    def at(self, freed: FreedDots) -> "_Problem":
+        """Return the same pictures of dots that were found elsewhere; only those count.
+
+        Raises
+        ------
+        InputError
+            A picture has too few of them.
+        """
+        observations = self.observations.where(freed.freed[self.observations.dot])
+        views = len({picture.view for picture in self.observations.pictures})
+        if np.bincount(observations.view, minlength=views).min() < MIN_DOTS:
+            raise InputError("Views that are held out show too few dots that the others do.")
+        return _Problem(observations, self.target, freed.place)
+
+    def adjusted(self, start: LensStart, lenses: Lenses, bias_rounds: int) -> Adjusted:
+        """Adjust from a start."""
+        state = RigState((start.camera,), start.T_cam_target, self.dots)
+        freedom = Freedom(lenses, np.zeros((3 * self.target.count, 0)))
+        radii = 0.5 * self.target.outer_diameters_mm()
+        return adjust_in_rounds(state, self.observations, freedom, radii, bias_rounds)
+
+    def squares(self, adjusted: Adjusted) -> Float64[np.ndarray, " pictures"]:
+        """Return the mean square of each picture's residuals that are no outliers, px squared."""
+        square = np.where(adjusted.outlier, 0.0, (adjusted.residual**2).sum(axis=1))
+        views = len(adjusted.state.T_world_target)
+        kept = np.bincount(self.observations.view, weights=~adjusted.outlier, minlength=views)
+        summed = np.bincount(self.observations.view, weights=square, minlength=views)
+        return np.asarray(summed / np.maximum(kept, 1.0))

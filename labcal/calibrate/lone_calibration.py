@@ -1,0 +1,136 @@
+"""One camera calibrated from all its views of a target that was held in the hand."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labcal.calibrate.adjustment.free_dots import adjust_dots
+from labcal.calibrate.adjustment.observations import Observations, observations_of
+from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
+from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.centre_bias import ROUNDS
+from labcal.calibrate.freed_dots import FreedDots
+from labcal.calibrate.lens_start import (
+    LensStart,
+    camera_as_lens,
+    start_from_camera,
+    start_from_pictures,
+)
+from labcal.calibrate.one_lens import TwoLenses
+from labcal.calibrate.rig_start import LoneCamera
+from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
+
+MIN_VIEWS = 3
+"""Views that a camera needs: two fix four intrinsics of a plane target, the third checks them."""
+
+
+@dataclass(frozen=True)
+class HandheldSettings:
+    """How a hand-held target is used."""
+
+    lenses: Lenses = Lenses.FREE
+    """Whether lenses are estimated, or kept as `start` has them."""
+    start: Rig | None = None
+    """Where to begin; OpenCV begins where not given."""
+    free_dots: bool = False
+    """Whether the dots' places on the print are estimated."""
+    bias_rounds: int = ROUNDS
+    """How often centroid minus centre is predicted; 0 where the pixels are images of centres."""
+
+
+@dataclass(frozen=True)
+class AdjustedDots:
+    """An adjustment of one camera or of several."""
+
+    adjusted: Adjusted
+    observations: Observations
+    freed: FreedDots | None
+
+
+@dataclass(frozen=True)
+class CameraAlone:
+    """A camera calibrated from all its views."""
+
+    name: str
+    dots: Detections
+    result: AdjustedDots
+    lone: LoneCamera
+    """What the rig's adjustment takes from it."""
+    two_lenses: TwoLenses | None = None
+    """Groups of its views that were taken through different lenses; None where one lens explains all."""
+
+    def on_print(self, dots: FreedDots, settings: HandheldSettings) -> "CameraAlone":
+        """Return the camera adjusted once more, with dots where several cameras together found them."""
+        before = self.result
+        seen = before.observations.where(dots.freed[before.observations.dot])
+        state = replace(before.adjusted.state, dots=dots.place)
+        freedom = Freedom(settings.lenses, np.zeros((dots.place.size, 0)))
+        radii = 0.5 * dots.target.outer_diameters_mm()
+        adjusted = adjust_in_rounds(state, seen, freedom, radii, settings.bias_rounds)
+        lone = replace(
+            self.lone, camera=adjusted.state.cameras[0], T_cam_target=adjusted.state.T_world_target
+        )
+        return replace(self, result=AdjustedDots(adjusted, seen, None), lone=lone)
+
+    def among(self, views: tuple[str, ...]) -> "CameraAlone":
+        """Return the same camera with its views numbered as they stand among `views`, the rig's."""
+        number = {view: place for place, view in enumerate(views)}
+        numbers = np.array([number[view] for view in self.dots.views], dtype=np.int64)
+        return replace(self, lone=replace(self.lone, views=numbers))
+
+
+def calibrate_alone(
+    name: str, entering: Detections, target: AnyTarget, lens: str, settings: HandheldSettings
+) -> CameraAlone:
+    """Calibrate one camera from all its views."""
+    dots = entering.where(entering.camera == name)
+    start = _lens_start(dots, name, target, lens, settings)
+    state = RigState((start.camera,), start.T_cam_target, target.points())
+    result = adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
+    end, unnumbered = result.adjusted.state, np.arange(len(dots.views))
+    lone = LoneCamera(name, end.cameras[0], unnumbered, end.T_world_target)
+    return CameraAlone(name, dots, result, lone).among(entering.views)
+
+
+def _lens_start(
+    dots: Detections, name: str, target: AnyTarget, lens: str, settings: HandheldSettings
+) -> LensStart:
+    """Return where a camera begins, from the rig to start from or from its own pictures."""
+    needed = MIN_VIEWS if settings.lenses is Lenses.FREE else 1
+    if len(dots.views) < needed:
+        raise InputError(
+            f"Camera '{name}' has {counted(len(dots.views), 'usable view')}, but needs {needed} at "
+            "different tilts."
+        )
+    pictures = dots.by_view()
+    size = dots.picture_size(name)
+    if settings.start is None:
+        if settings.lenses is Lenses.FIXED:
+            raise InputError(
+                "Intrinsics can be kept only where a rig to start from gives them. Add --start rig.json."
+            )
+        return start_from_pictures(pictures, target, lens)
+    known = settings.start.camera(name)
+    if known.size != size:
+        raise InputError(
+            f"Camera '{name}' of the rig to start from takes pictures of {known.size[0]} x {known.size[1]}, "
+            f"but these are {size[0]} x {size[1]}."
+        )
+    return start_from_camera(pictures, target, camera_as_lens(known, lens, name))
+
+
+def adjusted(
+    start: RigState, observations: Observations, target: AnyTarget, settings: HandheldSettings
+) -> AdjustedDots:
+    """Adjust with the dots as declared and, where asked, once more with free dots."""
+    freedom = Freedom(settings.lenses, np.zeros((3 * target.count, 0)))
+    radii = 0.5 * target.outer_diameters_mm()
+    flat = adjust_in_rounds(start, observations, freedom, radii, settings.bias_rounds)
+    if not settings.free_dots:
+        return AdjustedDots(flat, observations, None)
+    free = adjust_dots(flat, observations, target, settings.lenses, settings.bias_rounds)
+    return AdjustedDots(free.adjusted, free.observations, free.dots)

@@ -1,0 +1,139 @@
+"""A camera found from points in space, and how sure it is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Pixels, Points
+from labcal.calibrate.adjustment.state import POSE
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.calibrate.geometry_checks import refuse_collinear, refuse_few, refuse_one_plane
+from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
+from labcal.calibrate.resection.placed import PlacedCamera
+from labcal.calibrate.resection.problem import ResectionProblem, lens_prior
+from labcal.calibrate.resection.start import resection_starts
+from labcal.calibrate.resection.whitening import Even, Whitening
+from labcal.cameras.camera import Camera
+from labcal.errors import InputError
+from labcal.optim.damping import Damping
+from labcal.optim.levenberg_marquardt import minimize
+from labcal.optim.solution import Stopping
+
+_STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
+FAR, NEAR = Damping(ceiling=1e8), Damping(start=1e-6, ceiling=1e8)
+"""The first damping, from anywhere and from a camera that is nearly right already."""
+MOST_OFF = 0.05
+"""RMS residual, as a share of the picture's width, from which on it is not the camera of these dots."""
+
+
+@dataclass(frozen=True)
+class ResectedCamera:
+    """The end of a resection.
+
+    Attributes
+    ----------
+    placed : PlacedCamera
+    covariance : float64 array, (free, free)
+        Of pose and free numbers.
+    residual : float64 array, (n, 2)
+        Predicted minus measured, px.
+    sigma_px : float
+        What residuals scatter along each axis, by as many degrees of freedom as are left.
+    """
+
+    placed: PlacedCamera
+    covariance: Float64[np.ndarray, "free free"]
+    residual: Float64[np.ndarray, "n 2"]
+    sigma_px: float
+
+    @property
+    def camera(self) -> Camera:
+        """The camera."""
+        return self.placed.camera
+
+    def lens(self, whitening: Whitening) -> FoundLens:
+        """Return the camera with the covariance of its coefficients, by the scatter of its residuals."""
+        own = self.placed.numbers.coefficients
+        at = slice(POSE + own.start, POSE + own.stop)
+        freedom = max(1, self.residual.size - self.placed.count)
+        scatter = float((whitening.white(self.residual) ** 2).sum()) / freedom
+        return FoundLens(self.camera, scatter * self.covariance[at, at])
+
+
+@one_blas_thread()
+def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
+    """Return the camera that images points nearest to pixels.
+
+    Parameters
+    ----------
+    method : str
+        For messages.
+    q : ndarray, shape (n, 2)
+        Pixels.
+    p : ndarray, shape (n, 3)
+        World points, mm, not all on one plane.
+    *kinds : Camera
+        Size, lens, prescription and window; numbers do not matter, but for the place of a flat window, which
+        is where the search for it begins. Several kinds are the same one with windows at several places.
+
+    Raises
+    ------
+    InputError
+        Too few points, all on a plane, or no such camera images them anywhere near the pixels.
+    """
+    kind = kinds[0]
+    unknowns = PlacedCamera(kind, np.zeros(3)).count
+    refuse_few(method, p, unknowns // 2 + 1)
+    refuse_collinear(method, p)
+    refuse_one_plane(method, p)
+    middle = p.mean(axis=0)
+    ends = [adjusted(PlacedCamera(start, middle), q, p, Even(1.0)) for start in resection_starts(q, p, kinds)]
+    best = min(ends, key=lambda end: float((end.residual**2).sum()))
+    rms = float(np.sqrt((best.residual**2).sum(axis=1).mean()))
+    if not rms <= MOST_OFF * kind.size[0]:
+        raise InputError(
+            f"{method}: no camera with the lens '{kind.lens}' explains the dots; the best is off by "
+            f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."
+        )
+    return adjusted(best.placed, q, p, Even(max(best.sigma_px, 1e-6)), NEAR)
+
+
+def adjusted(
+    start: PlacedCamera, q: Pixels, p: Points, whitening: Whitening, damping: Damping = FAR
+) -> ResectedCamera:
+    """Return the camera nearest to pixels, from a start that images all points.
+
+    Where the points leave the lens open up to folds inside the picture, its coefficients are held tighter.
+
+    Parameters
+    ----------
+    start : PlacedCamera
+    q, p : ndarray, shapes (n, 2) and (n, 3)
+        Pixels, and world points in mm.
+    whitening : Whitening
+        The covariance is right if this is.
+    damping : Damping
+        :data:`FAR` or :data:`NEAR`.
+    """
+    wide = _adjusted(start, ResectionProblem(q, p, whitening, lens_prior(start, p, PriorWidth.WIDE)), damping)
+    if not wide.lens(whitening).is_open:
+        return wide
+    held = ResectionProblem(q, p, whitening, lens_prior(start, p, PriorWidth.NARROW))
+    narrow = _adjusted(start, held, damping)
+    ratio = narrow.sigma_px / max(wide.sigma_px, np.finfo(np.float64).tiny)
+    return narrow if narrow_is_better([wide.camera], [narrow.camera], ratio) else wide
+
+
+def _adjusted(start: PlacedCamera, problem: ResectionProblem, damping: Damping) -> ResectedCamera:
+    """Return the camera that solves a problem."""
+    q, p = problem.q, problem.p
+    placed = minimize(problem, start, _STOPPING, damping).parameters
+    residual = placed.camera.project(p).q - q
+    freedom = max(1, residual.size - placed.count)
+    return ResectedCamera(
+        placed,
+        problem.linearize(placed).covariance,
+        residual,
+        float(np.sqrt((residual**2).sum() / freedom)),
+    )

@@ -1,0 +1,119 @@
+"""Where resection begins: cameras without distortion, the one nearest to the pixels first."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy.linalg
+
+from labcal.arrays import Pixels, Points
+from labcal.calibrate.projective_map import projective_map
+from labcal.cameras.camera import Camera
+from labcal.cameras.lens import LENGTH
+from labcal.errors import InputError
+from labcal.geometry.pose_from_rays import pose_from_rays
+from labcal.geometry.poses import pose
+
+_HALF_FIELDS_DEG = np.geomspace(8.0, 120.0, 24)
+_WIDEST_FLAT_DEG = 70.0
+_KEPT, _KEPT_OF_SEVERAL = 2, 6
+"""Starts that are worth an adjustment, of one kind of camera and of several together."""
+
+
+def resection_starts(q: Pixels, p: Points, kinds: Sequence[Camera]) -> list[Camera]:
+    """Return cameras to begin with, the most promising first.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n, 2)
+        Pixels.
+    p : ndarray, shape (n, 3)
+        World points, mm, not all on one plane.
+    kinds : sequence of Camera
+        Of each the size, lens, prescription and window; other numbers do not matter.
+
+    Raises
+    ------
+    InputError
+        No camera of this kind sees the points anywhere near the pixels.
+
+    Notes
+    -----
+    Focal lengths are scanned, each with the pose that its rays give, the principal point in the picture's
+    middle. A lens that images straight lines nearly straight also begins as the direct linear transform.
+    """
+    candidates: list[Camera | None] = []
+    for kind in kinds:
+        candidates += [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
+        if kind.model.rectilinear:
+            candidates.append(_linear(q, p, kind))
+    kept = _KEPT if len(kinds) == 1 else _KEPT_OF_SEVERAL
+    misses = [np.inf if camera is None else _miss(camera, q, p) for camera in candidates]
+    order = np.argsort(misses, kind="stable")[:kept]
+    starts = [candidates[i] for i in order if np.isfinite(misses[i])]
+    if not starts:
+        raise InputError(
+            "resection: no camera sees the dots anywhere near their pixels; check that columns and dots "
+            "belong together."
+        )
+    return [camera for camera in starts if camera is not None]
+
+
+def _fields(kind: Camera) -> list[float]:
+    """Return the angles (rad) from the axis at which the picture's corners are tried."""
+    widest = _WIDEST_FLAT_DEG if kind.model.rectilinear else 180.0
+    return [float(np.radians(field)) for field in _HALF_FIELDS_DEG if field <= widest]
+
+
+def camera_with_field(kind: Camera, field: float) -> Camera:
+    """Return the camera without distortion whose picture's corners see an angle (rad) from the axis.
+
+    Parameters
+    ----------
+    kind : Camera
+        Size, lens, prescription and window; its other numbers do not matter.
+    field : float
+        Below a right angle for a rectilinear lens.
+    """
+    width, height = kind.size
+    corner = 0.5 * float(np.hypot(width, height))
+    f = corner / kind.model.undistorted_radius(field)
+    K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
+    return replace(kind, K=K, dist=np.zeros(max(LENGTH, len(kind.dist))), T_cam_world=np.eye(4))
+
+
+def _with_pose(camera: Camera, q: Pixels, p: Points) -> Camera | None:
+    rays = camera.rays(q)
+    if rays.ok.mean() < 0.5:  # noqa: PLR2004 -- a picture's corners may lie beyond a lens's field
+        return None
+    try:
+        return replace(camera, T_cam_world=pose_from_rays(rays.direction[rays.ok], p[rays.ok]))
+    except InputError:
+        return None
+
+
+def _linear(q: Pixels, p: Points, kind: Camera) -> Camera | None:
+    """Return the pinhole of the linear projection, without skew (Hartley and Zisserman, section 6.2.4)."""
+    try:
+        projection = projective_map("resection", p, q)
+    except InputError:
+        return None
+    K, R = scipy.linalg.rq(projection[:, :3])
+    signs = np.sign(np.diagonal(K))
+    K, R = K * signs, signs[:, None] * R
+    if np.linalg.det(R) < 0:  # pixels alone do not tell a projection matrix from its negative
+        return None
+    t = np.linalg.solve(K, projection[:, 3])
+    K = K / K[2, 2]
+    K[0, 1] = K[1, 0] = K[2, 0] = K[2, 1] = 0.0
+    if kind.prescription is not None:
+        K[0, 0] = K[1, 1] = 0.5 * (K[0, 0] + K[1, 1])
+    return replace(kind, K=K, dist=np.zeros(max(LENGTH, len(kind.dist))), T_cam_world=pose(R, t))
+
+
+def _miss(camera: Camera, q: Pixels, p: Points) -> float:
+    """Return the root mean square distance, px; infinite where points cannot be imaged."""
+    found = camera.project(p)
+    if not found.ok.all():
+        return float("inf")
+    return float(np.sqrt(((found.q - q) ** 2).sum(axis=1).mean()))

@@ -1,0 +1,128 @@
+"""Views in which cameras contradict each other, or see what cannot be: told by name and left out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Pose
+from labcal.calibrate.rig_start import LoneCamera, SharedViews, placed_cameras
+from labcal.errors import InputError
+from labcal.geometry.poses import inverse, transform
+
+_FEWEST = 3
+"""Shared views from which on one that is off can be told from the others."""
+_TIMES = 10.0
+"""By how much more than in the median view cameras must miss each other."""
+_LEAST_PX = 2.0
+_EXCHANGED = 0.2
+"""What is left of the miss when two pictures change places, where it was they that were exchanged."""
+
+
+@dataclass(frozen=True)
+class OddPicture:
+    """A picture that is left out."""
+
+    camera: str
+    view: int
+    """Number of the view in the rig's adjustment."""
+    reason: str
+    """For people."""
+
+
+def seen_from_behind(lone: LoneCamera) -> list[OddPicture]:
+    """Return the pictures of one camera that show the target's back, which has no dots.
+
+    Raises
+    ------
+    InputError
+        All of them do.
+    """
+    normal, middle = lone.T_cam_target[:, :3, 2], lone.T_cam_target[:, :3, 3]
+    behind = (normal * middle).sum(axis=1) > 0.0
+    if behind.all():
+        raise InputError(
+            f"All pictures of camera '{lone.name}' show the target mirrored. Take pictures as the sensor has "
+            "them, not as a mirror shows them, and number columns to the right and rows upwards."
+        )
+    reason = "it shows the target mirrored, or its dots are numbered in a mirror image"
+    return [OddPicture(lone.name, int(view), reason) for view in lone.views[behind]]
+
+
+def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dots 3"]) -> list[OddPicture]:
+    """Return the pictures of views in which cameras do not agree on where the target is.
+
+    Of three cameras or more those that agree with each other stay.
+
+    Parameters
+    ----------
+    cameras : sequence of LoneCamera
+    dots : ndarray, shape (dots, 3)
+        Places in the target's frame, mm.
+
+    Raises
+    ------
+    InputError
+        A camera shares no view with the first one, not even through others.
+    """
+    placed = placed_cameras(cameras)
+    against: dict[int, list[tuple[int, int]]] = {}
+    reasons: dict[int, str] = {}
+    for one, other in combinations(range(len(cameras)), 2):
+        shared = SharedViews.of(cameras[one], cameras[other])
+        T_other_one = placed[other] @ inverse(placed[one])
+        misses = target_misses(cameras[other], T_other_one, shared, dots)
+        if len(misses) < _FEWEST:
+            continue
+        usual = float(np.median(misses))
+        for at in np.flatnonzero(misses > max(_TIMES * usual, _LEAST_PX)):
+            view = int(shared.views[at])
+            against.setdefault(view, []).append((one, other))
+            alone = SharedViews(shared.views[[at]], shared.first[[at]], shared.second[[at]])
+            if target_misses(cameras[other], inverse(T_other_one), alone, dots)[0] < _EXCHANGED * misses[at]:
+                cause = "their pictures seem to be exchanged"
+            else:
+                cause = (
+                    "the target moved between the exposures, a camera was moved, or one of them has dots "
+                    "numbered wrongly"
+                )
+            reasons[view] = (
+                f"cameras '{cameras[one].name}' and '{cameras[other].name}' miss each other's dots by "
+                f"{misses[at]:.1f} px, in the median view by {usual:.1f} px: {cause}"
+            )
+    return [
+        OddPicture(cameras[number].name, view, reasons[view])
+        for view, pairs in sorted(against.items())
+        for number in outvoted(pairs, [n for n, lone in enumerate(cameras) if view in lone.views])
+    ]
+
+
+def target_misses(
+    camera: LoneCamera, T_camera_other: Pose, shared: SharedViews, dots: Float64[np.ndarray, "dots 3"]
+) -> Float64[np.ndarray, " n"]:
+    """Return by how far another camera's target is off in this camera's pictures, RMS, px."""
+    misses = []
+    for T_other_target, T_camera_target in zip(shared.first, shared.second, strict=True):
+        told = camera.camera.image(transform(T_camera_other @ T_other_target, dots)).q
+        seen = camera.camera.image(transform(T_camera_target, dots)).q
+        square = ((told - seen) ** 2).sum(axis=1)
+        known = square[np.isfinite(square)]
+        misses.append(float(np.sqrt(known.mean())) if len(known) else float("inf"))
+    return np.array(misses)
+
+
+def outvoted(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:
+    """Return the cameras of a view that are not in its largest group of two or more that agree."""
+    groups: list[list[int]] = []
+    for camera in cameras:
+        for group in groups:
+            if all((other, camera) not in against for other in group):
+                group.append(camera)
+                break
+        else:
+            groups.append([camera])
+    largest = max(groups, key=len)
+    tied = sum(len(group) == len(largest) for group in groups) > 1
+    return [camera for camera in cameras if tied or camera not in largest]

@@ -1,0 +1,87 @@
+"""Cameras resected from known points, and optimal triangulation."""
+
+from typing import ClassVar
+
+from labcal.arrays import Pixels, Points
+from labcal.calibrate.resection.lens_choice import AUTO, camera_of_lens, chosen_camera
+from labcal.calibrate.resection.resected import ResectedCamera, resect
+from labcal.cameras.window import GLASS, FlatWindow
+from labcal.estimators.camera_estimator import CameraEstimator
+from labcal.estimators.gp_field.learned_camera import LearnedCamera
+
+_DISTANCES_MM = (60.0, 240.0, 1000.0)
+_TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
+"""Where the search for a window begins. From a place too far off, it may end with the glass at the lens."""
+
+
+class Bundle(CameraEstimator):
+    """The method ``bundle``: each camera from the points' known places, with any lens model.
+
+    All numbers of a camera are adjusted together from a linear start (Brown 1971); points are triangulated
+    optimally. For volumes only: of a single plane a camera's focal length and distance look alike.
+
+    Parameters
+    ----------
+    lens : str
+        A lens model, the name or file of a lens prescription, or ``auto``: the simplest model that predicts
+        held-out dots as well as any.
+    image_sizes : tuple of (int, int), optional
+        Width and height, px, of each camera's pictures. Where left out, pictures reach as far as the trained
+        pixels.
+    behind_index : float
+        Refractive index of what the points are in: above 1 there is a flat window in front of each camera,
+        whose tilt and distance are found.
+    glass_index : float
+        Of the window.
+    glass_thickness_mm : float
+        Of the window.
+
+    Attributes
+    ----------
+    cameras_ : tuple of Camera
+        In the order of the columns.
+    """
+
+    method: ClassVar[str] = "bundle"
+
+    def __init__(
+        self,
+        lens: str = AUTO,
+        image_sizes: tuple[tuple[int, int], ...] | None = None,
+        behind_index: float = 1.0,
+        glass_index: float = GLASS,
+        glass_thickness_mm: float = 10.0,
+    ) -> None:
+        self.lens = lens
+        self.image_sizes = image_sizes
+        self.behind_index = behind_index
+        self.glass_index = glass_index
+        self.glass_thickness_mm = glass_thickness_mm
+
+    def _learned(self, q: Pixels, p: Points, size: tuple[int, int]) -> LearnedCamera:
+        found = self._resected(q, p, size)
+        return LearnedCamera(found.placed, found.covariance, found.sigma_px)
+
+    def _resected(self, q: Pixels, p: Points, size: tuple[int, int]) -> ResectedCamera:
+        if self.behind_index <= 1.0:
+            if self.lens == AUTO:
+                return chosen_camera(self.method, q, p, size)
+            return resect(self.method, q, p, camera_of_lens(self.lens, size, None))
+        lens = "brown-k1k2" if self.lens == AUTO else self.lens
+        kinds = [camera_of_lens(lens, size, window) for window in self._windows()]
+        return resect(self.method, q, p, *kinds)
+
+    def _windows(self) -> list[FlatWindow]:
+        """Return the windows that the search begins with."""
+        return [
+            FlatWindow(
+                distance_mm=distance,
+                tilt_x_deg=tilt_x,
+                tilt_y_deg=tilt_y,
+                thickness_mm=self.glass_thickness_mm,
+                glass_index=self.glass_index,
+                behind_index=self.behind_index,
+            )
+            for distance in _DISTANCES_MM
+            for tilt_x, tilt_y in _TILTS_DEG
+        ]

@@ -1,0 +1,98 @@
+"""Training data at the images of dots' centres, where the training views tell what centroids are off."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labcal.arrays import Pixels, Points, Pose
+from labcal.calibrate.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
+from labcal.calibrate.geometry_checks import on_one_plane
+from labcal.calibrate.ray_misses import MOST_PX
+from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
+from labcal.calibrate.resection.resected import ResectedCamera, resect
+from labcal.calibrate.triangulation_check import calibration_record
+from labcal.cameras.camera import Camera
+from labcal.cameras.rig import CalibrationRecord
+from labcal.correspond.matching import Matches
+from labcal.correspond.training import TrainingData
+from labcal.errors import InputError
+from labcal.estimators.swapped_pictures import refuse_swapped_training
+from labcal.targets.target import Target
+
+_NAME = "resection"
+_NO_NOISE = 1e-12 * np.eye(2)
+"""Covariance of training pixels, which is not known: all of the triangulation residual counts as scatter."""
+_ON_ONE_PLANE = (
+    "all trained dots are on one plane, where no camera is needed: what they are off is learned with the rest"
+)
+
+
+@dataclass(frozen=True)
+class CentredTraining:
+    """Training data, and how they came to be."""
+
+    data: TrainingData
+    cameras: tuple[Camera, ...] | None
+    """Resected from the training views; None where nothing was taken off."""
+    bias: CentreBias | None
+    """What was taken off."""
+    reason: str | None
+    """Why nothing was, for people."""
+    calibration: CalibrationRecord | None = None
+    """How well the cameras agree on the training data."""
+
+
+def centred_training(
+    data: TrainingData, target: Target, T_world_target: Mapping[str, Pose]
+) -> CentredTraining:
+    """Take centroid minus centre off training pixels, by cameras resected from the training views.
+
+    A method learns from pixels to points of dots' centres. Where the views fill a volume, each camera is
+    resected, and what centroids are off follows from where the stage had the target. Of a single plane the
+    views fix no camera, but need none: there what a centroid is off depends on nothing but where it is, and
+    the method learns that along with the rest.
+
+    Parameters
+    ----------
+    data : TrainingData
+        Centroids.
+    target : Target
+    T_world_target : mapping of str to ndarray of shape (4, 4)
+        Pose of the target by view, mm.
+
+    Raises
+    ------
+    InputError
+        The pictures of a view are exchanged.
+    """
+    if on_one_plane(data.Y):
+        return CentredTraining(data, None, None, _ON_ONE_PLANE)
+    q = data.X.reshape(len(data.X), -1, 2)
+    discs, dots = Discs.of(target), data.index[:, 1] * target.cols + data.index[:, 0]
+    shift = np.zeros_like(q)
+    cameras: list[ResectedCamera] = []
+    for _ in range(ROUNDS):
+        try:
+            cameras = [
+                _resected(q[:, number] - shift[:, number], data.Y, size, cameras[number : number + 1])
+                for number, size in enumerate(data.image_sizes)
+            ]
+        except InputError as error:
+            refuse_swapped_training(data)
+            return CentredTraining(data, None, None, str(error))
+        shift = shifts_at_poses([one.camera for one in cameras], data.view, dots, T_world_target, discs)
+    if max(one.sigma_px for one in cameras) > MOST_PX:
+        refuse_swapped_training(data)
+    centred = replace(data, X=(q - shift).reshape(data.X.shape))
+    found = tuple(one.camera for one in cameras)
+    exact = np.tile(_NO_NOISE, (*q.shape[:2], 1, 1))
+    matches = Matches(data.cameras, data.view, data.index, q - shift, exact)
+    return CentredTraining(centred, found, CentreBias.of(shift), None, calibration_record(found, matches))
+
+
+def _resected(q: Pixels, p: Points, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:
+    """Return the camera that saw points (mm) at pixels, with the lens model of the round before."""
+    if not before:
+        return chosen_camera(_NAME, q, p, size)
+    return resect(_NAME, q, p, camera_of_lens(before[0].camera.lens, size, None))

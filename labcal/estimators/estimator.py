@@ -1,0 +1,214 @@
+"""What all methods have in common: an estimator from pixels to points that checks what it is given."""
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+from jaxtyping import Float64
+from numpy.typing import ArrayLike
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from labcal.errors import InputError, InputTypeError
+from labcal.estimators.pushed_noise import pushed_noise
+
+Estimator = TypeVar("Estimator", bound="PointEstimator")
+
+COORDINATES = 3
+"""X, Y and Z come first among the outputs."""
+
+
+class FittedArray(NamedTuple):
+    """A float64 array that a fitted estimator consists of: an attribute and its shape."""
+
+    attribute: str
+    shape: tuple[int, ...]
+
+
+class PointEstimator(RegressorMixin, BaseEstimator):
+    """A method that learns points from pixels; a scikit-learn regressor.
+
+    X is (n, 2 x cameras) in px with columns x1 y1 x2 y2 ..., Y is (n, 3) in mm, and further outputs where an
+    experiment asks. A method fills in `_fit` and `_predict` and says which arrays it consists of when fitted.
+
+    Attributes
+    ----------
+    method : str
+        The name under which the registry knows the method.
+    fitted_facts : tuple of str
+        Fitted attributes that are a number or a text, kept in a model file beside the arrays.
+    residual_covariance_ : float64 array, (3, 3)
+        Mean product of the errors of X, Y and Z on the training data, mm squared; smaller with fewer outputs.
+    """
+
+    method: ClassVar[str]
+    fitted_facts: ClassVar[tuple[str, ...]] = ()
+
+    def fit(self: Estimator, X: ArrayLike, Y: ArrayLike) -> Estimator:  # noqa: PYI019 - the checker of tests rejects Self
+        """Learn from pixels whose points are known.
+
+        Parameters
+        ----------
+        X : array, (n, 2 x cameras)
+            Pixels, px.
+        Y : array, (n, outputs)
+            Points, mm, and further outputs. One output may be given as (n,).
+
+        Returns
+        -------
+        PointEstimator
+            The estimator itself, fitted.
+
+        Raises
+        ------
+        InputError
+            Values that are missing, of the wrong shape, too few, or in a degenerate arrangement.
+        InputTypeError
+            Something that is no array of numbers.
+        """
+        pixels, points = self._training(X, Y)
+        self.single_output_ = points.ndim == 1
+        points = points.reshape(len(points), -1)
+        self.n_outputs_ = points.shape[1]
+        self._fit(pixels, points)
+        errors = (self._predict(pixels) - points)[:, :COORDINATES]
+        self.residual_covariance_ = errors.T @ errors / len(errors)
+        return self
+
+    def predict(self, X: ArrayLike) -> Float64[np.ndarray, "n *outputs"]:
+        """Return the points that belong to pixels.
+
+        Parameters
+        ----------
+        X : array, (n, 2 x cameras)
+            Pixels, px, with the columns of the training.
+
+        Returns
+        -------
+        float64 array
+            (n, outputs), mm; (n,) when the training gave one output as (n,).
+
+        Raises
+        ------
+        InputError
+            Values that are missing, or another number of columns than in training.
+        sklearn.exceptions.NotFittedError
+            `fit` has not been called.
+        """
+        check_is_fitted(self, "n_outputs_")
+        points = self._predict(self._inputs(X))
+        return points[:, 0] if self.single_output_ else points
+
+    def predict_with_covariance(
+        self, X: ArrayLike, pixel_covariance: Float64[np.ndarray, "n cameras 2 2"]
+    ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+        """Return the points that belong to pixels, and how uncertain they are.
+
+        Where a method knows no better, that is the pixels' noise pushed through its predictions, and the
+        covariance of its errors on the training data, which stands for what it could not learn.
+
+        Parameters
+        ----------
+        X : array, (n, 2 x cameras)
+            As for `predict`.
+        pixel_covariance : float64 array, (n, cameras, 2, 2)
+            Covariances of the pixels, px squared.
+
+        Returns
+        -------
+        points : float64 array, (n, outputs)
+            Mm.
+        covariance : float64 array, (n, 3, 3)
+            Of X, Y and Z, mm squared; smaller with fewer outputs.
+
+        Raises
+        ------
+        InputError
+            As for `predict`, or covariances of another shape than the pixels.
+        sklearn.exceptions.NotFittedError
+            `fit` has not been called.
+        """
+        check_is_fitted(self, "n_outputs_")
+        pixels = self._inputs(X)
+        expected = (len(pixels), pixels.shape[1] // 2, 2, 2)
+        if pixel_covariance.shape != expected or pixels.shape[1] % 2:
+            raise InputError(
+                f"{self.method}: covariances of shape {pixel_covariance.shape} were given for pixels of "
+                f"shape {pixels.shape}, but need one of 2 x 2 for each point and camera."
+            )
+        return self._with_covariance(pixels, pixel_covariance)
+
+    def stored_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays are kept of the fitted estimator: those of the method and of every method."""
+        size = min(self.n_outputs_, COORDINATES)
+        return (*self.fitted_arrays(), FittedArray("residual_covariance_", (size, size)))
+
+    @abstractmethod
+    def fitted_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays the fitted estimator consists of, for the present inputs and outputs."""
+
+    @abstractmethod
+    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
+        """Learn from checked arrays."""
+
+    @abstractmethod
+    def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
+        """Predict from checked pixels."""
+
+    def _with_covariance(
+        self,
+        pixels: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
+    ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+        """Return predictions and their covariances; a method that knows better has its own."""
+        return self._predict(pixels), self._covariance(pixels, pixel_covariance)
+
+    def _covariance(
+        self,
+        pixels: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
+    ) -> Float64[np.ndarray, "n dim dim"]:
+        """Return the covariances of predictions; a method that knows better has its own."""
+        pushed = pushed_noise(self._coordinates, pixels, pixel_covariance)
+        return np.asarray(pushed + self.residual_covariance_)
+
+    def _coordinates(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n dim"]:
+        """Predict X, Y and Z only."""
+        return self._predict(pixels)[:, :COORDINATES]
+
+    def _training(self, X: ArrayLike, Y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Return both as finite float64 arrays of the same length."""
+        with _own_errors(self.method):
+            pixels, points = validate_data(
+                self, X, Y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
+            )
+        return pixels, np.asarray(points, dtype=np.float64)
+
+    def _inputs(self, X: ArrayLike) -> np.ndarray:
+        """Return pixels to predict from as a finite float64 array of the trained width."""
+        with _own_errors(self.method):
+            return np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
+
+    def __sklearn_tags__(self) -> Any:  # noqa: ANN401 - scikit-learn is untyped
+        """Tell scikit-learn that several outputs at once are expected."""
+        tags = super().__sklearn_tags__()
+        tags.target_tags.multi_output = True
+        return tags
+
+
+@contextmanager
+def _own_errors(method: str) -> Iterator[None]:
+    """Turn scikit-learn's refusals into this project's."""
+    try:
+        yield
+    except TypeError as error:
+        raise InputTypeError(f"{method}: {error}") from error
+    except ValueError as error:
+        message = str(error)
+        if "NaN" in message or "infinity" in message:
+            # Its advice to impute is wrong for measurements.
+            first_line = message.partition("\n")[0]
+            message = f"{first_line} Leave out the dots that not every camera has measured."
+        raise InputError(f"{method}: {message}") from error

@@ -1,0 +1,121 @@
+"""A fitted method together with what it was fitted to: cameras, picture sizes, the trained volume."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from labcal.cameras.camera import Camera
+from labcal.cameras.rig import CalibrationRecord
+from labcal.errors import InputError
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.rehearsal import Rehearsed
+from labcal.wording import counted
+
+
+@dataclass(frozen=True)
+class TrainingBox:
+    """The boxes, parallel to the axes, that hold all training data.
+
+    Attributes
+    ----------
+    low_mm, high_mm : float64 array, (outputs,)
+        Least and largest value of each column of Y.
+    low_px, high_px : float64 array, (inputs,)
+        Least and largest value of each column of X.
+    """
+
+    low_mm: Float64[np.ndarray, " outputs"]
+    high_mm: Float64[np.ndarray, " outputs"]
+    low_px: Float64[np.ndarray, " inputs"]
+    high_px: Float64[np.ndarray, " inputs"]
+
+    @classmethod
+    def of(cls, X: Float64[np.ndarray, "n inputs"], Y: Float64[np.ndarray, "n outputs"]) -> "TrainingBox":
+        """Return the boxes of these training data, px and mm."""
+        return cls(Y.min(axis=0), Y.max(axis=0), X.min(axis=0), X.max(axis=0))
+
+    @property
+    def planar(self) -> bool:
+        """Whether all points were trained at one Z."""
+        return bool(self.low_mm[2] == self.high_mm[2])
+
+    def holds(self, points: Float64[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
+        """Return which points, in mm, lie inside or on the box; Z counts unless training was planar."""
+        used = slice(2) if self.planar else slice(3)
+        inside = (points[:, used] >= self.low_mm[used]) & (points[:, used] <= self.high_mm[used])
+        return np.asarray(inside.all(axis=1))
+
+
+@dataclass(frozen=True)
+class FittedModel:
+    """A fitted estimator and its data's frame.
+
+    Attributes
+    ----------
+    estimator : PointEstimator
+        Fitted, with outputs X, Y, Z in mm first.
+    cameras : tuple of str
+        Names of the cameras in the order of the columns of X.
+    image_sizes : tuple of (int, int)
+        Width and height of each camera's pictures, px.
+    box : TrainingBox
+        What it was trained on.
+    resected : tuple of Camera, optional
+        Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
+    rehearsed : Rehearsed, optional
+        How the method did on points between the trained ones; None where that could not be rehearsed.
+    calibration : CalibrationRecord, optional
+        How well the resected cameras agreed on the training data.
+    calibrated_on : tuple of str
+        Names of the views that it was taught, as of a rig; empty where that is not known.
+    held_out : tuple of str
+        Names of the views that it was not taught, since it is to be judged by them.
+    warnings : tuple of str
+        What was not as it should be when it was fitted, for people; not kept in the file.
+
+    Raises
+    ------
+    InputError
+        Cameras, sizes, box and estimator do not belong together.
+    """
+
+    estimator: PointEstimator
+    cameras: tuple[str, ...]
+    image_sizes: tuple[tuple[int, int], ...]
+    box: TrainingBox
+    resected: tuple[Camera, ...] | None = None
+    rehearsed: Rehearsed | None = None
+    calibration: CalibrationRecord | None = None
+    calibrated_on: tuple[str, ...] = ()
+    held_out: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the method is known to err by far more than the noise leaves, or by more than it says."""
+        return self.rehearsed is not None and self.rehearsed.misfit
+
+    def __post_init__(self) -> None:
+        """Refuse parts that do not belong together."""
+        inputs, outputs = self.estimator.n_features_in_, self.estimator.n_outputs_
+        if not (2 * len(self.cameras) == 2 * len(self.image_sizes) == inputs):
+            raise InputError(
+                f"A model of {inputs} columns needs {inputs / 2:g} cameras with a picture size each, but got "
+                f"{counted(len(self.cameras), 'name')} and {counted(len(self.image_sizes), 'size')}."
+            )
+        if self.resected is not None and len(self.resected) != len(self.cameras):
+            raise InputError(
+                f"A model of {counted(len(self.cameras), 'camera')} has {len(self.resected)} resected. "
+                "Fit it again."
+            )
+        if len(set(self.cameras)) < len(self.cameras):
+            raise InputError(
+                f"Every camera needs a name of its own, but the names are {', '.join(self.cameras)}."
+            )
+        fits = self.box.low_mm.shape == (outputs,) and self.box.low_px.shape == (inputs,)
+        if outputs < 3 or not fits:  # noqa: PLR2004 - X, Y, Z
+            raise InputError(
+                f"A model needs outputs X, Y, Z and a training box of the same widths, but has {outputs} "
+                f"outputs and boxes of {self.box.low_px.shape[0]} and {self.box.low_mm.shape[0]} columns."
+            )

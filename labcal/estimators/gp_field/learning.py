@@ -1,0 +1,130 @@
+"""Learning a camera and a field together."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.arrays import Pixels, Points
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted
+from labcal.calibrate.resection.whitening import Correlated
+from labcal.estimators.gp_field.evidence import FieldScale, field_scale
+from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
+from labcal.estimators.gp_field.pixel_field import PixelField
+from labcal.estimators.gp_field.places import Places
+
+ROUNDS = 3
+"""After these, neither the field's scale nor the camera moves by more than a few percent of their sd, unless
+the field is so strong that it can stand for much of the camera."""
+_SETTLED = 0.1
+"""Change of a field in a round, as a share of it, up to which it has come to rest."""
+
+_EXACT_PX = 1e-4
+"""Residuals below this are those of a simulation without noise; a field would follow rounding errors."""
+
+
+@one_blas_thread()
+def learned_camera(start: ResectedCamera, q: Pixels, p: Points) -> LearnedCamera:
+    """Return a camera with the field that its residuals call for, or without where they call for none.
+
+    Parameters
+    ----------
+    start : ResectedCamera
+        Found with independent errors.
+    q, p : ndarray, shapes (n, 2) and (n, 3)
+        Pixels, and the world points (mm) that they see.
+
+    Notes
+    -----
+    In rounds: the field's scale by restricted likelihood, then the camera once more by generalised least
+    squares with the field as correlated noise, since otherwise its pose absorbs the field. Where the rounds
+    do not come to rest, camera and field drift off together, and the likeliest round is taken. Some
+    displacements are a smoother function of where light arrives than of where it would have arrived: both are
+    tried, and the likelier one is taken.
+    """
+    if start.sigma_px < _EXACT_PX:
+        return LearnedCamera(start.placed, start.covariance, start.sigma_px)
+    ideal = _learned(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
+    if ideal is None:
+        return LearnedCamera(start.placed, start.covariance, start.sigma_px)
+    arrived = _learned(_Stage(ideal.found, ideal.scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
+    best = ideal if arrived is None or arrived.likelihood < ideal.likelihood else arrived
+    return best.camera
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """Where rounds begin: a camera, perhaps the field's scale, and the pixels where the field is asked."""
+
+    found: ResectedCamera
+    scale: FieldScale | None
+    at: Pixels
+
+
+@dataclass(frozen=True)
+class _Learned:
+    """The end of some rounds."""
+
+    found: ResectedCamera
+    scale: FieldScale
+    restricted: float
+    """The restricted log-likelihood of the scale."""
+    learned: LearnedField
+
+    @property
+    def camera(self) -> LearnedCamera:
+        """The camera with its field."""
+        return LearnedCamera(self.found.placed, self.found.covariance, self.scale.noise_px, self.learned)
+
+    @property
+    def likelihood(self) -> float:
+        """The logarithm of how much likelier pixels are with the field than without.
+
+        A field that is asked where light arrives gives the density of measured minus explained pixels; that
+        of the pixels takes the determinant of how the former change with the latter.
+        """
+        if self.learned.asked is Asked.IDEAL:
+            return self.scale.gain
+        field = self.learned.field
+        turn = np.eye(2) - field.slopes(field.x)[:, :, :2] / self.learned.places.width_px
+        with np.errstate(divide="ignore"):
+            return self.scale.gain + float(np.log(np.maximum(np.linalg.det(turn), 0.0)).sum())
+
+    def arrived(self, q: Pixels) -> Pixels:
+        """Return where the light of trained points arrives, by lens and field."""
+        return np.asarray(q + self.found.residual + self.learned.field.smoothed())
+
+
+def _learned(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> _Learned | None:
+    """Return camera and field after some rounds, or None where no field is called for."""
+    ends = list(_rounds(stage, q, p, asked))
+    if len(ends) < ROUNDS:
+        return None
+    before, last = (end.learned.field.smoothed() for end in ends[-2:])
+    if np.linalg.norm(last - before) <= _SETTLED * np.linalg.norm(last):
+        return ends[-1]
+    return max(ends, key=lambda end: end.restricted)
+
+
+def _rounds(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> Iterator[_Learned]:
+    """Yield camera and field after each round, until one calls for no field."""
+    found, scale, at = stage.found, stage.scale, stage.at
+    for _ in range(ROUNDS):
+        camera = found.camera
+        x = Places.of(camera, p).inputs(camera, at, p)
+        scale, likelihood = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
+        if scale.amplitude_px == 0.0:
+            return
+        found = adjusted(found.placed, q, p, Correlated(scale.root(x)), NEAR)
+        if not np.isfinite(found.residual).all():
+            return
+        if asked is Asked.IDEAL:
+            at = found.camera.project(p).q
+        camera = found.camera
+        places = Places.of(camera, p)
+        field = PixelField(scale, places.inputs(camera, at, p), -found.residual)
+        end = _Learned(found, scale, likelihood, LearnedField(field, places, asked, np.array(p)))
+        if asked is Asked.ARRIVED:
+            at = end.arrived(q)
+        yield end

@@ -1,0 +1,55 @@
+"""Training data from a target that was held in the hand: its dots where a bundle adjustment put them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.centre_bias import CentreBias, Discs, shifts_at_poses
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match
+from labcal.correspond.training import TrainingData
+from labcal.errors import InputError
+from labcal.estimators.centred_training import CentredTraining
+from labcal.geometry.poses import transform
+from labcal.targets.target import Target
+
+
+def handheld_training(found: HandheldCalibration, detections: Detections, target: Target) -> CentredTraining:
+    """Return the dots that all cameras measured, where the target was in each view.
+
+    Parameters
+    ----------
+    found : HandheldCalibration
+        Of the same detections. Its world is that of the points: the first camera's frame.
+    detections : Detections
+        Centroids.
+    target : Target
+        Its dots are where it was declared to have them, or where the calibration found them.
+
+    Raises
+    ------
+    InputError
+        The calibration is of one camera, or no dot of its views was measured by all cameras.
+    """
+    cameras = [found.rig.camera(name) for name in found.rig.cameras]
+    names = tuple(found.rig.cameras)
+    if len(names) == 1:
+        raise InputError(
+            f"There are pictures of one camera only, '{names[0]}'. Points in space need two cameras or more."
+        )
+    matches = match(found.entering(detections), names)
+    if len(matches) == 0:
+        raise InputError(f"No dot was measured by all of the cameras {', '.join(names)} in the same view.")
+    discs = Discs.of(target) if found.freed is None else Discs(found.freed.place, Discs.of(target).radii)
+    dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
+    T_world_target = dict(zip(found.views, found.T_world_target, strict=True))
+    p = np.empty((len(matches), 3))
+    for view, T in T_world_target.items():
+        rows = matches.view == view
+        p[rows] = transform(T, discs.centres[dots[rows]])
+    shift = shifts_at_poses(cameras, matches.view, dots, T_world_target, discs)
+    centred = replace(matches, q=matches.q - shift)
+    sizes = tuple(detections.picture_size(name) for name in names)
+    data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
+    return CentredTraining(data, tuple(cameras), CentreBias.of(shift), None, found.rig.calibration)

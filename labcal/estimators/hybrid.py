@@ -1,0 +1,72 @@
+"""Cameras resected from known points, with a field of pixels for what their lens formulas do not explain."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from labcal.arrays import Pixels, Points
+from labcal.calibrate.resection.lens_choice import AUTO, camera_of_lens, chosen_camera
+from labcal.calibrate.resection.resected import resect
+from labcal.errors import InputError
+from labcal.estimators.camera_estimator import CameraEstimator
+from labcal.estimators.gp_field.learned_camera import LearnedCamera
+from labcal.estimators.gp_field.learning import learned_camera
+
+MOST_POINTS = 4000
+"""The field's covariance is a full matrix of the trained points."""
+
+
+class Hybrid(CameraEstimator):
+    """The method ``hybrid``: `bundle`, and a Gaussian process in pixels over place and depth.
+
+    A camera's pixels are those of a lens formula plus a smooth field over the place in the picture and one
+    over the distance. Where the lens formula is right, the data ask for no field and the method is `bundle`;
+    where it is not, wavy glass or water say, the field explains the rest (Rasmussen and Williams 2006,
+    section 2.7, on explicit basis functions).
+
+    Parameters
+    ----------
+    lens : str
+        The lens formula: a model, the name or file of a prescription, or ``auto``: the simplest model that
+        predicts held-out dots as well as any.
+    image_sizes : tuple of (int, int), optional
+        Width and height, px, of each camera's pictures. Where left out, pictures reach as far as the trained
+        pixels.
+
+    Attributes
+    ----------
+    cameras_ : tuple of Camera
+        The lens formulas, in the order of the columns.
+    field_px_ : float64 array, (cameras,)
+        What the field explains of the trained pixels, root mean square of its length; 0 where there is none.
+    """
+
+    method: ClassVar[str] = "hybrid"
+
+    def __init__(self, lens: str = AUTO, image_sizes: tuple[tuple[int, int], ...] | None = None) -> None:
+        self.lens = lens
+        self.image_sizes = image_sizes
+
+    @property
+    def field_px_(self) -> np.ndarray:
+        """What the field explains of the trained pixels, root mean square of its length, px, by camera."""
+        return np.array(
+            [
+                0.0
+                if camera.learned is None
+                else float(np.sqrt((camera.learned.field.smoothed() ** 2).sum(axis=1).mean()))
+                for camera in self.learned_cameras_
+            ]
+        )
+
+    def _learned(self, q: Pixels, p: Points, size: tuple[int, int]) -> LearnedCamera:
+        if len(p) > MOST_POINTS:
+            raise InputError(
+                f"{self.method}: {len(p)} dots are more than the {MOST_POINTS} that a field can be learned "
+                "from. Train on fewer views, or use 'bundle'."
+            )
+        if self.lens == AUTO:
+            start = chosen_camera(self.method, q, p, size)
+        else:
+            start = resect(self.method, q, p, camera_of_lens(self.lens, size, None))
+        return learned_camera(start, q, p)

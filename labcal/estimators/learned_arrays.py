@@ -1,0 +1,125 @@
+"""Learned cameras as plain arrays and one text, for files, and back."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydantic import TypeAdapter, ValidationError
+
+from labcal.calibrate.resection.placed import PlacedCamera
+from labcal.cameras.record import CameraRecord
+from labcal.errors import InputError
+from labcal.estimators.gp_field.evidence import FieldScale
+from labcal.estimators.gp_field.kernel import FieldKernel
+from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
+from labcal.estimators.gp_field.pixel_field import PixelField
+from labcal.estimators.gp_field.places import Places
+from labcal.run.json_reading import json_content
+
+FIGURES = 9
+"""Of a camera: its noise; of its field amplitude, across, along, noise, gain, and three of its places."""
+_RECORDS = TypeAdapter(tuple[CameraRecord, ...])
+
+
+@dataclass(frozen=True)
+class LearnedArrays:
+    """What :func:`to_arrays` gives; for cameras without a field the last two are 0.
+
+    Attributes
+    ----------
+    text : str
+        JSON: the lens formulas' records, and by camera where its field is asked or null.
+    middle : float64 array, (3,)
+    figures : float64 array, (cameras, FIGURES)
+    covariance : float64 array, (cameras, free, free)
+        Padded with zeros to the camera with most free numbers.
+    inputs : float64 array, (cameras, n, 3)
+    residuals : float64 array, (cameras, n, 2)
+    """
+
+    text: str
+    middle: Float64[np.ndarray, "3"]
+    figures: Float64[np.ndarray, "cameras figures"]
+    covariance: Float64[np.ndarray, "cameras free free"]
+    inputs: Float64[np.ndarray, "cameras n 3"]
+    residuals: Float64[np.ndarray, "cameras n 2"]
+
+
+def free_count(text: str) -> tuple[int, int]:
+    """Return the number of cameras, and the most free numbers that one has, of a text of `LearnedArrays`.
+
+    Raises
+    ------
+    InputError
+        The text is damaged.
+    """
+    cameras, _ = _parsed(text)
+    placed = [record.sensible_camera(str(number)) for number, record in enumerate(cameras, start=1)]
+    counts = [PlacedCamera(camera, np.zeros(3)).count for camera in placed]
+    return len(counts), max(counts, default=0)
+
+
+def to_arrays(cameras: Sequence[LearnedCamera], n: int) -> LearnedArrays:
+    """Return learned cameras, trained on n points, as plain arrays."""
+    most = max(camera.placed.count for camera in cameras)
+    figures, covariance = np.zeros((len(cameras), FIGURES)), np.zeros((len(cameras), most, most))
+    inputs, residuals = np.zeros((len(cameras), n, 3)), np.zeros((len(cameras), n, 2))
+    asked: list[str | None] = []
+    for number, camera in enumerate(cameras):
+        count = camera.placed.count
+        covariance[number, :count, :count] = camera.covariance
+        figures[number, 0] = camera.noise_px
+        asked.append(None if camera.learned is None else camera.learned.asked.value)
+        if camera.learned is None:
+            continue
+        scale, places = camera.learned.field.scale, camera.learned.places
+        figures[number, 1:] = [
+            scale.amplitude_px, scale.kernel.across, scale.kernel.along, scale.noise_px, scale.gain,
+            places.width_px, places.farthest, places.span,
+        ]  # fmt: skip
+        inputs[number], residuals[number] = camera.learned.field.x, camera.learned.field.residual
+    records = [CameraRecord.of(camera.camera).model_dump(mode="json") for camera in cameras]
+    text = json.dumps({"cameras": records, "asked": asked}, sort_keys=True, allow_nan=False)
+    return LearnedArrays(text, cameras[0].placed.middle, figures, covariance, inputs, residuals)
+
+
+def from_arrays(arrays: LearnedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[LearnedCamera, ...]:
+    """Return learned cameras from plain arrays, and the points (mm) that they were trained on.
+
+    Raises
+    ------
+    InputError
+        The text is damaged, or does not fit the arrays.
+    """
+    records, asked = _parsed(arrays.text)
+    if not len(records) == len(asked) == len(arrays.figures):
+        raise InputError("The model's cameras do not fit its arrays. Fit it again.")
+    found = []
+    for number, (record, how) in enumerate(zip(records, asked, strict=True)):
+        placed = PlacedCamera(record.camera(), arrays.middle)
+        noise, amplitude, across, along, field_noise, gain, width, farthest, span = arrays.figures[
+            number
+        ].tolist()
+        learned = None
+        if how is not None:
+            scale = FieldScale(FieldKernel(across, along), amplitude, field_noise, gain)
+            field = PixelField(scale, arrays.inputs[number], arrays.residuals[number])
+            learned = LearnedField(field, Places(width, farthest, span), Asked(how), p)
+        own = slice(placed.count)
+        found.append(LearnedCamera(placed, arrays.covariance[number, own, own], noise, learned))
+    return tuple(found)
+
+
+def _parsed(text: str) -> tuple[tuple[CameraRecord, ...], list[str | None]]:
+    try:
+        content: Any = json_content(text, "The text of the model's cameras")
+        records = _RECORDS.validate_python(content["cameras"])
+        asked = [None if how is None else Asked(how).value for how in content["asked"]]
+    except InputError:
+        raise
+    except (ValueError, KeyError, TypeError, RecursionError, ValidationError) as error:
+        raise InputError(f"The model's cameras cannot be read: {error}. Fit it again.") from error
+    return records, asked

@@ -1,0 +1,291 @@
+"""Fitted models on disk: safetensors with a JSON header. Loading never runs code from the file."""
+
+from dataclasses import asdict, fields
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import safetensors.numpy
+from safetensors import SafetensorError, safe_open
+
+from labcal.bounds import MOST_MM, MOST_WEIGHT
+from labcal.cameras.record import CameraRecord
+from labcal.errors import InputError, LabcalError
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model_header import VERSION, ModelHeader, Value
+from labcal.estimators.registry import make_estimator
+from labcal.estimators.rehearsal import Rehearsed
+from labcal.run.file_kinds import told_by
+from labcal.run.file_reading import require_file
+from labcal.run.json_reading import json_content, read_json
+from labcal.run.outputs import write_file
+
+# One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
+METADATA_KEY = "labcal"
+BOX_PREFIX = "box."
+LENGTH_BYTES = 8
+_MOST_BYTES = 2**28
+_MOST_COUNT = 2**31
+"""Of an integer that an estimator is constructed with."""
+_HEADER_BEGINS = f'{{"__metadata__":{{"{METADATA_KEY}":'.encode()
+KIND = told_by(
+    "a model",
+    lambda content: content[LENGTH_BYTES:].startswith(_HEADER_BEGINS) and b"labcal-model" in content,
+)
+
+
+class ModelKind(StrEnum):
+    """What a MODEL on the command line can be."""
+
+    FITTED = "fitted model"
+    RIG = "rig"
+
+
+def model_kind(path: Path) -> ModelKind:
+    """Return whether a file holds a fitted model or JSON, which only a rig can be.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its name does not matter.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or begins like neither.
+    """
+    require_file(path, "model", _MOST_BYTES)
+    with path.open("rb") as handle:
+        begin = handle.read(64)
+    # A safetensors file begins with the length of its header, which begins with a brace.
+    if begin[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and begin[LENGTH_BYTES - 2 : LENGTH_BYTES] == b"\0\0":
+        return ModelKind.FITTED
+    if begin.lstrip().startswith(b"{"):
+        return ModelKind.RIG
+    raise InputError(f"{path} is neither a model from `labcal fit` nor a rig.json from `labcal calibrate`.")
+
+
+def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
+    """Write a fitted model.
+
+    Parameters
+    ----------
+    path : Path
+        The file to appear.
+    model : FittedModel
+        What to write.
+    force : bool
+        Replace a model that exists.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+    """
+    estimator = model.estimator
+    arrays = {
+        spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.stored_arrays()
+    }
+    for field in fields(TrainingBox):
+        arrays[BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
+    header = ModelHeader(
+        format="labcal-model",
+        version=VERSION,
+        method=estimator.method,
+        parameters={name: _plain(value) for name, value in estimator.get_params().items()},
+        facts={name: _plain(getattr(estimator, name)) for name in estimator.fitted_facts},
+        inputs=estimator.n_features_in_,
+        outputs=estimator.n_outputs_,
+        cameras=model.cameras,
+        image_sizes=model.image_sizes,
+        planar=model.box.planar,
+        digest="",
+        resected=None if model.resected is None else tuple(map(CameraRecord.of, model.resected)),
+        rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
+        calibration=model.calibration,
+        calibrated_on=model.calibrated_on or None,
+        held_out=model.held_out or None,
+    ).signed(arrays)
+    content = safetensors.numpy.save(arrays, {METADATA_KEY: header.text()})
+    write_file(path, content, kind=KIND, force=force)
+
+
+def load_model(path: Path) -> FittedModel:
+    """Read a fitted model; its predictions are the same bytes as before it was saved.
+
+    Parameters
+    ----------
+    path : Path
+        A file that :func:`save_model` wrote.
+
+    Returns
+    -------
+    FittedModel
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is truncated, is of another kind or of a newer version, has been changed, or
+        holds what its method does not have.
+    UnknownNameError
+        The method is not known here.
+    """
+    require_file(path, "model", _MOST_BYTES)
+    try:
+        with safe_open(path, framework="numpy") as file:
+            metadata = file.metadata() or {}
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - no mapping
+    except SafetensorError as error:
+        raise InputError(
+            f"The model {path} is truncated, damaged, or no model at all ({error}). Fit it again, or copy it "
+            "anew."
+        ) from error
+    except OSError as error:
+        raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
+    header = _header(path, metadata.get(METADATA_KEY))
+    if header.signed(arrays).digest != header.digest:
+        raise InputError(
+            f"The model {path} has been changed since it was written: its digest is wrong. Fit it again."
+        )
+    box = _box(path, header, arrays)
+    estimator = _estimator(path, header, arrays)
+    resected = None
+    if header.resected is not None:
+        pairs = zip(header.cameras, header.resected, strict=False)
+        resected = tuple(record.sensible_camera(name) for name, record in pairs)
+    rehearsed = None if header.rehearsed is None else _rehearsed(path, header.rehearsed)
+    return FittedModel(
+        estimator,
+        header.cameras,
+        header.image_sizes,
+        box,
+        resected,
+        rehearsed,
+        header.calibration,
+        header.calibrated_on or (),
+        header.held_out or (),
+    )
+
+
+def _header(path: Path, text: str | None) -> ModelHeader:
+    """Return the checked header, its version before all else."""
+    if text is None:
+        raise InputError(f"{path} is a safetensors file, but no model of labcal.")
+    content = json_content(text, f"The header of the model {path}")
+    version = content.get("version") if isinstance(content, dict) else None
+    if isinstance(version, int) and version > VERSION:
+        raise InputError(
+            f"The model {path} is of version {version}, but this labcal reads up to {VERSION}. Install a "
+            "newer labcal."
+        )
+    if isinstance(version, int) and version < VERSION:
+        raise InputError(
+            f"The model {path} is of version {version}, which is not read any more. Fit it again."
+        )
+    return read_json(ModelHeader, text, f"The header of the model {path}")
+
+
+def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> PointEstimator:
+    """Return the fitted estimator; only attributes that its class declares are set."""
+    estimator = make_estimator(header.method)
+    if header.parameters.keys() != estimator.get_params().keys() or header.facts.keys() != set(
+        estimator.fitted_facts
+    ):
+        raise InputError(
+            f"The model {path} names parameters that the method '{header.method}' does not have."
+        )
+    defaults = estimator.get_params()
+    odd = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
+    if odd:
+        raise InputError(
+            f"The model {path} has a '{odd[0]}' that '{header.method}' does not take. Fit it again."
+        )
+    estimator.set_params(**header.parameters)
+    estimator.n_features_in_ = header.inputs
+    estimator.n_outputs_ = header.outputs
+    estimator.single_output_ = False
+    for name, value in header.facts.items():
+        setattr(estimator, name, value)
+    try:
+        wanted = estimator.stored_arrays()
+        if any(type(side) is not int for spec in wanted for side in spec.shape):
+            raise TypeError  # noqa: TRY301 -- told below, as what the method itself raises
+    except LabcalError:
+        raise
+    except (TypeError, ValueError, LookupError, ArithmeticError) as error:
+        raise InputError(
+            f"The facts in the model {path} are none of '{header.method}'. Fit it again."
+        ) from error
+    for attribute, shape in wanted:
+        setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
+    return estimator
+
+
+def _like(value: Value, default: object) -> bool:
+    """Tell whether a parameter is of its default's kind, and not beyond all bounds."""
+    match default:
+        case bool() | str():
+            return type(value) is type(default)
+        case int():
+            return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= _MOST_COUNT
+        case float():
+            return (
+                isinstance(value, int | float)
+                and not isinstance(value, bool)
+                and 0.0 <= float(value) <= MOST_WEIGHT
+            )
+        case _:  # widths of layers, picture sizes, or nothing
+            counts = [] if value is None else np.ravel(np.array(value, dtype=object)).tolist()
+            return all(type(count) is int and 1 <= count <= _MOST_COUNT for count in counts)
+
+
+def _figures(rehearsed: Rehearsed) -> dict[str, float | None]:
+    """Return a rehearsal's figures by name, with null for NaN, which JSON does not know."""
+    return {name: None if np.isnan(value) else value for name, value in asdict(rehearsed).items()}
+
+
+def _rehearsed(path: Path, figures: dict[str, float | None]) -> Rehearsed:
+    """Return the rehearsal's figures."""
+    if figures.keys() != {field.name for field in fields(Rehearsed)}:
+        raise InputError(f"The model {path} has other figures of a rehearsal than this labcal knows.")
+    return Rehearsed(**{name: float("nan") if value is None else value for name, value in figures.items()})
+
+
+def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> TrainingBox:
+    """Return the checked training box."""
+    outputs, inputs = (header.outputs,), (header.inputs,)
+    box = TrainingBox(
+        low_mm=_checked(path, arrays, BOX_PREFIX + "low_mm", outputs),
+        high_mm=_checked(path, arrays, BOX_PREFIX + "high_mm", outputs),
+        low_px=_checked(path, arrays, BOX_PREFIX + "low_px", inputs),
+        high_px=_checked(path, arrays, BOX_PREFIX + "high_px", inputs),
+    )
+    farthest = max(np.abs(box.low_mm).max(initial=0.0), np.abs(box.high_mm).max(initial=0.0))
+    upright = (box.low_mm <= box.high_mm).all() and (box.low_px <= box.high_px).all()
+    if farthest > MOST_MM or not upright:
+        raise InputError(f"The volume in which the model {path} was trained is none. Fit it again.")
+    return box
+
+
+def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Return one array of the file if it is as the method needs it."""
+    array = arrays.get(name)
+    if array is None or array.dtype != np.float64 or array.shape != shape or not np.isfinite(array).all():
+        raise InputError(f"The model {path} lacks the array '{name}' as finite float64 of shape {shape}.")
+    if np.abs(array).max(initial=0.0) > MOST_WEIGHT:
+        raise InputError(f"The model {path} holds a number beyond {MOST_WEIGHT:g} in '{name}'. Fit it again.")
+    return array
+
+
+def _array(value: np.ndarray) -> np.ndarray:
+    """Return an array as it is written: in one piece, in rows."""
+    return np.ascontiguousarray(value, dtype=np.float64).reshape(np.shape(value))
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - scikit-learn is untyped
+    """Return a parameter or fact without NumPy's scalar types, which JSON does not know."""
+    if isinstance(value, np.generic):
+        return value.item()
+    return tuple(_plain(element) for element in value) if isinstance(value, list | tuple) else value

@@ -1,0 +1,168 @@
+"""Which method to trust, from training data alone: each is tried where the hybrid knows the truth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Points
+from labcal.calibrate.resection.lens_choice import AUTO
+from labcal.cameras.triangulation import refined
+from labcal.errors import InputError
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.gp_field.learned_camera import measured_by
+from labcal.estimators.hybrid import Hybrid
+from labcal.geometry.ellipsoids import within_ellipsoids
+from labcal.geometry.hull import inside_hull
+from labcal.rng import generator
+
+POINTS = 1000
+CONFIDENCE = 0.95
+LEAST_COVERAGE = 0.92
+"""A method whose 95% ellipsoids hold fewer is wrong by more than it says; a thousand points scatter by
+0.007."""
+MOST_OVER_LIMIT = 2.0
+"""A method that errs by more than so many times what the noise leaves does not fit the cameras."""
+_DRAWN_AT_ONCE = 4 * POINTS
+_MOST_DRAWS = 50
+
+
+@dataclass(frozen=True)
+class Rehearsed:
+    """How a method did on points within the trained volume, seen by the twin's cameras.
+
+    Attributes
+    ----------
+    rmse_mm : float
+        Root mean square of the 3-D error; NaN where the method gives no points.
+    limit_mm : float
+        The same of cameras that are known exactly, by the pixels' noise.
+    coverage95 : float
+        Share of points within the 95% ellipsoid that the method states; 0 where it gives no covariance.
+    """
+
+    rmse_mm: float
+    limit_mm: float
+    coverage95: float
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the method errs by far more than the noise leaves, or by more than it says."""
+        return self.too_large or not self.coverage95 >= LEAST_COVERAGE
+
+    @property
+    def too_large(self) -> bool:
+        """Whether it errs by far more than the noise leaves."""
+        return not self.rmse_mm <= MOST_OVER_LIMIT * self.limit_mm  # of NaN, too
+
+
+@dataclass(frozen=True)
+class Twin:
+    """Points within a trained volume and where cameras like the real ones see them, with noise.
+
+    Attributes
+    ----------
+    hybrid : Hybrid
+        Fitted to the training data; its cameras see the points.
+    p : float64 array, (n, 3)
+        Mm.
+    X : float64 array, (n, 2 x cameras)
+        Px.
+    covariance : float64 array, (n, cameras, 2, 2)
+        Of the pixels, px squared.
+    limit_mm : float
+        RMS 3-D error that the noise leaves where cameras are known exactly.
+    """
+
+    hybrid: Hybrid
+    p: Points
+    X: Float64[np.ndarray, "n inputs"]
+    covariance: Float64[np.ndarray, "n cameras 2 2"]
+    limit_mm: float
+
+
+def twin_of(
+    X: Float64[np.ndarray, "n inputs"],
+    Y: Points,
+    image_sizes: tuple[tuple[int, int], ...],
+    seed: int = 0,
+    lens: str = AUTO,
+) -> Twin | None:
+    """Return a rehearsal's stage from training data, or None where they determine no cameras.
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, 2 x cameras)
+        Px.
+    Y : ndarray, shape (n, 3)
+        Mm.
+    image_sizes : tuple of (int, int)
+        Width and height, px, of each camera's pictures.
+    seed : int
+        Draws points and noise.
+    lens : str
+        Of `Hybrid`.
+
+    Notes
+    -----
+    The cameras are those of `Hybrid`, which follow the data wherever these lead, and the noise is what they
+    leave. What a method that sees only the training pixels makes of the points between is then measured
+    against a truth, though not against the real one.
+    """
+    try:
+        hybrid = Hybrid(lens, image_sizes).fit(X, Y)
+    except InputError:
+        return None
+    cameras = hybrid.learned_cameras_
+    random = generator(seed, "rehearsal")
+    p = _points_within(Y, random)
+    q = np.stack([camera.project(p) for camera in cameras], axis=1)
+    seen = np.isfinite(q).all(axis=(1, 2))
+    p, q = p[seen], q[seen]
+    if len(p) == 0:
+        return None
+    noise = np.array([camera.noise_px for camera in cameras])
+    covariance = np.tile(noise[:, None, None] ** 2 * np.eye(2), (len(p), 1, 1, 1))
+    limit = refined(measured_by(cameras, q), p, q, covariance).covariance
+    q = q + noise[:, None] * random.standard_normal(q.shape)
+    limit_mm = float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
+    return Twin(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm)
+
+
+def fitted_beside(
+    twin: Twin | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Points
+) -> PointEstimator:
+    """Return a method fitted to the training data of a twin.
+
+    The twin's own method is not fitted a second time: it is returned in the place of an estimator with the
+    same parameters.
+    """
+    if (
+        twin is not None
+        and isinstance(estimator, Hybrid)
+        and estimator.get_params() == twin.hybrid.get_params()
+    ):
+        return twin.hybrid
+    return estimator.fit(X, Y)
+
+
+def rehearse(estimator: PointEstimator, twin: Twin) -> Rehearsed:
+    """Return how a fitted method does on the points of a twin."""
+    outputs, covariance = estimator.predict_with_covariance(twin.X, twin.covariance)
+    error = outputs[:, :3] - twin.p
+    square = (error**2).sum(axis=1)
+    known = square[np.isfinite(square)]
+    rmse = float(np.sqrt(known.mean())) if len(known) else float("nan")
+    return Rehearsed(rmse, twin.limit_mm, float(within_ellipsoids(error, covariance, CONFIDENCE).mean()))
+
+
+def _points_within(Y: Points, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:
+    """Return random points in the convex hull of others."""
+    low, high = Y.min(axis=0), Y.max(axis=0)
+    found: list[np.ndarray] = []
+    for _ in range(_MOST_DRAWS):
+        drawn = random.uniform(low, high, (_DRAWN_AT_ONCE, 3))
+        found.append(drawn[inside_hull(drawn, Y, 0.0)])
+        if sum(map(len, found)) >= POINTS:
+            break
+    return np.concatenate(found)[:POINTS]

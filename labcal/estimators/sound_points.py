@@ -1,0 +1,49 @@
+"""Points that are some: what a model or a rig gives beyond the bounds of sense is no solution."""
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.bounds import MOST_MM
+from labcal.correspond.matching import Matches
+from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.errors import InputError, LabcalError
+from labcal.estimators.estimator import PointEstimator
+from labcal.geometry.covariances import stated_soundly
+
+
+def predicted(
+    estimator: PointEstimator, matches: Matches
+) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+    """Return the points of a method that was read from a file, mm, and their covariances, mm squared.
+
+    Raises
+    ------
+    InputError
+        Its numbers are such that nothing can be computed with them.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            return estimator.predict_with_covariance(matches.X, matches.covariance)
+    except LabcalError:
+        raise
+    except (ValueError, ArithmeticError, RuntimeError) as error:  # LinAlgError is a ValueError
+        raise InputError(
+            f"The model of the method '{estimator.method}' gives no points ({error}): its numbers are "
+            "damaged. Fit it again."
+        ) from error
+
+
+def within_sense(points: ReconstructedPoints) -> ReconstructedPoints:
+    """Return points of which those that are nowhere (:data:`labcal.bounds.MOST_MM`) have no solution."""
+    with np.errstate(invalid="ignore"):
+        there = (np.abs(points.point) <= MOST_MM).all(axis=1)
+    sound = there & stated_soundly(points.covariance, MOST_MM**2)
+    if sound.all():
+        return points
+    return ReconstructedPoints(
+        points.view,
+        points.index,
+        np.where(there[:, None], points.point, np.nan),
+        np.where(sound[:, None, None], points.covariance, np.nan),
+        np.where(there, points.flag, PointFlag.NO_SOLUTION.value),
+    )

@@ -1,0 +1,194 @@
+"""Methods taught the dots of a target: on a stage, or in the hand where a bundle adjustment places it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labcal.calibrate.calibrated import AUTO, Calibrated, calibrated
+from labcal.calibrate.handheld import HandheldSettings
+from labcal.calibrate.resection.lens_choice import camera_of_lens
+from labcal.cameras.camera import Camera
+from labcal.correspond.detections import Detections
+from labcal.correspond.training import TrainingData, training_data
+from labcal.correspond.view_roles import HoldOut
+from labcal.errors import InputError
+from labcal.estimators.centred_training import CentredTraining, centred_training
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.handheld_training import handheld_training
+from labcal.estimators.registry import make_estimator
+from labcal.estimators.rehearsal import Twin, fitted_beside, rehearse, twin_of
+from labcal.run.progress import NoProgress, Progress
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+from labcal.targets.catalogue import AnyTarget
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """How methods are taught."""
+
+    lens: str = AUTO
+    """Of methods that have cameras, and of the adjustment that places a target in the hand."""
+    seed: int = 0
+    free_dots: bool = False
+    """Whether the dots of a target in the hand are freed."""
+    rehearsal: bool = True
+    """Whether each method is tried between the trained dots, which tells what error to expect of it."""
+    hold_out: HoldOut = ()
+    """Views of a target in the hand that do not enter."""
+
+
+@dataclass(frozen=True)
+class Training:
+    """What methods are taught.
+
+    Attributes
+    ----------
+    centred : CentredTraining
+        Pixels and points.
+    held : Calibrated or None
+        How the target was placed; None where a stage told.
+    warnings : tuple of str
+        What is not as it should be, for people.
+    held_out : tuple of str
+        Views that are kept to test on.
+    """
+
+    centred: CentredTraining
+    held: Calibrated | None
+    warnings: tuple[str, ...]
+    held_out: tuple[str, ...] = ()
+
+    @property
+    def calibrated_on(self) -> tuple[str, ...]:
+        """The views that it comes from."""
+        if self.held is not None:
+            return self.held.calibrated_on
+        return tuple(dict.fromkeys(self.centred.data.view.tolist()))
+
+
+def on_stage(shoot: Shoot) -> bool:
+    """Tell whether a stage says where the target was in training views."""
+    poses = shoot.nominal_poses()
+    return any(view.name in poses for view in shoot.views(Role.TRAIN))
+
+
+def training_of(
+    source: Shoot | AnyTarget,
+    detections: Detections,
+    settings: FitSettings | None = None,
+    progress: Progress | None = None,
+) -> Training:
+    """Return what methods are taught: centres of dots, and where they were.
+
+    Parameters
+    ----------
+    source : Shoot or AnyTarget
+        A shoot, of which training views are used; or the target, held in the hand in all views.
+    detections : Detections
+        Centroids.
+    settings : FitSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.correspond.training.training_data`, or of
+        :func:`~labcal.calibrate.calibrated.calibrated`.
+    """
+    settings = settings or FitSettings()
+    tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
+    if isinstance(source, Shoot) and on_stage(source):
+        data = training_data(source, detections)
+        centred = centred_training(data, source.target, source.nominal_poses())
+        return Training(centred, None, _unlearned(source, data), tested)
+    if isinstance(source, Shoot):
+        trained = [view.name for view in source.views(Role.TRAIN)]
+        detections = detections.where(np.isin(detections.view, trained))
+    target = source.target if isinstance(source, Shoot) else source
+    how = HandheldSettings(free_dots=settings.free_dots)
+    found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
+    learned = handheld_training(found.found, detections, target)
+    return Training(learned, found, found.warnings, (*found.held_out, *tested))
+
+
+def _unlearned(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
+    """Return which training views teach nothing, for people."""
+    learned = set(data.view.tolist())
+    views = [view.name for view in shoot.views(Role.TRAIN) if view.name not in learned]
+    return tuple(f"view '{name}' teaches nothing: no dot in it was measured by all cameras" for name in views)
+
+
+def estimators_of(methods: Sequence[str], settings: FitSettings) -> list[PointEstimator]:
+    """Return methods by name, with the settings that concern them.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such method or lens.
+    """
+    estimators = [make_estimator(name) for name in methods]
+    if settings.lens != AUTO:
+        camera_of_lens(settings.lens, (1, 1), None)  # tells now whether there is such a lens
+    wanted = {"random_state": settings.seed, "lens": settings.lens}
+    for estimator in estimators:
+        known = estimator.get_params()
+        estimator.set_params(**{key: value for key, value in wanted.items() if key in known})
+    return estimators
+
+
+def taught(
+    training: Training,
+    estimators: Sequence[PointEstimator],
+    settings: FitSettings | None = None,
+    progress: Progress | None = None,
+) -> list[FittedModel | InputError]:
+    """Return what each method learned, or why it cannot."""
+    settings, progress = settings or FitSettings(), progress or NoProgress()
+    data, learned = training.centred.data, list[FittedModel | InputError]()
+    progress.start("methods", len(estimators) + 1)
+    twin = None
+    if settings.rehearsal:
+        twin = twin_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
+    progress.advance()
+    for estimator in estimators:
+        try:
+            model = teach(data, estimator, training.centred.cameras, twin)
+            about = replace(model, calibration=training.centred.calibration, warnings=training.warnings)
+            learned.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
+        except InputError as error:
+            learned.append(error)
+        progress.advance()
+    return learned
+
+
+def teach(
+    data: TrainingData,
+    estimator: PointEstimator,
+    resected: tuple[Camera, ...] | None = None,
+    twin: Twin | None = None,
+) -> FittedModel:
+    """Teach one method pixels and points.
+
+    Parameters
+    ----------
+    data : TrainingData
+    estimator : PointEstimator
+    resected : tuple of Camera, optional
+        Of the training where its pixels are those of centres.
+    twin : Twin, optional
+        Where the method is rehearsed, so that it is known whether to trust it.
+
+    Raises
+    ------
+    InputError
+        The method cannot learn from these data.
+    """
+    if "image_sizes" in estimator.get_params():
+        estimator.set_params(image_sizes=data.image_sizes)
+    box = TrainingBox.of(data.X, data.Y)
+    fitted = fitted_beside(twin, estimator, data.X, data.Y)
+    rehearsed = None if twin is None else rehearse(fitted, twin)
+    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)

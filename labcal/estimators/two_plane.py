@@ -1,0 +1,167 @@
+"""Rays through two planes, each a polynomial of the pixel, for any camera whose rays are straight."""
+
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Pixels, Points
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.calibrate.geometry_checks import (
+    camera_count,
+    refuse_collinear,
+    refuse_few,
+    refuse_one_plane,
+    refuse_other_than_points,
+)
+from labcal.calibrate.held_out import edges
+from labcal.calibrate.projective_map import projective_map
+from labcal.errors import InputError
+from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.scaling import RangeScaling
+from labcal.geometry.rays import closest_points
+
+CHOSEN = 0
+"""In the place of a degree: the one that held-out edges choose."""
+_HIGHEST = 9
+_CAMERAS = 2
+
+
+class TwoPlane(PointEstimator):
+    """The method ``two-plane``: polynomials from the pixel to where its ray meets two planes.
+
+    Martins, Birk and Kelley 1981; Wei and Ma 1993. The planes bound the trained volume, across the cameras'
+    mean view. A ray's place at a depth between them is linear in the depth, so that all trained points enter
+    one linear least-squares problem a camera, whether they lie on planes or not. Points are those nearest to
+    the cameras' rays.
+
+    Parameters
+    ----------
+    degree : int
+        Of the polynomials in both pixel coordinates together; 0 for the one that predicts held-out edges of
+        the picture best.
+
+    Attributes
+    ----------
+    degrees_ : tuple of int
+        By camera.
+    rotation_ : float64 array, (3, 3)
+        From the world to a frame whose z is the mean view.
+    centre_, half_range_ : float64 array, (3,)
+        The scaling of points in that frame, mm.
+    pixel_centre_, pixel_half_range_ : float64 array, (inputs,)
+        The scaling of pixels.
+    coefficients_ : float64 array, (cameras, 2 terms, 2)
+        Scaled x and y: of the middle plane, then of their change up to the far plane; zeros beyond a
+        camera's own degree.
+    """
+
+    method: ClassVar[str] = "two-plane"
+    fitted_facts: ClassVar[tuple[str, ...]] = ("degrees_",)
+
+    def __init__(self, degree: int = CHOSEN) -> None:
+        self.degree = degree
+
+    def fitted_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays the fitted estimator consists of."""
+        cameras, terms = len(self.degrees_), _term_count(max(self.degrees_))
+        return (
+            FittedArray("rotation_", (3, 3)),
+            FittedArray("centre_", (3,)),
+            FittedArray("half_range_", (3,)),
+            FittedArray("pixel_centre_", (2 * cameras,)),
+            FittedArray("pixel_half_range_", (2 * cameras,)),
+            FittedArray("coefficients_", (cameras, 2 * terms, 2)),
+        )
+
+    @one_blas_thread()
+    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
+        cameras = camera_count(self.method, pixels.shape[1])
+        if cameras < _CAMERAS:
+            raise InputError(
+                f"{self.method}: X has the columns of one camera, but triangulation needs two or more."
+            )
+        if not 0 <= self.degree <= _HIGHEST:
+            raise InputError(f"{self.method}: the degree must be 0 to {_HIGHEST}, but is {self.degree}.")
+        refuse_other_than_points(self.method, points.shape[1])
+        refuse_few(self.method, points, 2 * _term_count(max(self.degree, 1)))
+        refuse_collinear(self.method, points)
+        refuse_one_plane(self.method, points)
+        seen = pixels.reshape(len(pixels), cameras, 2)
+        self.rotation_ = _frame(self.method, seen, points)
+        turned = points @ self.rotation_.T
+        space, picture = RangeScaling.of(turned), RangeScaling.of(pixels)
+        self.centre_, self.half_range_ = space.centre, space.half_range
+        self.pixel_centre_, self.pixel_half_range_ = picture.centre, picture.half_range
+        scaled, p = picture.scaled(pixels).reshape(seen.shape), space.scaled(turned)
+        degrees = [self.degree or _chosen_degree(scaled[:, i], p) for i in range(cameras)]
+        self.degrees_ = tuple(degrees)
+        self.coefficients_ = np.zeros((cameras, 2 * _term_count(max(degrees)), 2))
+        for i, degree in enumerate(degrees):
+            found = _solved(scaled[:, i], p, degree).reshape(2, -1, 2)
+            both = self.coefficients_[i].reshape(2, -1, 2)
+            both[:, : found.shape[1]] = found  # a view: terms are sorted by degree
+
+    def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
+        scaled = RangeScaling(self.pixel_centre_, self.pixel_half_range_).scaled(pixels)
+        space = RangeScaling(self.centre_, self.half_range_)
+        ends = []
+        for depth in (-1.0, 1.0):
+            plane = []
+            for i in range(len(self.degrees_)):
+                terms = _terms(scaled[:, 2 * i : 2 * i + 2], max(self.degrees_))
+                xy = np.concatenate([terms, depth * terms], axis=1) @ self.coefficients_[i]
+                z = np.full((len(xy), 1), depth)
+                plane.append(space.restored(np.concatenate([xy, z], axis=1)) @ self.rotation_)
+            ends.append(np.stack(plane, axis=1))
+        direction = ends[1] - ends[0]
+        direction /= np.linalg.norm(direction, axis=2, keepdims=True)
+        return closest_points(ends[0], direction)
+
+
+def _frame(method: str, seen: Float64[np.ndarray, "n cameras 2"], p: Points) -> Float64[np.ndarray, "3 3"]:
+    """Return the rotation into a frame whose z is the cameras' mean view, by their linear projections."""
+    view = np.zeros(3)
+    for i in range(seen.shape[1]):
+        third = projective_map(method, p, seen[:, i])[2, :3]
+        view += third / np.linalg.norm(third)
+    z = view / np.linalg.norm(view)
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])
+
+
+def _chosen_degree(q: Pixels, p: Points) -> int:
+    """Return the degree that predicts held-out edges best; all is scaled."""
+    squares = []
+    for degree in range(1, _HIGHEST + 1):
+        parts = []
+        for out in edges(q):
+            if (~out).sum() < 2 * _term_count(degree):
+                parts.append(np.full(int(out.sum()), np.inf))
+                continue
+            miss = _design(q[out], p[out], degree) @ _solved(q[~out], p[~out], degree) - p[out, :2]
+            parts.append((miss**2).sum(axis=1))
+        squares.append(np.concatenate(parts))
+    return 1 + int(np.argmin([square.mean() for square in squares]))
+
+
+def _solved(q: Pixels, p: Points, degree: int) -> Float64[np.ndarray, "terms 2"]:
+    return np.asarray(np.linalg.lstsq(_design(q, p, degree), p[:, :2], rcond=1e-12)[0])
+
+
+def _design(q: Pixels, p: Points, degree: int) -> Float64[np.ndarray, "n terms"]:
+    """Return the terms of the middle plane, then those times the depth."""
+    terms = _terms(q, degree)
+    return np.concatenate([terms, p[:, 2:] * terms], axis=1)
+
+
+def _terms(q: Pixels, degree: int) -> Float64[np.ndarray, "n terms"]:
+    """Return all products of powers of both coordinates, sorted by degree."""
+    u, v = q.T
+    return np.stack([u ** (d - j) * v**j for d in range(degree + 1) for j in range(d + 1)], axis=1)
+
+
+def _term_count(degree: int) -> int:
+    """Return the number of terms up to a degree."""
+    return (degree + 1) * (degree + 2) // 2

@@ -1,0 +1,153 @@
+"""Points in space from matched dots, by a fitted method or by a rig."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from labcal.calibrate.centre_bias import CentreBias, centred, shifts_of_matches
+from labcal.calibrate.ray_misses import RayMisses
+from labcal.calibrate.triangulation_check import TriangulationCheck
+from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
+from labcal.cameras.triangulation import triangulate
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import Matches, match, require_on_target
+from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.errors import InputError
+from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model_file import ModelKind, load_model, model_kind
+from labcal.estimators.sound_points import predicted, within_sense
+from labcal.estimators.swapped_pictures import refuse_swapped
+from labcal.targets.target import Target
+
+
+def load_reconstructor(path: Path) -> FittedModel | Rig:
+    """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
+
+    Raises
+    ------
+    InputError
+        The file is neither, or is damaged.
+    """
+    return read_rig(path) if model_kind(path) is ModelKind.RIG else load_model(path)
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """Points, and what was taken off the centroids that they come from."""
+
+    points: ReconstructedPoints
+    bias: CentreBias | None
+    """None where nothing was."""
+    miss_px: float | None
+    """By how much the rays of a dot miss each other, the median; infinite where they meet nowhere; None where
+    the model has no cameras."""
+    check: TriangulationCheck | None
+    """Whether that is more than the calibration lets expect; None where the model has no cameras."""
+    warnings: tuple[str, ...] = ()
+    """What is not as it should be, for people."""
+
+
+def reconstruct_points(
+    model: FittedModel | Rig, detections: Detections, target: Target | None = None
+) -> ReconstructedPoints:
+    """Return the points of :func:`reconstruct_centres`; without a target, of the centroids as they are."""
+    return reconstruct_centres(model, detections, target).points
+
+
+def reconstruct_centres(
+    model: FittedModel | Rig, detections: Detections, target: Target | None
+) -> Reconstruction:
+    """Return the points of all dots that every camera of the model measured.
+
+    Parameters
+    ----------
+    model : FittedModel or Rig
+        A fitted method gives points in the stage's world, with the covariances that it states; a rig
+        triangulates, with covariances from the pixels', in its own world.
+    detections : Detections
+    target : Target, optional
+        Where given, what centroids are off the images of centres is taken off: by the rig, or by the cameras
+        that a fitted method has where it was taught centres. The target's pose comes from the points that the
+        centroids give.
+
+    Raises
+    ------
+    InputError
+        A dot is not on the target or its points are not, a camera of the model is missing, its pictures are
+        of another size or exchanged, or no dot was seen by all cameras.
+    """
+    if target is not None:
+        require_on_target(detections, target)
+    cameras = tuple(model.cameras)
+    matches = match(detections, cameras)
+    if len(matches) == 0:
+        raise InputError(f"No dot was measured by all of the cameras {', '.join(cameras)} in the same view.")
+    if isinstance(model, Rig):
+        _require_sizes(detections, {name: record.size for name, record in model.cameras.items()})
+        found = _by_rig(model, matches, target)
+        return replace(found, points=within_sense(found.points))
+    _require_sizes(detections, dict(zip(cameras, model.image_sizes, strict=True)))
+    found = _by_method(model, matches, target)
+    return replace(found, points=within_sense(found.points))
+
+
+def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) -> None:
+    for camera, expected in sizes.items():
+        given = detections.picture_size(camera)
+        if given != tuple(expected):
+            raise InputError(
+                f"Camera '{camera}' was calibrated with pictures of {expected[0]} x {expected[1]}, but "
+                f"these are {given[0]} x {given[1]}. Calibrate again with pictures of this size."
+            )
+
+
+def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction:
+    if len(rig.cameras) == 1:
+        raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
+    cameras, bias = [rig.camera(name) for name in matches.cameras], None
+    refuse_swapped(cameras, matches)
+    if target is not None:
+        try:
+            matches, bias = centred(cameras, matches, target)
+        except InputError:
+            if not _inconsistent(rig.calibration):
+                raise  # else it is the rig that puts points nowhere near the target
+    found = triangulate(cameras, matches.q, matches.covariance)
+    misses = RayMisses.at(cameras, matches, found)
+    check = TriangulationCheck.of(misses, matches, rig.calibration)
+    doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration)
+    flag = np.where(misses.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
+    return Reconstruction(
+        ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag),
+        bias,
+        misses.typical_px,
+        check,
+    )
+
+
+def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> Reconstruction:
+    bias, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
+    if model.resected is not None:
+        refuse_swapped(model.resected, matches)
+        if target is not None:
+            roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
+            shift = shifts_of_matches(model.resected, matches, roughly, target)
+            matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
+        misses = RayMisses.of(model.resected, matches)
+        check = TriangulationCheck.of(misses, matches, model.calibration)
+        outlying, typical_px = misses.outlying | np.isin(matches.view, check.views), misses.typical_px
+    outputs, covariance = predicted(model.estimator, matches)
+    point = np.ascontiguousarray(outputs[:, :3])
+    misfit = model.misfit or _inconsistent(model.calibration)
+    flag = np.where(outlying | misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)
+    flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
+    points = ReconstructedPoints(matches.view, matches.index, point, covariance, flag)
+    return Reconstruction(points, bias, typical_px, check)
+
+
+def _inconsistent(calibration: CalibrationRecord | None) -> bool:
+    """Tell whether the views that cameras were calibrated from contradict each other."""
+    return calibration is not None and bool(calibration.inconsistent)

@@ -1,0 +1,72 @@
+"""What every method says of its own uncertainty."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from labcal.errors import InputError
+from labcal.estimators.affine import Affine
+from labcal.estimators.dlt import Dlt
+from labcal.estimators.pushed_noise import pushed_noise
+
+View = Callable[[np.ndarray], np.ndarray]
+
+
+def per_camera(points: int, seed: int) -> np.ndarray:
+    """Return random covariances of two cameras, px squared."""
+    root = 0.1 * np.random.default_rng(seed).standard_normal((points, 2, 2, 2))
+    return root @ root.mT
+
+
+def test_noise_pushed_through_a_linear_map_is_exact() -> None:
+    A = np.random.default_rng(1).standard_normal((3, 4))
+    covariance = per_camera(5, 2)
+    found = pushed_noise(
+        lambda pixels: pixels @ A.T, np.random.default_rng(3).uniform(0, 640, (5, 4)), covariance
+    )
+    for one, of_cameras in zip(found, covariance, strict=True):
+        whole = np.zeros((4, 4))
+        whole[:2, :2], whole[2:, 2:] = of_cameras
+        np.testing.assert_allclose(one, A @ whole @ A.T, rtol=1e-7, atol=1e-12)
+
+
+def test_triangulated_noise_has_the_stated_covariance(stereo: View, volume: np.ndarray) -> None:
+    estimator, sigma = Dlt().fit(stereo(volume), volume), 0.2
+    rng = np.random.default_rng(4)
+    noisy = stereo(volume) + sigma * rng.standard_normal((len(volume), 4))
+    covariance = np.broadcast_to(sigma**2 * np.eye(2), (len(volume), 2, 2, 2))
+    points, stated = estimator.predict_with_covariance(noisy, covariance)
+    np.testing.assert_array_equal(points, estimator.predict(noisy))
+    errors = points - volume
+    statistic = np.einsum("ni,nij,nj->", errors, np.linalg.inv(stated), errors)
+    assert 0.001 < chi2(3 * len(volume)).cdf(statistic) < 0.999
+
+
+def test_what_was_not_learned_enters(stereo: View, volume: np.ndarray) -> None:
+    X = stereo(volume)
+    estimator = Affine().fit(X, volume)
+    _, stated = estimator.predict_with_covariance(X, np.zeros((len(X), 2, 2, 2)))
+    errors = estimator.predict(X) - volume
+    np.testing.assert_allclose(stated, np.broadcast_to(errors.T @ errors / len(X), stated.shape), rtol=1e-10)
+
+
+def test_pixels_without_covariance_give_points_without(stereo: View, volume: np.ndarray) -> None:
+    covariance = per_camera(len(volume), 5)
+    covariance[7, 1] = np.nan
+    _, stated = Affine().fit(stereo(volume), volume).predict_with_covariance(stereo(volume), covariance)
+    np.testing.assert_array_equal(np.isnan(stated).all(axis=(1, 2)), np.arange(len(volume)) == 7)
+
+
+def test_further_outputs_have_no_covariance(stereo: View, volume: np.ndarray) -> None:
+    X = stereo(volume)
+    estimator = Affine().fit(X, np.column_stack((volume, X[:, :2])))
+    points, stated = estimator.predict_with_covariance(X, per_camera(len(X), 6))
+    assert (points.shape, stated.shape) == ((len(X), 5), (len(X), 3, 3))
+
+
+def test_covariances_of_another_shape_are_refused(stereo: View, volume: np.ndarray) -> None:
+    estimator = Affine().fit(stereo(volume), volume)
+    with pytest.raises(InputError, match="one of 2 x 2 for each point and camera"):
+        estimator.predict_with_covariance(stereo(volume), per_camera(len(volume) - 1, 7))
