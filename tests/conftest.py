@@ -2,7 +2,7 @@
 
 import pytest
 
-from labcal.experiments.paper_rows import NOT_REPORTED, ROWS, PaperRow, Solver
+from labcal.paper.rows import NOT_REPORTED, ROWS, PaperRow, Solver
 from labcal.report.reproduction import Figures, Reproduction, RowResult, ShownPicture
 from labcal.targets.grid import DotGrid, Rings
 

@@ -37,12 +37,12 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
+    from labcal.bench.detect.bench import bench_detect
+    from labcal.bench.detect.real import real_home
+    from labcal.bench.render.bench import bench_render
+    from labcal.bench.settings import BenchSettings
+    from labcal.bench.solve.bench import bench_solve
     from labcal.errors import InputError
-    from labcal.experiments.bench_detect.bench import bench_detect
-    from labcal.experiments.bench_detect.real import real_home
-    from labcal.experiments.bench_render.bench import bench_render
-    from labcal.experiments.bench_settings import BenchSettings
-    from labcal.experiments.bench_solve.bench import bench_solve
     from labcal.report.bench import bench_table
     from labcal.run.claims import FolderOutput, claim_outputs
 

@@ -33,8 +33,8 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reproduce and show the table."""
-    from labcal.experiments.paper_rows import rows_named
-    from labcal.experiments.reproduce import ReproduceSettings, reproduce
+    from labcal.paper.reproduce import ReproduceSettings, reproduce
+    from labcal.paper.rows import rows_named
     from labcal.report.reproduction_table import reproduction_table
     from labcal.run.claims import FolderOutput, claim_outputs
 

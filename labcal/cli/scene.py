@@ -137,7 +137,7 @@ def run_check(arguments: Namespace, session: Session) -> ExitStatus:
 
 def run_gallery(arguments: Namespace, session: Session) -> ExitStatus:
     """Render the gallery."""
-    from labcal.experiments.gallery import make_gallery
+    from labcal.bench.gallery import make_gallery
     from labcal.run.claims import FolderOutput, claim_outputs
 
     claim_outputs([FolderOutput(arguments.output)], (), force=arguments.force)

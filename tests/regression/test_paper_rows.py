@@ -4,9 +4,9 @@ from statistics import median
 
 import pytest
 
-from labcal.experiments.paper_rows import row_named
-from labcal.experiments.simulated import NoiseReading
-from labcal.experiments.training_run import TrainingRun, run_training
+from labcal.paper.rows import row_named
+from labcal.paper.simulated import NoiseReading
+from labcal.paper.training_run import TrainingRun, run_training
 
 SEEDS = range(5)
 LIMIT_MM = 0.1

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from labcal.experiments.bench_detect.speed import TARGET, drawn_board
+from labcal.bench.detect.speed import TARGET, drawn_board
 from labcal.rng import generator
 from labcal.shoot.pictures import write_picture
 

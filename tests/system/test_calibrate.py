@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from labcal.bench.detect.bias import bench_camera, bench_target, hand_poses, seen
 from labcal.cameras.dot_image import dot_images
 from labcal.correspond.detections import detections_csv, read_detections
-from labcal.experiments.bench_detect.bias import bench_camera, bench_target, hand_poses, seen
 from labcal.rng import generator
 from labcal.targets.places import read_places
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 import yaml
 
+from labcal.bench.solve.held_rig import TARGET, HeldRig
 from labcal.correspond.detections import Detections, detections_csv
-from labcal.experiments.bench_solve.held_rig import TARGET, HeldRig
 
 Run = Callable[..., Any]
 

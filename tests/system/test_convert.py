@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal.bench.detect.bias import bench_camera, bench_target, hand_poses
+from labcal.bench.hand_views import dots_at
 from labcal.cameras.rig import read_rig
 from labcal.correspond.detections import detections_csv, read_detections
-from labcal.experiments.bench_detect.bias import bench_camera, bench_target, hand_poses
-from labcal.experiments.hand_views import dots_at
 from labcal.geometry.poses import transform
 from labcal.shoot.pictures import read_picture, write_picture
 from labcal.targets.catalogue import load_target

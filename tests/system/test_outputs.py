@@ -387,8 +387,8 @@ def test_no_input_is_lost(labcal: Run, lab: Path, name: str) -> None:
 
 def cheap(monkeypatch: pytest.MonkeyPatch, lab: Path) -> None:
     """Let the commands whose work takes long do less of it."""
-    from labcal.experiments import gallery  # noqa: PLC0415 - slow
-    from labcal.experiments.bench_render import bench as bench_render  # noqa: PLC0415 - slow
+    from labcal.bench import gallery  # noqa: PLC0415 - slow
+    from labcal.bench.render import bench as bench_render  # noqa: PLC0415 - slow
 
     def shot(*words: object) -> Shoot:  # noqa: ARG001 - what a scene is rendered from
         return open_shoot(lab / "shoot")

@@ -72,8 +72,8 @@ def test_an_unfinished_run_is_taken_up(reproduced: Path, labcal) -> None:  # noq
 
 
 def _command() -> str:
-    from labcal.experiments.paper_rows import rows_named  # noqa: PLC0415 - slow
-    from labcal.experiments.reproduce import ReproduceSettings, _command  # noqa: PLC0415 - slow
+    from labcal.paper.reproduce import ReproduceSettings, _command  # noqa: PLC0415 - slow
+    from labcal.paper.rows import rows_named  # noqa: PLC0415 - slow
 
     return _command(ReproduceSettings(rows=rows_named(ROWS), quick=True))
 

@@ -4,14 +4,14 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal.bench.detect.bias import bench_target
+from labcal.bench.hand_views import dots_at
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, coefficient_weights, narrow_is_better
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import NEAR, adjusted, resect
 from labcal.calibrate.resection.whitening import Correlated
 from labcal.cameras.camera import Camera
-from labcal.experiments.bench_detect.bias import bench_target
-from labcal.experiments.hand_views import dots_at
 from labcal.geometry.poses import transform
 
 SIZE = (1280, 960)

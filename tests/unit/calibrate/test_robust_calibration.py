@@ -6,11 +6,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from labcal.bench.solve.held_rig import TARGET, HeldRig
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
-from labcal.experiments.bench_solve.held_rig import TARGET, HeldRig
 from labcal.geometry.poses import pose
 from labcal.targets.grid import DotGrid
 

@@ -13,9 +13,9 @@ import pytest
 import yaml
 from PIL import Image
 
+from labcal.bench.detect.bias import bench_camera
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.rig import Rig
-from labcal.experiments.bench_detect.bias import bench_camera
 from labcal.run.file_marks import (
     JPEG_COMMENT,
     JSON_KEY,

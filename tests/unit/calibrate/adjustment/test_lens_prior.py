@@ -6,6 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from labcal.bench.detect.bias import bench_target
+from labcal.bench.hand_views import HandViews, dots_at, poses_in_hand
+from labcal.bench.solve.mrcal import bench_camera
 from labcal.calibrate.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
@@ -14,9 +17,6 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_prior import PriorWidth
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
-from labcal.experiments.bench_detect.bias import bench_target
-from labcal.experiments.bench_solve.mrcal import bench_camera
-from labcal.experiments.hand_views import HandViews, dots_at, poses_in_hand
 from labcal.geometry.poses import transform
 from labcal.rng import generator
 from labcal.targets.grid import DotGrid

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from labcal.bench.solve.held_rig import NOISE_PX, HeldRig
 from labcal.calibrate.adjustment.state import RigState
 from labcal.correspond.detections import Detections
-from labcal.experiments.bench_solve.held_rig import NOISE_PX, HeldRig
 from labcal.geometry.poses import from_rotation_vector
 
 Seen = Callable[..., Detections]

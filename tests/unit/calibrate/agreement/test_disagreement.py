@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from labcal.bench.solve.held_rig import CAMERAS, TARGET
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError
 from labcal.calibrate.agreement.hypotheses import times, together
@@ -15,7 +16,6 @@ from labcal.calibrate.agreement.pair import PairAgreement
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lone_calibration import CameraAlone, calibrate_alone
 from labcal.correspond.detections import Detections
-from labcal.experiments.bench_solve.held_rig import CAMERAS, TARGET
 
 Seen = Callable[..., Detections]
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from labcal.bench.solve.mrcal_programs import is_installed, module_run, projected, reprojected
 from labcal.cameras.interop.mrcal import write_mrcal
 from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.experiments.bench_solve.mrcal_programs import is_installed, module_run, projected, reprojected
 
 MakeRig = Callable[..., Rig]
 needs_mrcal = pytest.mark.skipif(not is_installed(), reason="mrcal is not installed")

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal.bench.solve.mrcal_programs import is_installed
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.rig_files import read_rig_files
@@ -18,7 +19,6 @@ from labcal.correspond.interop.corners_vnl import corners_text, read_corners
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import loose_sources
 from labcal.errors import InputError
-from labcal.experiments.bench_solve.mrcal_programs import is_installed
 from labcal.targets.catalogue import load_target
 from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import DotGrid, Layout

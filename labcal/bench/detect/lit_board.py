@@ -1,0 +1,145 @@
+"""A board's picture before noise, rendered once, with the Cramer-Rao bound of each of its dots."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from labcal.arrays import PixelCovariances, Pixels, Pose
+from labcal.bench.detect.bound import ImagedDot, centre_bound, outline_shapes
+from labcal.bench.detect.design import LENSES, SIZES, PictureDesign
+from labcal.bench.detect.sight import Sight, sight
+from labcal.bench.detect.staging import staged
+from labcal.bench.detect.taking import WHITE, falling_light
+from labcal.bench.held_board import BARE_BOARD, CAMERA, still_take
+from labcal.render.irradiance import Case, render_light
+from labcal.render.laboratories import Laboratories
+from labcal.render.variant import MONO, renderer
+from labcal.rng import generator
+from labcal.scene.board import Board
+from labcal.scene.model import Scene
+from labcal.scene.print import TruePrint
+from labcal.targets.grid import DotGrid, Polarity
+
+BLUR_PX = 0.7
+GRADIENT = 2.0
+PITCH_OVER_RADIUS = 4.0
+MOST_DOTS = 60
+"""Of a board; the others are not looked at."""
+FINER = 4
+"""The light is rendered at so many times the resolution."""
+WIDTH_OVER_RADIUS = 60.0
+"""Of the picture, so that enough dots are in it."""
+REACH = 0.5 * (1.0 + 0.5 * PITCH_OVER_RADIUS)
+"""A dot's own pixels, as a multiple of its outline: half-way to the outline of the next dot."""
+
+
+@dataclass(frozen=True)
+class LitBoard:
+    """A board's picture before noise, and what is true of the dots that count."""
+
+    name: str
+    target: DotGrid
+    clean: np.ndarray
+    """(height, width), as a share of full scale."""
+    number: np.ndarray
+    """(n,), which dots count, by row and column: those that can be measured, without the rings."""
+    centroid: Pixels
+    """(n, 2), px."""
+    shape: PixelCovariances
+    """(n, 2, 2), S of their outlines, px squared."""
+    unit_bound: PixelCovariances
+    """(n, 2, 2), the bound for noise of full scale in every pixel, px squared."""
+
+
+def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoard:
+    """Render a board, lay a light gradient and a blur over it, and compute the bound of every dot.
+
+    Parameters
+    ----------
+    radius_px : float
+        Of a dot in the board's middle.
+    tilt_deg : float
+    spp : int
+        Rays a pixel of the finer picture; so many that their noise is small against that which is measured
+        under.
+    seed : int
+        Lens, direction of the tilt and of the gradient are drawn from it.
+    """
+    design = _design(radius_px, tilt_deg, seed)
+    stage = staged(design, seed)
+    scene, made = stage.scene, TruePrint.of(stage.scene.target, stage.scene.board, seed)
+    seen = sight(scene, stage.take, 4.0 * BLUR_PX)
+    light = _blurred(scene.with_spp(spp), stage.take.track.T_world_target, seed)
+    number = np.flatnonzero(seen.measurable & ~seen.ring)
+    number = np.sort(generator(seed, design.name, "dots").permutation(number)[:MOST_DOTS])
+    shape = outline_shapes(stage.take.image(made.outlines).q[number])
+    bounds = [
+        centre_bound(_imaged(design, seen, int(one), S), 1.0) for one, S in zip(number, shape, strict=True)
+    ]
+    return LitBoard(
+        name=design.name,
+        target=scene.target,
+        clean=WHITE / BARE_BOARD * light * falling_light(design, seen.centroid[seen.in_frame], light.shape),
+        number=number,
+        centroid=seen.centroid[number],
+        shape=shape,
+        unit_bound=np.array(bounds),
+    )
+
+
+def _blurred(scene: Scene, T_world_target: Pose, seed: int) -> np.ndarray:
+    """Render the light that pixels receive, in the order of nature: first the blur, then the pixels.
+
+    Pixels that are blurred have a point spread of steps, which moves the dots' edges by some hundredths of a
+    pixel to and fro. So the picture is rendered finer, and its blurred pixels are averaged.
+    """
+    camera = scene.cameras[CAMERA]
+    width, height = camera.size
+    finer = camera.model_copy(
+        update={"size": (FINER * width, FINER * height), "focal_px": FINER * camera.focal_px}
+    )
+    fine = scene.model_copy(update={"cameras": {CAMERA: finer}})
+    with renderer(MONO) as mi:
+        light = render_light(Laboratories(mi, fine, seed), Case(still_take(fine, T_world_target), seed))
+    spread = cv2.GaussianBlur(light, (0, 0), FINER * BLUR_PX)
+    averaged: np.ndarray = spread.astype(np.float64).reshape(height, FINER, width, FINER).mean(axis=(1, 3))
+    return averaged
+
+
+def _design(radius: float, tilt: float, seed: int) -> PictureDesign:
+    """Return the picture of one radius and tilt."""
+    random = generator(seed, "bench detect", "accuracy", f"{radius:g} px", f"{tilt:g} degrees")
+    azimuth, roll, gradient_direction = random.uniform(-np.pi, np.pi, 3).tolist()
+    aside_x, aside_y = random.uniform(-0.02, 0.02, 2).tolist()
+    return PictureDesign(
+        name=f"accuracy-{radius:g}-{tilt:g}",
+        lens=LENSES[int(random.integers(len(LENSES)))],
+        size=next((size for size in SIZES if size[0] >= WIDTH_OVER_RADIUS * radius), SIZES[-1]),
+        tilt_deg=tilt,
+        radius_px=radius,
+        pitch_over_radius=PITCH_OVER_RADIUS,
+        polarity=Polarity.BLACK_ON_WHITE,
+        azimuth=azimuth,
+        roll=roll,
+        aside=(aside_x, aside_y),
+        gradient=GRADIENT,
+        gradient_direction=gradient_direction,
+        noise=0.0,
+        blur=0.0,
+        jpeg_quality=None,
+        bayer=False,
+        linear=True,
+        hidden=0.0,
+        rings_in_sight=True,
+    )
+
+
+def _imaged(design: PictureDesign, seen: Sight, number: int, shape: np.ndarray) -> ImagedDot:
+    """Return what a dot's picture is made of, as shares of full scale."""
+    along = np.array([np.cos(design.gradient_direction), np.sin(design.gradient_direction)])
+    places, own = seen.centroid[seen.in_frame] @ along, float(seen.centroid[number] @ along)
+    share = float(np.clip((own - places.min()) / (places.max() - places.min()), 0.0, 1.0))
+    light = float(WHITE * design.gradient**-share)
+    dark = light * Board().dark[0] / BARE_BOARD
+    return ImagedDot(seen.centroid[number], shape, BLUR_PX, dark, light, REACH)

@@ -1,0 +1,114 @@
+"""The suite: some hundred rendered pictures, each with its own difficulties, detected and judged."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from labcal.bench.detect.design import PictureDesign, designs
+from labcal.bench.detect.judge import judged
+from labcal.bench.detect.opencv_grid import MODES, finds_grid
+from labcal.bench.detect.outcome import Outcome, outcome_table, suite_checks, suite_figures
+from labcal.bench.detect.sight import Sight, sight
+from labcal.bench.detect.staging import Staged, staged
+from labcal.bench.detect.taking import blur_px, taken
+from labcal.bench.groups import Bench, Findings
+from labcal.detect.detector import detect_dots
+from labcal.render.irradiance import Case, render_light
+from labcal.render.laboratories import Laboratories
+from labcal.render.variant import MONO, renderer
+from labcal.report.overlay import draw_overlay
+from labcal.run.made import make_folder
+from labcal.run.outputs import write_file
+from labcal.run.progress import Progress
+from labcal.shoot.pictures import write_picture
+from labcal.targets.grid import DotGrid
+
+PICTURES, QUICK_PICTURES = 320, 48
+CLEAR_PX = 1.5
+"""A measurable dot is this far, and two standard deviations of the blur, from what might disturb it."""
+
+
+@dataclass(frozen=True)
+class SuitePicture:
+    """One picture and everything known of it."""
+
+    design: PictureDesign
+    target: DotGrid
+    picture: np.ndarray
+    blur_px: float
+    seen: Sight
+
+
+def suite_pictures(count: int, seed: int, names: frozenset[str] = frozenset()) -> Iterator[SuitePicture]:
+    """Yield the suite's pictures.
+
+    Parameters
+    ----------
+    count : int
+        Of the whole suite.
+    seed : int
+    names : frozenset of str
+        Only the pictures of these names; all where empty.
+    """
+    for design in designs(count, seed):
+        if not names or design.name in names:
+            stage = staged(design, seed)
+            first = sight(stage.scene, stage.take, CLEAR_PX)
+            blur = blur_px(design, first.minor_px[first.in_frame])
+            seen = sight(stage.scene, stage.take, CLEAR_PX + 2.0 * blur)
+            picture = taken(_light(stage, seed), design, seen, blur, seed)
+            yield SuitePicture(design, stage.scene.target, picture, blur, seen)
+
+
+def _light(stage: Staged, seed: int) -> np.ndarray:
+    """Render a picture's light."""
+    with renderer(MONO) as mi:
+        return render_light(Laboratories(mi, stage.scene, seed), Case(stage.take, seed))
+
+
+def suite_findings(bench: Bench) -> Findings:
+    """Return the checks of the suite, OpenCV's figures on the same pictures, and write its table."""
+    count = QUICK_PICTURES if bench.quick else PICTURES
+    outcomes = suite_outcomes(count, bench.seed, bench.folder, bench.progress)
+    write_file(bench.folder / "suite.csv", outcome_table(outcomes), force=True)
+    return Findings(suite_checks(outcomes), suite_figures(outcomes))
+
+
+def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> list[Outcome]:
+    """Detect in every picture of a suite, and keep what failed.
+
+    Parameters
+    ----------
+    count : int
+    seed : int
+    folder : Path
+        It gets in ``failures`` the pictures that a person should look at, each also with what was found drawn
+        in.
+    progress : Progress
+        Told of every picture.
+    """
+    progress.start("suite", count)
+    outcomes = []
+    failures = folder / "failures"
+    for one in suite_pictures(count, seed):
+        dots = detect_dots(one.picture, one.target)
+        outcome = Outcome(
+            design=one.design,
+            dots=one.target.count,
+            hidden=one.seen.hidden_share,
+            rings_in_sight=one.seen.rings_in_sight,
+            blur_px=one.blur_px,
+            verdict=judged(dots, one.seen, one.target.cols),
+            opencv=tuple(finds_grid(one.picture, one.target, one.seen, flags) for flags in MODES.values()),
+        )
+        outcomes.append(outcome)
+        if outcome.failed:
+            name = one.design.name
+            make_folder(failures)
+            write_picture(failures / f"{name}.png", one.picture, force=True)
+            overlay = draw_overlay(one.picture, dots, one.target)
+            write_picture(failures / f"{name}-overlay.png", overlay, force=True)
+        progress.advance()
+    return outcomes

@@ -1,0 +1,90 @@
+"""From the light of a staged picture to the picture: a light gradient, a sensor, a file's compression."""
+
+import cv2
+import numpy as np
+
+from labcal.arrays import Pixels
+from labcal.bench.detect.design import BLUR, MOST_BLUR_PX, PictureDesign
+from labcal.bench.detect.sight import LEAST_MINOR_PX, Sight
+from labcal.bench.held_board import BARE_BOARD
+from labcal.render.development import develop
+from labcal.render.response import Exposure, Shot, read_sensor
+from labcal.scene.photometry import Photometry
+from labcal.shoot.tone_curve import ToneCurve
+
+WHITE = 0.8
+"""Share of full scale of the brightest bare board."""
+READ_NOISE = 0.1
+"""Read noise over the noise of white."""
+
+
+def blur_px(design: PictureDesign, minor_px: np.ndarray) -> float:
+    """Return the standard deviation of a picture's blur, px, by the smallest of its measurable dots."""
+    large = minor_px[minor_px >= LEAST_MINOR_PX]
+    smallest = float(large.min()) if len(large) else LEAST_MINOR_PX
+    most = max(BLUR[0], min(MOST_BLUR_PX, BLUR[1] * smallest))
+    return float(BLUR[0] + design.blur * (most - BLUR[0]))
+
+
+def taken(light: np.ndarray, design: PictureDesign, seen: Sight, blur: float, seed: int) -> np.ndarray:
+    """Return the picture, uint8, in grey or in red, green and blue.
+
+    Parameters
+    ----------
+    light : ndarray of float32, shape (height, width)
+        Rendered under even light.
+    design : PictureDesign
+    seen : Sight
+        The light falls off over where the dots are.
+    blur : float
+        Standard deviation, px.
+    seed : int
+    """
+    lit = light * falling_light(design, seen.centroid[seen.in_frame], light.shape)
+    photometry = _photometry(design, blur)
+    if design.bayer:
+        lit = np.repeat(lit[..., None], 3, axis=-1)
+    exposure = Exposure(WHITE / BARE_BOARD, (1.0, 1.0, 1.0))
+    picture = develop(
+        read_sensor(lit, photometry, exposure, Shot(seed, design.name, "suite")), photometry, exposure
+    )
+    if design.jpeg_quality is None:
+        return picture
+    _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, design.jpeg_quality])
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
+
+
+def _photometry(design: PictureDesign, blur: float) -> Photometry:
+    """Return a sensor with the noise of the design where the board is brightest."""
+    return Photometry(
+        bayer=design.bayer,
+        blur_px=blur,
+        full_well_e=WHITE / design.noise**2,
+        read_noise_e=READ_NOISE * WHITE / design.noise,
+        tone_curve=ToneCurve.LINEAR if design.linear else ToneCurve.SRGB,
+    )
+
+
+def falling_light(design: PictureDesign, dots: Pixels, shape: tuple[int, ...]) -> np.ndarray:
+    """Return the light, 1 at one end of the dots, falling exponentially to the other end.
+
+    Parameters
+    ----------
+    design : PictureDesign
+        Its gradient and the direction of that.
+    dots : ndarray, shape (n, 2)
+        px.
+    shape : tuple of int
+        Height and width of the picture.
+
+    Returns
+    -------
+    ndarray of float32, shape (height, width)
+    """
+    along = np.array([np.cos(design.gradient_direction), np.sin(design.gradient_direction)])
+    places = dots @ along if len(dots) else np.array([0.0, 1.0])
+    first, last = float(places.min()), float(places.max())
+    x, y = np.arange(shape[1]), np.arange(shape[0])
+    place = x * along[0] + (y * along[1])[:, None]
+    share = np.clip((place - first) / max(last - first, 1.0), 0.0, 1.0)
+    return np.asarray(design.gradient**-share, dtype=np.float32)

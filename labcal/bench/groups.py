@@ -1,0 +1,81 @@
+"""A benchmark whose checks come in groups that can be measured one by one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.bench.settings import BenchSettings
+from labcal.errors import UnknownNameError
+from labcal.report.bench import BenchResult, Check, Figure
+from labcal.run.json_text import to_json
+from labcal.run.outputs import write_file
+from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What every group of checks is told."""
+
+    quick: bool
+    seed: int
+    folder: Path
+    """For what a group leaves beside its figures."""
+    progress: Progress
+
+
+@dataclass(frozen=True)
+class Findings:
+    """The figures of one group."""
+
+    checks: list[Check]
+    beside: list[Figure]
+    """For comparison; without a limit."""
+    notes: tuple[str, ...] = ()
+    """What was left out, and why."""
+
+
+Groups = Mapping[str, Callable[[Bench], Findings]]
+"""Groups of checks by name, in the order in which they are measured."""
+
+
+def measured_groups(
+    name: str, groups: Groups, folder: Path, settings: BenchSettings, progress: Progress
+) -> BenchResult:
+    """Measure the groups that are wanted and write ``results.json``.
+
+    Parameters
+    ----------
+    name : str
+        The benchmark's.
+    groups : mapping
+        All that it has.
+    folder : Path
+        It appears when all is measured.
+    settings : BenchSettings
+    progress : Progress
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such group of checks.
+    OutputError
+        The folder exists already.
+    """
+    for wanted in settings.groups:
+        if wanted not in groups:
+            raise UnknownNameError("group of checks", wanted, groups)
+    chosen = [group for group in groups if not settings.groups or group in settings.groups]
+    command = f"bench {name} {settings.quick} {settings.seed} {chosen}"
+    with unfinished_folder(folder, command, force=settings.force) as working:
+        bench = Bench(settings.quick, settings.seed, working, progress)
+        found = [groups[group](bench) for group in chosen]
+        result = BenchResult(
+            bench=name,
+            quick=settings.quick,
+            checks=tuple(check for one in found for check in one.checks),
+            beside=tuple(figure for one in found for figure in one.beside),
+            notes=tuple(note for one in found for note in one.notes),
+        )
+        write_file(working / "results.json", to_json(result) + "\n", force=True)
+    return result

@@ -1,0 +1,43 @@
+"""``labcal bench solve``: all checks of the solvers."""
+
+from pathlib import Path
+
+from labcal.bench.groups import Groups, measured_groups
+from labcal.bench.settings import BenchSettings
+from labcal.bench.solve.adjustment import adjustment_findings
+from labcal.bench.solve.limits import limit_findings
+from labcal.bench.solve.mistakes import mistake_findings
+from labcal.bench.solve.mrcal import mrcal_findings
+from labcal.bench.solve.real import real_findings
+from labcal.bench.solve.training import training_findings
+from labcal.report.bench import BenchResult
+from labcal.run.progress import Progress
+
+GROUPS: Groups = {
+    "limits": limit_findings,
+    "training": training_findings,
+    "adjustment": adjustment_findings,
+    "mistakes": mistake_findings,
+    "real": real_findings,
+    "mrcal": mrcal_findings,
+}
+
+
+def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> BenchResult:
+    """Measure every check and write ``results.json``.
+
+    Parameters
+    ----------
+    folder : Path
+        It appears when all is measured.
+    settings : BenchSettings
+    progress : Progress
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such group of checks.
+    OutputError
+        The folder exists already.
+    """
+    return measured_groups("solve", GROUPS, folder, settings, progress)

@@ -1,0 +1,71 @@
+"""How near methods come to the physical limit, how well they know it, and which one training data choose."""
+
+import numpy as np
+
+from labcal.bench.groups import Bench, Findings
+from labcal.bench.solve.duel import METHODS, RIGHT, Duel, DuelFigures, MethodFigures, fought
+from labcal.bench.solve.families import FAMILIES
+from labcal.report.bench import Check, Figure, at_most
+from labcal.run.cases import run_cases
+from labcal.run.executor import open_executor
+from labcal.run.machine import usable_cores
+
+SEEDS, QUICK_SEEDS = 5, 1
+SLOW = ("mlp", "mlp-bayes", "ray-net")
+"""Left out in a quick run: they train for minutes."""
+RIGHT_LIMIT, HYBRID_LIMIT = 1.03, 1.10
+COVERAGE, APART = 0.95, 0.02
+TRUSTED_COVERAGE = 0.90
+CHOSEN_LIMIT = 1.05
+"""Of the method that training data choose, over the one that was best."""
+
+
+def limit_findings(bench: Bench) -> Findings:
+    """Return medians over seeds by family and method."""
+    methods = tuple(method for method in METHODS if not (bench.quick and method in SLOW))
+    seeds = range(bench.seed, bench.seed + (QUICK_SEEDS if bench.quick else SEEDS))
+    duels = [Duel(family.name, seed, methods) for seed in seeds for family in FAMILIES]
+    bench.progress.start("duels", len(duels))
+    with open_executor(min(usable_cores(), len(duels))) as executor:
+        found = run_cases(duels, fought, DuelFigures, bench.folder / "duels", executor, bench.progress)
+    checks: list[Check] = []
+    beside: list[Figure] = []
+    for family in FAMILIES:
+        of_family = [one for one in found if one.family == family.name]
+        for method in methods:
+            figures = [one for duel in of_family for one in duel.methods if one.method == method]
+            if not figures:
+                continue
+            name = f"limits, {family.name}: {method}"
+            ratio = float(np.median([one.ratio for one in figures]))
+            covered = float(np.median([one.coverage95 for one in figures]))
+            if method in {RIGHT, "hybrid"}:
+                exact = method == RIGHT or family.parametric
+                limit = RIGHT_LIMIT if exact else HYBRID_LIMIT
+                checks.append(at_most(f"{name}, RMS error over the oracle's", ratio, limit))
+                apart = abs(covered - COVERAGE)
+                checks.append(at_most(f"{name}, coverage of 95% ellipsoids off {COVERAGE}", apart, APART))
+            else:
+                beside.append(Figure(name=f"{name}, RMS error over the oracle's", value=ratio))
+                beside.append(Figure(name=f"{name}, coverage of 95% ellipsoids", value=covered))
+        chosen = float(np.median([_chosen_over_best(duel) for duel in of_family]))
+        name = f"limits, {family.name}: method that training data choose, over the best"
+        checks.append(at_most(name, chosen, CHOSEN_LIMIT))
+    trusted = sum(_wrongly_trusted(one) for duel in found for one in duel.methods)
+    name = f"limits: methods with a coverage below {TRUSTED_COVERAGE:g} and no flag 'model-misfit'"
+    checks.append(at_most(name, trusted, 0))
+    return Findings(checks, beside)
+
+
+def _wrongly_trusted(figures: MethodFigures) -> bool:
+    return figures.refusal is None and not figures.coverage95 >= TRUSTED_COVERAGE and not figures.misfit
+
+
+def _chosen_over_best(duel: DuelFigures) -> float:
+    """Return the error of the method with the least rehearsed error over the least error of all.
+
+    The right family is not among those to choose from: who knows it needs no choice.
+    """
+    known = [one for one in duel.methods if one.refusal is None and one.method != RIGHT]
+    chosen = min(known, key=lambda one: one.rehearsed_mm)
+    return chosen.ratio / min(one.ratio for one in known)

@@ -1,0 +1,79 @@
+"""Rigs calibrated from pictures that this project did not make, where these are at hand."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from labcal.bench.detect.real import PAIR, VARIABLE
+from labcal.bench.groups import Bench, Findings
+from labcal.bench.solve.halves import disagreement, halves, lengths_elsewhere, print_and_rig
+from labcal.calibrate.handheld import calibrate_handheld
+from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
+from labcal.correspond.measure import detections_of, measure_picture
+from labcal.correspond.sources import find_sources
+from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.handheld_training import handheld_training
+from labcal.estimators.registry import make_estimator
+from labcal.estimators.taught import teach
+from labcal.report.bench import Figure, at_most
+from labcal.run.progress import Progress
+from labcal.targets.catalogue import AnyTarget, load_target
+
+LENS = "brown-k1k2"
+RENDERED, RENDERED_TARGET, RENDERED_PICTURES = "rendered_black", "rings-14x10", 20
+PHOTOS, PHOTO_TARGET, PHOTO_PICTURES = "photos", "rings-10x8", 14
+TAUGHT = ("hybrid", "mlp", "mlp-bayes", "ray-net")
+"""Methods that learn from the dots of a target in the hand."""
+AGREE_LIMIT = 3.0
+"""Standard deviations."""
+LENGTH_LIMIT_MM = 0.010
+
+
+def real_findings(bench: Bench) -> Findings:
+    """Return how well two halves of rendered views agree, and how well lengths on photographs repeat.
+
+    On the photographs the rig, what methods learned in its world, and the places of the dots come from one
+    half of the views, the lengths from the other half. Nothing but a note where the pictures are not at hand.
+    """
+    home = os.environ.get(VARIABLE)
+    if home is None or not Path(home).is_dir():
+        return Findings([], [], (f"real: left out, since ${VARIABLE} names no folder of pictures",))
+    bench.progress.start("real pictures", RENDERED_PICTURES + PHOTO_PICTURES)
+    target = load_target(RENDERED_TARGET)
+    dots = _measured(Path(home) / RENDERED, target, bench.progress)
+    one, other = (calibrate_handheld(half, target, LENS) for half in halves(dots))
+    apart = disagreement(one, other)
+    worst = float(np.abs(apart).max())
+    checks = [
+        at_most(f"{RENDERED}: two halves of the views, largest difference in sigma", worst, AGREE_LIMIT)
+    ]
+    beside = [
+        Figure(
+            name=f"{RENDERED}: root mean square of its {len(apart)} differences in sigma",
+            value=float(np.sqrt((apart**2).mean())),
+        )
+    ]
+    target = load_target(PHOTO_TARGET)
+    dots = _measured(Path(home) / PHOTOS, target, bench.progress)
+    for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
+        found, places = print_and_rig(learned, target, LENS)
+        training = handheld_training(found, learned, target).data
+        models: dict[str, Rig | FittedModel] = {"rig": found.rig}
+        models |= {method: teach(training, make_estimator(method)) for method in TAUGHT}
+        for name, model in models.items():
+            lengths = lengths_elsewhere(model, places, others, target).length_error_mm
+            what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"
+            checks.append(at_most(f"{what}, RMS, mm", lengths.rms, LENGTH_LIMIT_MM))
+            beside.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
+    return Findings(checks, beside)
+
+
+def _measured(folder: Path, target: AnyTarget, progress: Progress) -> Detections:
+    """Return the dots of all pictures of a set."""
+    measurements = []
+    for source in find_sources([str(folder)], PAIR):
+        measurements.append(measure_picture(source, target))
+        progress.advance()
+    return detections_of(measurements)

@@ -1,1 +1,0 @@
-"""The paper's rows and claims, and benchmarks."""

@@ -1,0 +1,1 @@
+"""The rows that the paper reports, and their reproduction."""

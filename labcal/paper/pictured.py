@@ -1,0 +1,94 @@
+"""The data of rows 17 to 23: dots detected in rendered pictures, which stand in for the paper's hardware."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.arrays import Points
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match, stage_points
+from labcal.correspond.training import TrainingData, training_data
+from labcal.geometry.hull import inside_hull
+from labcal.paper.problem import Problem
+from labcal.paper.rows import Data
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+from labcal.shoot.truth import read_truth
+
+_TOLERANCE_MM = 1e-3
+AT_POSITIONS = "at the trained positions"
+BETWEEN_POSITIONS = "half-way between the trained positions"
+
+
+@dataclass(frozen=True)
+class _Tested:
+    """Matched dots of the test views, and where they truly were."""
+
+    view: np.ndarray
+    X: np.ndarray
+    Y: Points
+
+
+def pictured_problems(data: Data, shoot: Shoot, detections: Detections) -> dict[str, Problem]:
+    """Return what a row from pictures learns from and is tested on, by the name of the reading.
+
+    Test dots are those of the test views within the hull of the trained dots; the truth is their place.
+
+    Parameters
+    ----------
+    data : Data
+        Which kind of row.
+    shoot : Shoot
+        Rendered; its folder holds the truth.
+    detections : Detections
+        The dots found in its pictures.
+
+    Raises
+    ------
+    InputError
+        No dot of a training view was measured by all cameras.
+    """
+    trained = training_data(shoot, detections)
+    tested = _tested(shoot, detections)
+    if data is Data.STILL_POSITIONS:
+        return _position_problems(shoot, trained, tested)
+    inside = inside_hull(tested.Y, trained.Y, _TOLERANCE_MM)
+    return {"": Problem(trained.X, trained.Y, tested.X[inside], tested.Y[inside])}
+
+
+def _tested(shoot: Shoot, detections: Detections) -> _Tested:
+    matches = match(detections, shoot.cameras)
+    matches = matches.where(np.isin(matches.view, [view.name for view in shoot.views(Role.TEST)]))
+    poses = {name: np.array(view.T_world_target) for name, view in read_truth(shoot.folder).views.items()}
+    return _Tested(matches.view, matches.X, stage_points(matches, shoot.target, poses))
+
+
+def _position_problems(shoot: Shoot, trained: TrainingData, tested: _Tested) -> dict[str, Problem]:
+    """Return row 23: every fifth dot at each of five positions, the cameras' distance as fourth output.
+
+    Cameras that are raised by s see what they would see if the target were lowered by s, which is what the
+    stage does. Points count in the frame that stays with the target, so the stage's way down is s.
+    """
+    stage_mm = {view: T[2, 3] for view, T in shoot.nominal_poses().items()}
+    positions = [view.name for view in shoot.views(Role.TRAIN)]
+    reference = max(stage_mm[name] for name in positions)
+    turn = np.array([positions.index(view) for view in trained.view.tolist()])
+    nth = np.concatenate([np.arange(count) for count in np.unique(turn, return_counts=True)[1]])
+    chosen = nth % len(positions) == turn
+    Y = _with_distance(trained.Y, trained.view, stage_mm, reference)
+    Y_test = _with_distance(tested.Y, tested.view, stage_mm, reference)
+    inside = inside_hull(Y_test[:, :3], Y[chosen, :3], _TOLERANCE_MM)
+    at_position = np.isin(Y_test[:, 3], np.unique(Y[:, 3]))
+    return {
+        name: Problem(trained.X[chosen], Y[chosen], tested.X[wanted], Y_test[wanted])
+        for name, wanted in {
+            AT_POSITIONS: inside & at_position,
+            BETWEEN_POSITIONS: inside & ~at_position,
+        }.items()
+    }
+
+
+def _with_distance(p: Points, view: np.ndarray, stage_mm: dict[str, float], reference: float) -> np.ndarray:
+    """Return points in the target's own frame, and the cameras' distance from the reference, mm."""
+    distance = np.array([reference - stage_mm[name] for name in view.tolist()])
+    return np.column_stack([p[:, :2], p[:, 2] + distance, distance])

@@ -1,0 +1,190 @@
+"""The paper's experiments, all rows or some: shoots, detections, training runs, one document."""
+
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.paper.pictured import pictured_problems
+from labcal.paper.problem import Problem
+from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
+from labcal.paper.simulated import NoiseReading
+from labcal.paper.summary import figures_of, row_result
+from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
+from labcal.render.shoot import RenderSettings, render_shoot
+from labcal.report.page import reproduction_page
+from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
+from labcal.run.cases import run_cases
+from labcal.run.executor import open_executor
+from labcal.run.json_text import to_json
+from labcal.run.machine import package_version
+from labcal.run.made import PROVENANCE, make_folder, provenance_text
+from labcal.run.outputs import write_file
+from labcal.run.progress import Progress
+from labcal.run.unfinished import unfinished_folder
+from labcal.scene.catalogue import load_scene
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
+from labcal.workflow import detect
+
+MAX_EPOCHS = 5000
+"""The paper's."""
+QUICK_EPOCHS = 300
+QUICK_SPP = 8
+FULL_SEEDS, QUICK_SEEDS = 5, 1
+_PACKAGES = ("labcal", "mitsuba", "numpy", "opencv-contrib-python-headless", "torch")
+_PLANE_READINGS = ("affine", "quadratic", "homography")
+_VOLUME_READINGS = ("affine", "quadratic", "dlt")
+_VOLUMES = frozenset({Data.VOLUME, Data.VOLUME_RANDOM, Data.WEBCAM_VOLUME})
+
+
+@dataclass(frozen=True)
+class ReproduceSettings:
+    """What is reproduced, and how thoroughly."""
+
+    rows: tuple[PaperRow, ...] = ROWS
+    quick: bool = False
+    seeds: int | None = None
+    """Runs of every reading; 5, or 1 when quick, where not given."""
+    seed: int = 0
+    """The first of them, and that of the pictures."""
+    workers: int = 1
+    force: bool = False
+
+    @property
+    def runs(self) -> int:
+        """How many runs every reading has."""
+        return self.seeds or (QUICK_SEEDS if self.quick else FULL_SEEDS)
+
+    @property
+    def max_epochs(self) -> int:
+        """Training steps after which a network stops."""
+        return QUICK_EPOCHS if self.quick else MAX_EPOCHS
+
+    @property
+    def restrictions(self) -> tuple[str, ...]:
+        """What is left out, in words."""
+        if not self.quick:
+            return ()
+        return (
+            f"pictures are rendered with {QUICK_SPP} rays a pixel",
+            f"training stops after {QUICK_EPOCHS} epochs where the paper allows {MAX_EPOCHS}",
+        )
+
+
+def reproduce(folder: Path, settings: ReproduceSettings, progress: Progress) -> Reproduction:
+    """Reproduce rows of the paper into a new folder: ``results.json``, ``index.html``, shoots and cases.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder to appear; what an interrupted run left is taken up again.
+    settings : ReproduceSettings
+    progress : Progress
+
+    Raises
+    ------
+    OutputError
+        The folder exists and may not be replaced, or it cannot be written.
+    DeviceError
+        The renderer does not work on this machine.
+    """
+    began = time.time()
+    with unfinished_folder(folder, _command(settings), force=settings.force) as working:
+        problems, pictures = _pictured(working, settings, progress)
+        cases = [case for row in settings.rows for case in _cases(row, problems, settings)]
+        with open_executor(settings.workers) as executor:
+            outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
+        result = Reproduction(
+            rows=_summarise(cases, outcomes, settings),
+            not_reported=NOT_REPORTED,
+            quick=settings.quick,
+            restrictions=settings.restrictions,
+            pictures=pictures,
+        )
+        write_file(working / "results.json", to_json(result), force=True)
+        write_file(working / "index.html", reproduction_page(result, working), force=True)
+        write_file(working / PROVENANCE, _provenance(settings, time.time() - began), force=True)
+    return result
+
+
+def _pictured(
+    working: Path, settings: ReproduceSettings, progress: Progress
+) -> tuple[dict[Data, dict[str, Problem]], tuple[ShownPicture, ...]]:
+    """Return the problems of the rows from pictures, and one picture of every shoot."""
+    problems: dict[Data, dict[str, Problem]] = {}
+    pictures = []
+    for data in dict.fromkeys(row.data for row in settings.rows if row.pictured):
+        shoot = _shoot(working / "shoots" / SCENES[data], SCENES[data], settings, progress)
+        problems[data] = pictured_problems(data, shoot, detect(shoot, settings.workers, progress))
+        for camera, file in shoot.views()[0].images.items():
+            path = (shoot.folder / file).relative_to(working).as_posix()
+            pictures.append(ShownPicture(scene=SCENES[data], caption=f"{SCENES[data]}, {camera}", file=path))
+    return problems, tuple(pictures)
+
+
+def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Progress) -> Shoot:
+    """Render a shoot, unless an earlier run has."""
+    if is_shoot(folder):
+        return open_shoot(folder)
+    make_folder(folder.parent)
+    render_settings = RenderSettings(
+        spp=QUICK_SPP if settings.quick else None, seed=settings.seed, workers=settings.workers
+    )
+    return render_shoot(load_scene(scene), folder, render_settings, progress)
+
+
+def _cases(
+    row: PaperRow, problems: dict[Data, dict[str, Problem]], settings: ReproduceSettings
+) -> list[TrainingRun]:
+    """Return every training run of a row, reading by reading."""
+    methods: tuple[str, ...] = ("mlp",)
+    if row.solver is Solver.LEAST_SQUARES:
+        methods = _VOLUME_READINGS if row.data in _VOLUMES else _PLANE_READINGS
+    noises = (NoiseReading.SPREAD, NoiseReading.PIXEL) if row.noisy else (NoiseReading.NONE,)
+    variants: dict[str, Problem | None] = {"": None}
+    if row.pictured:
+        variants = {**problems[row.data]}
+    return [
+        TrainingRun(row, method, noise, variant, problem, settings.seed + run, settings.max_epochs)
+        for noise in noises
+        for method in methods
+        for variant, problem in variants.items()
+        for run in range(settings.runs)
+    ]
+
+
+def _summarise(
+    cases: Sequence[TrainingRun], outcomes: Sequence[TrainingOutcome], settings: ReproduceSettings
+) -> tuple[RowResult, ...]:
+    """Return the rows from the outcomes of their runs."""
+    rows = []
+    for row in settings.rows:
+        readings: dict[str, list[TrainingOutcome]] = {}
+        beside: dict[str, list[TrainingOutcome]] = {}
+        for case, outcome in zip(cases, outcomes, strict=True):
+            if case.row == row:
+                kind = beside if case.noise is NoiseReading.PIXEL else readings
+                kind.setdefault(case.reading, []).append(outcome)
+        figures = [figures_of(reading, of_reading) for reading, of_reading in readings.items()]
+        figures_beside = [figures_of(reading, of_reading) for reading, of_reading in beside.items()]
+        rows.append(row_result(row, figures, figures_beside, settings.runs))
+    return tuple(rows)
+
+
+def _command(settings: ReproduceSettings) -> str:
+    """Return everything that determines the results."""
+    return "reproduce " + json.dumps(
+        {
+            "reproduce": [row.exp for row in settings.rows],
+            "quick": settings.quick,
+            "runs": settings.runs,
+            "seed": settings.seed,
+        }
+    )
+
+
+def _provenance(settings: ReproduceSettings, seconds: float) -> bytes:
+    """Return ``run.json``: what differs from run to run."""
+    versions = {package: package_version(package) for package in _PACKAGES}
+    return provenance_text({"seconds": seconds, "workers": settings.workers, "versions": versions})
