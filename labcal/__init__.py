@@ -1,6 +1,6 @@
 """Measure in 3-D with two cameras and a target of dots.
 
-Importing the package imports nothing heavy. :mod:`labcal.workflow` holds the chain from a scene, or a
+Importing the package imports nothing heavy. :mod:`labcal.pipeline` holds the chain from a scene, or a
 photograph, to errors in millimetres.
 """
 

@@ -13,7 +13,7 @@ How a verb is added
            add_workers(parser)
 
        def run(arguments: Namespace, session: Session) -> ExitStatus:
-           from labcal.workflow import detect
+           from labcal.pipeline import detect
 
            with session.progress() as progress:
                result = detect(arguments.shoot, progress)

@@ -73,12 +73,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     )
     from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
+    from labcal.pipeline import calibrate, epipolar_rms
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.shoot.pictures import png_output
     from labcal.targets.places import KIND as DOTS_KIND
     from labcal.wording import listed
-    from labcal.workflow import calibrate, epipolar_rms
 
     require_name(arguments.output)
     outputs = [FileOutput(arguments.output, KIND)]

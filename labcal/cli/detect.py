@@ -68,11 +68,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Detect, write the table, tell what came of each picture."""
     from labcal.correspond.detections import KIND, detections_csv
     from labcal.correspond.measure import detections_of
+    from labcal.pipeline import measure
     from labcal.run.claims import FileOutput, FolderOutput, Output, claim_outputs
     from labcal.run.outputs import write_file
     from labcal.run.unfinished import unfinished_folder
     from labcal.shoot.tone_curve import find_tone_curve
-    from labcal.workflow import measure
 
     tone_curve = find_tone_curve(arguments.tone_curve)
     sources, target = pictures_and_target(arguments, session)

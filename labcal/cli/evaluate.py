@@ -60,12 +60,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.detections import read_detections
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
+    from labcal.pipeline import evaluate
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
     from labcal.targets.catalogue import AnyTarget, load_target
     from labcal.targets.places import DotPlaces, read_places
-    from labcal.workflow import evaluate
 
     if [arguments.shoot, arguments.target, arguments.dots].count(None) != 2:  # noqa: PLR2004 -- one is given
         raise InputError(

@@ -122,10 +122,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.training import fit_settings, handheld_result, read_training
     from labcal.errors import InputError
     from labcal.estimators.model_file import KIND
+    from labcal.pipeline import taught
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.wording import listed
-    from labcal.workflow import taught
 
     estimators = _estimators(arguments)
     require_name(arguments.output)
@@ -179,7 +179,7 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     """Return the methods that are named, with the options that concern them."""
     from labcal.cli.training import fit_settings
     from labcal.errors import InputError
-    from labcal.workflow import estimators_of
+    from labcal.pipeline import estimators_of
 
     names = arguments.method.split(",")
     if len(set(names)) < len(names):

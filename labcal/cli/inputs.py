@@ -25,8 +25,8 @@ def read_or_detect(source: str, target: "AnyTarget | None", workers: int, sessio
     from labcal.correspond.measure import detections_of, refusals
     from labcal.correspond.refused_pictures import shared_reasons
     from labcal.correspond.sources import shoot_sources
+    from labcal.pipeline import measure
     from labcal.shoot.dataset import open_shoot
-    from labcal.workflow import measure
 
     require_shoot_or_table(source)
     if Path(source).is_file():

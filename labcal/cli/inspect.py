@@ -73,11 +73,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure, draw the sheet, tell."""
     from labcal.correspond.coverage import coverage
     from labcal.correspond.measure import detections_of
+    from labcal.pipeline import measure
     from labcal.report.contact_sheet import SheetCoverage, contact_sheet, plan_layout
     from labcal.run.claims import claim_outputs
     from labcal.shoot.pictures import picture_output, write_single_picture
     from labcal.wording import counted
-    from labcal.workflow import measure
 
     sources, target = pictures_and_target(arguments, session)
     read = paths_read([*arguments.pictures, arguments.target], sources)

@@ -77,10 +77,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     from labcal.cli.inputs import paths_read, read_or_detect, refuse_idle_workers
     from labcal.correspond.points import KIND, PointFlag, points_csv
+    from labcal.pipeline import reconstruct
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
-    from labcal.workflow import reconstruct
 
     refuse_idle_workers(arguments)
     read = paths_read([arguments.model, arguments.source, arguments.target])

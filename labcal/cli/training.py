@@ -45,13 +45,13 @@ def read_training(arguments: Namespace, session: Session) -> "Training":
     Raises
     ------
     InputError
-        As of :func:`~labcal.workflow.training_of`, or an option does not go with the source.
+        As of :func:`~labcal.pipeline.training_of`, or an option does not go with the source.
     """
     from labcal.cli.inputs import choose_target, dots_of, refuse_idle_workers, say_roles, shoot_or_none
     from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
     from labcal.estimators.taught import on_stage
-    from labcal.workflow import training_of
+    from labcal.pipeline import training_of
 
     refuse_idle_workers(arguments)
     shoot = shoot_or_none(arguments.source)

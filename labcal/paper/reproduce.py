@@ -12,6 +12,7 @@ from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading
 from labcal.paper.summary import figures_of, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
+from labcal.pipeline import detect
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
@@ -25,7 +26,6 @@ from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.workflow import detect
 
 MAX_EPOCHS = 5000
 """The paper's."""

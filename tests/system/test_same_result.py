@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labcal import workflow
+from labcal import pipeline
 from labcal.cameras.rig import read_rig, write_rig
 from labcal.correspond.detections import detections_csv, read_detections
 from labcal.correspond.points import points_csv, read_points
@@ -28,10 +28,10 @@ def python_block() -> str:
 def same_as_the_command(labcal: Run, shoot: Path, dots: Path, method: str, home: Path) -> None:
     """Compare model, points and errors of one method."""
     opened, detections = open_shoot(shoot), read_detections(dots)
-    model = workflow.fit(opened, detections, method)
+    model = pipeline.fit(opened, detections, method)
     save_model(home / "python", model, force=False)
-    found = workflow.reconstruct(model, detections, opened.target)
-    errors = workflow.evaluate(found.points, opened, detections)
+    found = pipeline.reconstruct(model, detections, opened.target)
+    errors = pipeline.evaluate(found.points, opened, detections)
 
     told = labcal("fit", shoot, "--detections", dots, "--method", method, "-o", home / "command")
     assert told.status == 0
@@ -71,7 +71,7 @@ def test_a_calibration_is_the_same_from_python(
     labcal: Run, handheld: Path, handheld_dots: Path, tmp_path: Path
 ) -> None:
     detections, target = read_detections(handheld_dots), load_target("paper-13x10")
-    made = workflow.calibrate(target, detections, "brown-k1k2")
+    made = pipeline.calibrate(target, detections, "brown-k1k2")
     write_rig(tmp_path / "python.json", made.rig)
     words = ("--target", "paper-13x10", "--lens", "brown-k1k2", "-o", tmp_path / "command.json")
     told = labcal("calibrate", handheld_dots, *words)
@@ -81,10 +81,10 @@ def test_a_calibration_is_the_same_from_python(
     assert rig.calibrated_on == detections.views
     for warning in made.warnings:
         assert warning in told.said.replace("\n", " ")
-    assert detections_csv(workflow.detect(open_shoot(handheld))) == handheld_dots.read_text()
-    found = workflow.reconstruct(rig, detections, target)
+    assert detections_csv(pipeline.detect(open_shoot(handheld))) == handheld_dots.read_text()
+    found = pipeline.reconstruct(rig, detections, target)
     np.testing.assert_array_equal(
-        workflow.reconstruct(made.rig, detections, target).points.point, found.points.point
+        pipeline.reconstruct(made.rig, detections, target).points.point, found.points.point
     )
 
 

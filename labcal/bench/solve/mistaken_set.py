@@ -13,6 +13,7 @@ from labcal.calibrate.handheld import calibrate_handheld
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
+from labcal.pipeline import detect
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.reproduction import Measured
@@ -20,7 +21,6 @@ from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 from labcal.scene.mistakes import Mistake
 from labcal.targets.catalogue import AnyTarget
-from labcal.workflow import detect
 
 SCENE, VIEWS, SPP, LENS = "webcam-handheld", 8, 8, "brown5"
 SIZES = {

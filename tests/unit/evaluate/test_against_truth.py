@@ -16,12 +16,12 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.points import ReconstructedPoints
 from labcal.errors import InputError
 from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
+from labcal.pipeline import epipolar_rms, evaluate
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
 from labcal.targets.grid import DotGrid
-from labcal.workflow import epipolar_rms, evaluate
 
 See = Callable[..., Detections]
 Cameras = dict[str, Camera]

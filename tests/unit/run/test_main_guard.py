@@ -37,14 +37,14 @@ def run(*words: str, text: str | None = None) -> subprocess.CompletedProcess[str
     [
         ("from labcal.run.executor import open_executor", POOL),
         pytest.param(
-            "from labcal.workflow import RenderSettings, render",
+            "from labcal.pipeline import RenderSettings, render",
             "render('webcam-plane', Path(__file__).with_name('shoot'), RenderSettings(workers=2))",
             marks=pytest.mark.slow,
         ),
         pytest.param(
             "from labcal.correspond.sources import Source\n"
             "from labcal.targets.catalogue import load_target\n"
-            "from labcal.workflow import measure",
+            "from labcal.pipeline import measure",
             "measure([Source('a', 'b', 'c.png', None)] * 3, load_target('paper-13x10'), workers=2)",
             marks=pytest.mark.slow,
         ),

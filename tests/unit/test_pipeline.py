@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labcal import workflow
+from labcal import pipeline
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.camera import Camera
@@ -85,23 +85,23 @@ def command(*words: object) -> tuple[int, Any, str]:
 def test_a_calibration_leaves_test_views_out_and_evaluation_scores_them(
     shoot: Shoot, dots: Detections, grid: DotGrid
 ) -> None:
-    made = workflow.calibrate(shoot, dots, "brown-k1k2", CENTRES)
+    made = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES)
     assert made.held_out == TESTED
     assert made.rig.calibrated_on == tuple(view for view in dots.views if view not in TESTED)
-    more = workflow.calibrate(shoot, dots, "brown-k1k2", CENTRES, hold_out=1)
+    more = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES, hold_out=1)
     assert more.held_out == ("pose-3", *TESTED)
-    points = workflow.reconstruct(made.rig, dots).points
-    errors = workflow.evaluate(points, shoot, learned=made.rig.calibrated_on)
+    points = pipeline.reconstruct(made.rig, dots).points
+    errors = pipeline.evaluate(points, shoot, learned=made.rig.calibrated_on)
     assert (errors.views_scored, errors.views_calibrated_on, errors.warnings) == (TESTED, 0, ())
-    by_role = workflow.evaluate(points, shoot)  # the shoot does not know what a rig came from
+    by_role = pipeline.evaluate(points, shoot)  # the shoot does not know what a rig came from
     assert (by_role.views_scored, by_role.views_calibrated_on) == (TESTED, None)
     alone = points.where(~np.isin(points.view, TESTED))
-    assert workflow.evaluate(alone, shoot).views_calibrated_on is None  # of whichever rig they are
-    circular = workflow.evaluate(alone, shoot, learned=made.rig.calibrated_on)
+    assert pipeline.evaluate(alone, shoot).views_calibrated_on is None  # of whichever rig they are
+    circular = pipeline.evaluate(alone, shoot, learned=made.rig.calibrated_on)
     assert circular.views_calibrated_on == 6
     assert "circular" in circular.warnings[0]
-    everything = workflow.calibrate(grid, dots, "brown-k1k2", CENTRES)
-    assert workflow.evaluate(points, shoot, learned=everything.rig.calibrated_on).views_calibrated_on == 8
+    everything = pipeline.calibrate(grid, dots, "brown-k1k2", CENTRES)
+    assert pipeline.evaluate(points, shoot, learned=everything.rig.calibrated_on).views_calibrated_on == 8
 
 
 def test_the_command_says_which_views_it_left_out(shoot: Shoot, dots: Detections, tmp_path: Path) -> None:
@@ -160,20 +160,20 @@ def test_a_method_keeps_what_it_was_taught_for_evaluation(
 def test_pictures_that_teach_nothing_are_told(shoot: Shoot, dots: Detections, grid: DotGrid) -> None:
     spoilt = (dots.view == "pose-1") & (dots.camera == "left")
     flagged = replace(dots, flag=np.where(spoilt, "bad-fit", dots.flag))
-    made = workflow.calibrate(shoot, flagged, "brown-k1k2", CENTRES)
+    made = pipeline.calibrate(shoot, flagged, "brown-k1k2", CENTRES)
     (skipped,) = made.found.skipped
     assert skipped == "view 'pose-1' of camera 'left': none of its dots is measured (20 bad-fit)"
     assert any(skipped in warning for warning in made.warnings)
-    found = workflow.reconstruct(made.rig, flagged, grid)
+    found = pipeline.reconstruct(made.rig, flagged, grid)
     assert any("in 1 view: pose-1" in warning for warning in found.warnings)
     blind = replace(dots, flag=np.where(dots.camera == "right", "bad-fit", dots.flag))
     with pytest.raises(InputError, match="Camera 'right' has 6 views, but not one dot"):
-        workflow.calibrate(shoot, blind, "brown-k1k2", CENTRES)
+        pipeline.calibrate(shoot, blind, "brown-k1k2", CENTRES)
 
 
 def test_points_none_of_which_is_ok_are_no_success(shoot: Shoot, dots: Detections, tmp_path: Path) -> None:
     table, rig, points = tmp_path / "dots.csv", tmp_path / "rig.json", tmp_path / "points.csv"
-    made = workflow.calibrate(shoot, dots, "brown-k1k2", CENTRES)
+    made = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES)
     write_rig(rig, made.rig)
     off = np.where(dots.camera[:, None] == "right", [0.0, 8.0], 0.0)  # the right camera was knocked
     table.write_text(detections_csv(replace(dots, position=dots.position + off)))
@@ -188,27 +188,27 @@ def test_points_none_of_which_is_ok_are_no_success(shoot: Shoot, dots: Detection
 
 
 def test_a_rig_keeps_what_it_was_calibrated_from(shoot: Shoot, dots: Detections, tmp_path: Path) -> None:
-    made = workflow.calibrate(shoot, dots, "brown-k1k2", CENTRES)
+    made = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES)
     write_rig(tmp_path / "rig.json", made.rig)
     assert read_rig(tmp_path / "rig.json") == made.rig
     write_rig(tmp_path / "plain.json", made.found.rig)
     assert "calibrated_on" not in (tmp_path / "plain.json").read_text()
     kept = HandheldSettings(bias_rounds=0, start=made.rig, lenses=Lenses.FIXED)
-    moved = workflow.calibrate(shoot, dots, None, kept, hold_out=["pose-0"])
+    moved = pipeline.calibrate(shoot, dots, None, kept, hold_out=["pose-0"])
     assert set(moved.rig.calibrated_on) == set(made.rig.calibrated_on)  # its lenses have seen pose-0
     assert command("convert", tmp_path / "rig.json", tmp_path / "left.json", "--only", "left")[0] == 0
     assert read_rig(tmp_path / "left.json").calibrated_on == made.rig.calibrated_on
 
 
 def test_a_method_can_be_kept_from_views_too(shoot: Shoot, dots: Detections, grid: DotGrid) -> None:
-    settings = workflow.FitSettings("brown-k1k2", rehearsal=False, hold_out=["pose-0", "pose-4"])
+    settings = pipeline.FitSettings("brown-k1k2", rehearsal=False, hold_out=["pose-0", "pose-4"])
     for source, views in ((grid, 6), (shoot, 4)):
-        training = workflow.training_of(source, dots, settings)
+        training = pipeline.training_of(source, dots, settings)
         learned = set(training.centred.data.view.tolist())
         assert len(learned) == views
         assert not {"pose-0", "pose-4"} & learned
-    model = workflow.fit(shoot, dots, "affine", settings)
-    assert model.warnings == workflow.training_of(shoot, dots, settings).warnings
+    model = pipeline.fit(shoot, dots, "affine", settings)
+    assert model.warnings == pipeline.training_of(shoot, dots, settings).warnings
 
 
 def test_a_rig_to_start_from_does_not_go_with_trying_lenses(
@@ -216,7 +216,7 @@ def test_a_rig_to_start_from_does_not_go_with_trying_lenses(
 ) -> None:
     start = HandheldSettings(start=Rig.of(pair))
     with pytest.raises(InputError, match="Give no rig to start from"):
-        workflow.calibrate(shoot, dots, "auto", start)
+        pipeline.calibrate(shoot, dots, "auto", start)
 
 
 def test_every_verb_that_takes_loose_pictures_asks_which_cameras_took_them(
@@ -227,7 +227,7 @@ def test_every_verb_that_takes_loose_pictures_asks_which_cameras_took_them(
     for side in ("left", "right"):
         for number in range(3):
             (photos / f"{side}{number}.png").write_bytes(b"no picture")
-    made = workflow.calibrate(shoot, dots.where(dots.camera == "left"), "brown-k1k2", CENTRES)
+    made = pipeline.calibrate(shoot, dots.where(dots.camera == "left"), "brown-k1k2", CENTRES)
     write_rig(rig, made.rig)  # of one camera
     for words in (
         ("detect", photos, "--target", target),
