@@ -7,7 +7,6 @@ import numpy as np
 
 from labcal.arrays import Pixels, Points, Pose
 from labcal.calibrate.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
-from labcal.calibrate.geometry_checks import on_one_plane
 from labcal.calibrate.ray_misses import MOST_PX
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
@@ -18,6 +17,7 @@ from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.estimators.swapped_pictures import refuse_swapped_training
+from labcal.geometry.arrangement import on_one_plane
 from labcal.targets.target import Target
 
 _NAME = "resection"

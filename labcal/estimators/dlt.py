@@ -5,16 +5,16 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.geometry_checks import (
+from labcal.errors import InputError
+from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.geometry.arrangement import (
     camera_count,
     refuse_collinear,
     refuse_few,
     refuse_one_plane,
     refuse_other_than_points,
 )
-from labcal.calibrate.projective_map import projective_map
-from labcal.errors import InputError
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.geometry.projective_map import projective_map
 
 UNKNOWN_POINTS = 6
 """A projection matrix has eleven degrees of freedom and every point gives two equations."""

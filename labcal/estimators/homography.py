@@ -5,15 +5,15 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.geometry_checks import (
+from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.geometry.arrangement import (
     camera_count,
     refuse_collinear,
     refuse_few,
     refuse_other_than_points,
     refuse_several_planes,
 )
-from labcal.calibrate.projective_map import homogeneous, projective_map
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.geometry.projective_map import homogeneous, projective_map
 
 UNKNOWN_POINTS = 4
 """A homography has eight degrees of freedom and every point gives two equations."""

@@ -5,9 +5,9 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.geometry_checks import refuse_collinear, refuse_few
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.scaling import RangeScaling
+from labcal.geometry.arrangement import refuse_collinear, refuse_few
 
 
 class Quadratic(PointEstimator):

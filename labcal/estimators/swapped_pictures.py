@@ -7,7 +7,6 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.projective_map import homogeneous, projective_map
 from labcal.calibrate.ray_misses import MOST_PX, RayMisses
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import resect
@@ -15,6 +14,7 @@ from labcal.cameras.camera import Camera
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
+from labcal.geometry.projective_map import homogeneous, projective_map
 
 SWAPPED_BETTER = 0.1
 """Pictures are swapped where exchanging them leaves less than this share of the misses."""

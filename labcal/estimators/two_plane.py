@@ -7,18 +7,18 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Points
 from labcal.calibrate.blas_threads import one_blas_thread
-from labcal.calibrate.geometry_checks import (
+from labcal.calibrate.held_out import edges
+from labcal.errors import InputError
+from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.scaling import RangeScaling
+from labcal.geometry.arrangement import (
     camera_count,
     refuse_collinear,
     refuse_few,
     refuse_one_plane,
     refuse_other_than_points,
 )
-from labcal.calibrate.held_out import edges
-from labcal.calibrate.projective_map import projective_map
-from labcal.errors import InputError
-from labcal.estimators.estimator import FittedArray, PointEstimator
-from labcal.estimators.scaling import RangeScaling
+from labcal.geometry.projective_map import projective_map
 from labcal.geometry.rays import closest_points
 
 CHOSEN = 0

@@ -8,7 +8,6 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Points
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.blas_threads import one_blas_thread
-from labcal.calibrate.geometry_checks import refuse_collinear, refuse_few, refuse_one_plane
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.calibrate.resection.problem import ResectionProblem, lens_prior
@@ -16,6 +15,7 @@ from labcal.calibrate.resection.start import resection_starts
 from labcal.calibrate.resection.whitening import Even, Whitening
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
+from labcal.geometry.arrangement import refuse_collinear, refuse_few, refuse_one_plane
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping

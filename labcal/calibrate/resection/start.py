@@ -7,12 +7,12 @@ import numpy as np
 import scipy.linalg
 
 from labcal.arrays import Pixels, Points
-from labcal.calibrate.projective_map import projective_map
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH
 from labcal.errors import InputError
 from labcal.geometry.pose_from_rays import pose_from_rays
 from labcal.geometry.poses import pose
+from labcal.geometry.projective_map import projective_map
 
 _HALF_FIELDS_DEG = np.geomspace(8.0, 120.0, 24)
 _WIDEST_FLAT_DEG = 70.0

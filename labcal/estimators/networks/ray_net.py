@@ -9,14 +9,6 @@ from scipy.linalg import solve_triangular
 
 from labcal.arrays import Points
 from labcal.calibrate.blas_threads import one_blas_thread
-from labcal.calibrate.geometry_checks import (
-    camera_count,
-    refuse_collinear,
-    refuse_few,
-    refuse_one_pixel,
-    refuse_one_plane,
-    refuse_other_than_points,
-)
 from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.networks.network_estimator import joint_reason
@@ -24,6 +16,14 @@ from labcal.estimators.networks.ray_problem import RayProblem
 from labcal.estimators.pushed_noise import pushed_noise
 from labcal.estimators.ray_field import Crossings, RayFrame
 from labcal.estimators.scaling import RangeScaling
+from labcal.geometry.arrangement import (
+    camera_count,
+    refuse_collinear,
+    refuse_few,
+    refuse_one_pixel,
+    refuse_one_plane,
+    refuse_other_than_points,
+)
 from labcal.geometry.rays import closest_points
 from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping

@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pixels
-from labcal.calibrate.geometry_checks import refuse_one_pixel
 from labcal.errors import InputError
+from labcal.geometry.arrangement import refuse_one_pixel
 
 AMBIGUOUS = 1e-10
 """Below this fraction of the largest singular value, a second solution fits as well as the first."""
