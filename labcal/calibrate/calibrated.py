@@ -8,6 +8,7 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreement.words import contradiction_words
 from labcal.calibrate.calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.cameras.blind_pixels import blind_pixels
@@ -20,10 +21,6 @@ from labcal.optim.solution import StopReason
 from labcal.run.progress import NoProgress, Progress
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
-
-AUTO = "auto"
-"""In the place of a lens model: the one that explains views best that it was not fitted to."""
-DEFAULT_LENS = "brown5"
 
 
 @dataclass(frozen=True)

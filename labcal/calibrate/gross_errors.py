@@ -4,13 +4,13 @@ One of 150 dots that is off by half the picture leads Zhang's method, which take
 which the adjustment does not come back. Later such dots are told and set aside as outliers.
 """
 
-import cv2
 import numpy as np
 from jaxtyping import Bool
 from scipy.spatial import KDTree
 
 from labcal.calibrate.adjustment.outliers import beside_neighbours
 from labcal.correspond.detections import Detections
+from labcal.geometry.projective_map import homogeneous, robust_homography
 from labcal.targets.target import Target
 
 _FEWEST = 8
@@ -32,17 +32,18 @@ def gross_errors(dots: Detections, target: Target) -> Bool[np.ndarray, " n"]:
 
     Notes
     -----
-    A homography that suits most dots (least median of squares, Rousseeuw 1984) leaves residuals that
-    distortion makes alike for neighbours.
+    A homography that suits most dots leaves residuals that distortion makes alike for neighbours.
     """
     none = np.zeros(len(dots), dtype=bool)
     places = target.points(dots.index)
     if len(dots) < _FEWEST:
         return none
-    H, _ = cv2.findHomography(places[:, :2], dots.position, cv2.LMEDS)
+    H = robust_homography(places[:, :2], dots.position)
     if H is None:
         return none
-    told = cv2.perspectiveTransform(places[None, :, :2], H)[0]
+    told = homogeneous(places[:, :2]) @ H.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        told = told[:, :2] / told[:, 2:]
     residual = np.nan_to_num(told - dots.position, nan=np.inf, posinf=np.inf, neginf=-np.inf)
     distances, _ = KDTree(dots.position).query(dots.position, k=2)
     least = _OF_A_PITCH * float(np.median(distances[:, 1]))

@@ -14,6 +14,7 @@ from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
 from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld import HandheldSettings
+from labcal.calibrate.lens_candidates import LARGE, OF_VIEWS, PLENTY
 from labcal.calibrate.lens_start import LensStart, start_from_camera, start_from_pictures
 from labcal.calibrate.lens_support import undetermined
 from labcal.calibrate.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
@@ -23,11 +24,6 @@ from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import counted
 
-CANDIDATES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "fisheye-kb4")
-"""The first as good as the best is chosen. The fisheye is last: for a lens that is none it is about as good
-as others with as many coefficients, and for one that is, the others are no match."""
-LARGE, PLENTY = "thin-prism12", 20
-"""A candidate only from so many views of every camera on."""
 FOLDS = 4
 MIN_VIEWS = 5
 """Of every camera: four to calibrate from, one to judge by."""
@@ -70,7 +66,7 @@ def choose_lens(
     Views are split into :data:`FOLDS` parts, each of which is held out once: only its poses are estimated,
     with the lens, and where dots are freed with their places on the print, that the other views give. Of the
     models that chance does not tell from the best (by one standard error of the difference, picture by
-    picture) the first of :data:`CANDIDATES` is chosen.
+    picture) the first of :data:`OF_VIEWS` is chosen.
 
     Parameters
     ----------
@@ -96,7 +92,7 @@ def choose_lens(
                 f"needs {MIN_VIEWS}. Take more views, or name the model with --lens."
             )
     plenty = min(map(len, cameras)) >= PLENTY
-    lenses = [lens for lens in CANDIDATES if plenty or lens != LARGE]
+    lenses = [lens for lens in OF_VIEWS if plenty or lens != LARGE]
     progress.start("lens models", len(lenses))
     squares: dict[str, Float64[np.ndarray, " pictures"]] = {}
     refused: dict[str, str] = {}

@@ -4,6 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.cli.options import add_hold_out, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -12,9 +13,6 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.calibrate.calibrated import Calibrated
     from labcal.calibrate.handheld import HandheldSettings
-
-DEFAULT_LENS, AUTO = "brown5", "auto"
-"""Those of :mod:`labcal.calibrate.calibrated`, which help must not import."""
 
 
 def add_parser(commands: CommandGroup) -> None:

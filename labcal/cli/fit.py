@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.calibrate import AUTO
+from labcal.calibrate.lens_candidates import AUTO
 from labcal.cli.options import add_hold_out, add_output, add_seed, add_workers, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from jaxtyping import Int
 
@@ -12,6 +11,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice import Lattice, Node
 from labcal.detect.outlines import Outlines
 from labcal.detect.prediction import Prediction, Predictor
+from labcal.geometry.projective_map import projective_map
 from labcal.targets.charuco import CharucoBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
@@ -153,7 +153,7 @@ def _surroundings(
 
 def _axes(corners: Corners) -> np.ndarray:
     """Return one square along x and y at every corner, px, from the homography of all; (n, 2, 2)."""
-    H = np.asarray(cv2.findHomography(corners.index.astype(np.float64), corners.seen_at)[0])
+    H = projective_map("corners", corners.index.astype(np.float64), corners.seen_at)
     xyw = np.concatenate([corners.index, np.ones((len(corners.index), 1))], axis=1) @ H.T
     q, w = xyw[:, :2] / xyw[:, 2:], xyw[:, 2]
     axes: np.ndarray = (H[None, :2, :2] - q[:, :, None] * H[None, 2:, :2]) / w[:, None, None]

@@ -4,6 +4,8 @@ import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.lattice import Lattice
+from labcal.errors import InputError
+from labcal.geometry.projective_map import projective_map
 
 _WORST = 0.25  # of a grid step
 _SPARE = 2.0  # dots to a coefficient, at least
@@ -26,7 +28,10 @@ def is_smooth(lattice: Lattice, positions: Pixels) -> bool:
     nodes = np.array(list(lattice.spots), dtype=np.float64)
     seen = positions[list(lattice.spots.values())]
     scaled = (nodes - nodes.mean(axis=0)) / np.ptp(nodes, axis=0).max()
-    back = _homography(seen, scaled)
+    try:
+        back = projective_map("smoothness", seen, scaled)
+    except InputError:  # they do not determine one
+        return False
     straight = np.concatenate([seen, np.ones((len(seen), 1))], axis=1) @ back.T
     if (straight[:, 2] * straight[0, 2] <= 0).any():
         return False  # the horizon would run through the board
@@ -37,21 +42,3 @@ def is_smooth(lattice: Lattice, positions: Pixels) -> bool:
     left = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
     steps = np.linalg.norm(left, axis=1) * np.ptp(nodes, axis=0).max()
     return bool(steps.max() < _WORST)
-
-
-def _homography(source: np.ndarray, aim: np.ndarray) -> np.ndarray:
-    """Return the homography from `source` to `aim` by the DLT (Hartley and Zisserman, 4.1)."""
-    centre, size = source.mean(axis=0), source.std()
-    x, y = ((source - centre) / size).T
-    one, zero = np.ones_like(x), np.zeros_like(x)
-    u, v = aim.T
-    system = np.concatenate(
-        [
-            np.stack([x, y, one, zero, zero, zero, -u * x, -u * y, -u], axis=-1),
-            np.stack([zero, zero, zero, x, y, one, -v * x, -v * y, -v], axis=-1),
-        ]
-    )
-    solution = np.linalg.eigh(system.T @ system)[1][:, 0].reshape(3, 3)
-    normalise = np.array([[1, 0, -centre[0]], [0, 1, -centre[1]], [0, 0, size]]) / size
-    homography: np.ndarray = solution @ normalise
-    return homography

@@ -3,7 +3,8 @@
 from typing import ClassVar
 
 from labcal.arrays import Pixels, Points
-from labcal.calibrate.resection.lens_choice import AUTO, camera_of_lens, chosen_camera
+from labcal.calibrate.lens_candidates import AUTO
+from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.cameras.window import GLASS, FlatWindow
 from labcal.estimators.camera_estimator import CameraEstimator

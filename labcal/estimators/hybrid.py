@@ -5,7 +5,8 @@ from typing import ClassVar
 import numpy as np
 
 from labcal.arrays import Pixels, Points
-from labcal.calibrate.resection.lens_choice import AUTO, camera_of_lens, chosen_camera
+from labcal.calibrate.lens_candidates import AUTO
+from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import resect
 from labcal.errors import InputError
 from labcal.estimators.camera_estimator import CameraEstimator

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Points
-from labcal.calibrate.resection.lens_choice import AUTO
+from labcal.calibrate.lens_candidates import AUTO
 from labcal.cameras.triangulation import refined
 from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator

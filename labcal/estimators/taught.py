@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.calibrate.calibrated import AUTO, Calibrated, calibrated
+from labcal.calibrate.calibrated import Calibrated, calibrated
 from labcal.calibrate.handheld import HandheldSettings
+from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections

@@ -1,4 +1,4 @@
-"""Projective maps onto an image by the direct linear transform, with Hartley's normalisation."""
+"""Projective maps onto an image: by the direct linear transform, and where some points are wrong."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -83,3 +83,22 @@ def projective_map(
     found /= np.linalg.norm(found)
     sign = np.sign(found[2] @ homogeneous(sources.mean(axis=0)[None])[0])
     return found * (sign or 1.0)
+
+
+def robust_homography(sources: Pixels, pixels: Pixels) -> Float64[np.ndarray, "3 3"] | None:
+    """Return the homography that suits most points best (least median of squares, Rousseeuw 1984).
+
+    Parameters
+    ----------
+    sources, pixels : ndarray, shape (n, 2)
+        Points of a plane, and where they are seen; fewer than half of them may be wrong.
+
+    Returns
+    -------
+    ndarray, shape (3, 3), or None
+        None where the points determine none.
+    """
+    import cv2  # noqa: PLC0415 -- a large library
+
+    found, _ = cv2.findHomography(sources, pixels, cv2.LMEDS)
+    return None if found is None else np.asarray(found, dtype=np.float64)

@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.calibrate.adjustment.whitening import Whitener
 from labcal.cameras.derivatives import RUN
 from labcal.correspond.detections import Detections
 from labcal.geometry.covariances import positive_definite
+from labcal.optim.whitening import Whitener
 from labcal.targets.target import Target
 
 UNKNOWN_PX = 1e-3

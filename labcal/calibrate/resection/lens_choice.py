@@ -8,19 +8,16 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Points
 from labcal.calibrate.held_out import folds, simplest
+from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
 from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted, resect
-from labcal.calibrate.resection.whitening import Even
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION
 from labcal.cameras.prescription import load_prescription, prescription_names
 from labcal.cameras.window import FlatWindow
 from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import transform
+from labcal.optim.whitening import Even
 
-AUTO = "auto"
-"""In the place of a lens model's name: the one that held-out points choose."""
-CANDIDATES = ("pinhole", "brown-k1k2", "brown5", "fisheye-kb4", "rational8")
-"""By how many numbers they have."""
 _LATTICE = 24
 
 
@@ -55,9 +52,9 @@ def chosen_camera(method: str, q: Pixels, p: Points, size: tuple[int, int]) -> R
     -----
     What is held out, and what counts as no better: :mod:`labcal.calibrate.held_out`.
     """
-    trials = [trial for lens in CANDIDATES if (trial := _trial(method, q, p, size, lens)) is not None]
+    trials = [trial for lens in OF_POINTS if (trial := _trial(method, q, p, size, lens)) is not None]
     if not trials:
-        resect(method, q, p, camera_of_lens(CANDIDATES[0], size, None))  # says why
+        resect(method, q, p, camera_of_lens(OF_POINTS[0], size, None))  # says why
         raise InputError(f"{method}: no lens model images the dots without folding within the picture.")
     return trials[simplest([trial.squares for trial in trials])].fitted
 

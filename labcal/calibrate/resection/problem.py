@@ -11,8 +11,8 @@ from labcal.arrays import Pixels, Points
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.lens_prior import PriorWidth, coefficient_weights
 from labcal.calibrate.resection.placed import PlacedCamera
-from labcal.calibrate.resection.whitening import Whitening
 from labcal.errors import InputError
+from labcal.optim.whitening import Whitening
 
 
 @dataclass(frozen=True)

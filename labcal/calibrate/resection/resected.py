@@ -12,13 +12,13 @@ from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.calibrate.resection.problem import ResectionProblem, lens_prior
 from labcal.calibrate.resection.start import resection_starts
-from labcal.calibrate.resection.whitening import Even, Whitening
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.geometry.arrangement import refuse_collinear, refuse_few, refuse_one_plane
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping
+from labcal.optim.whitening import Even, Whitening
 
 _STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 FAR, NEAR = Damping(ceiling=1e8), Damping(start=1e-6, ceiling=1e8)

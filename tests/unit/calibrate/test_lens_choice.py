@@ -104,7 +104,7 @@ def test_lenses_are_compared_with_free_dots_where_these_will_be_freed(
     poses: dict[str, np.ndarray],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(lens_choice, "CANDIDATES", ("pinhole", "brown-k1k2"))
+    monkeypatch.setattr(lens_choice, "OF_VIEWS", ("pinhole", "brown-k1k2"))
     dots = measured("brown-k1k2", [-0.3, 0.09, 0.0, 0.0, 0.0])
     off = 0.2 * np.random.default_rng(4).normal(size=(grid.count, 2))  # mm on the print, about 0.5 px
     number = dots.index[:, 1] * grid.cols + dots.index[:, 0]

@@ -10,9 +10,9 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, coefficient_weights, narrow_is_better
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import NEAR, adjusted, resect
-from labcal.calibrate.resection.whitening import Correlated
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
+from labcal.optim.whitening import Correlated
 
 SIZE = (1280, 960)
 K = np.array([[1200.0, 0.0, 643.0], [0.0, 1201.0, 476.0], [0.0, 0.0, 1.0]])
