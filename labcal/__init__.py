@@ -1,14 +1,10 @@
 """Measure in 3-D with two cameras and a target of dots.
 
-Importing the package imports nothing heavy. :mod:`labcal.pipeline` holds the chain from a scene, or a
-photograph, to errors in millimetres.
+The chain from a scene, or a photograph, to errors in millimetres is in :mod:`labcal.pipeline`. The names
+that ``__init__.pyi`` lists are what it takes and returns; each is imported when it is first used, so that
+importing the package imports nothing heavy.
 """
 
-from importlib.metadata import PackageNotFoundError, version
+import lazy_loader
 
-try:
-    __version__ = version("labcal")
-except PackageNotFoundError:  # run from a source tree that is not installed
-    __version__ = "0+source"
-
-__all__ = ["__version__"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
