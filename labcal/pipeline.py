@@ -123,7 +123,7 @@ def calibrate(
 def fit(
     source: Shoot | AnyTarget,
     detections: Detections,
-    method: str = "hybrid",
+    method: object = "hybrid",
     settings: FitSettings | None = None,
 ) -> FittedModel:
     """Teach a method the dots of a target; :func:`taught` teaches several the same :func:`training_of`.
@@ -133,8 +133,9 @@ def fit(
     source : Shoot or AnyTarget
         A shoot, of which training views are used; or the target, held in the hand in all views.
     detections : Detections
-    method : str
-        Its name.
+    method : str, type or object
+        Its name; ``package.module:Class`` of a method of one's own; or an estimator or a class, of labcal's
+        or with fit and predict as those of scikit-learn. What is given stays as it was: a copy learns.
     settings : FitSettings, optional
 
     Raises

@@ -22,6 +22,8 @@ class Bench:
     folder: Path
     """For what a group leaves beside its figures."""
     progress: Progress
+    methods: tuple[str, ...] = ()
+    """To measure besides those that are always measured."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,10 @@ def measured_groups(
             raise UnknownNameError("group of checks", wanted, groups)
     chosen = [group for group in groups if not settings.groups or group in settings.groups]
     command = f"bench {name} {settings.quick} {settings.seed} {chosen}"
+    if settings.methods:
+        command += f" {list(settings.methods)}"
     with unfinished_folder(folder, command, force=settings.force) as working:
-        bench = Bench(settings.quick, settings.seed, working, progress)
+        bench = Bench(settings.quick, settings.seed, working, progress, settings.methods)
         found = [groups[group](bench) for group in chosen]
         result = BenchResult(
             bench=name,

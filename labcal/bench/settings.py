@@ -14,3 +14,5 @@ class BenchSettings:
     """Replace results that are there already."""
     groups: tuple[str, ...] = ()
     """Only these groups of checks, of a benchmark that has them; all where empty."""
+    methods: tuple[str, ...] = ()
+    """Methods to measure besides, of a benchmark of methods: names, or ``package.module:Class``."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.arrays import Mask, Matrix3, Pixels, PointJacobians, Points, Pose
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
-from labcal.cameras.lens import LENGTH, PRESCRIPTION, Lens, lens_by_name
+from labcal.cameras.lens import LENGTH, MOST_COEFFICIENTS, PRESCRIPTION, Lens, lens_by_name
 from labcal.cameras.mathematics import NUMPY, Number, NumpyMathematics
 from labcal.cameras.optics import INTRINSICS, Optics
 from labcal.cameras.prescribed import PrescribedLens
@@ -16,7 +16,6 @@ from labcal.cameras.window import FlatWindow, WavyWindow
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse, require_rigid, transform
 
-_MOST_COEFFICIENTS = 14
 _LATTICE = 65
 
 
@@ -276,7 +275,7 @@ class Camera:
     @property
     def padded_dist(self) -> tuple[float, ...]:
         """The coefficients, with zeros up to as many as any model has."""
-        return (*(float(k) for k in self.dist), *(0.0,) * max(0, _MOST_COEFFICIENTS - len(self.dist)))
+        return (*(float(k) for k in self.dist), *(0.0,) * max(0, MOST_COEFFICIENTS - len(self.dist)))
 
     @cached_property
     def _window_numbers(self) -> tuple[float, ...]:

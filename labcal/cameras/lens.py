@@ -7,14 +7,20 @@ from labcal.cameras.fisheye import KannalaBrandt
 from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.opencv_model import OpenCVModel
 from labcal.cameras.perspective import Perspective
-from labcal.errors import UnknownNameError
+from labcal.errors import InputError, InputTypeError, UnknownNameError
+from labcal.run.names import is_name
+from labcal.wording import listed
 
 LENGTH = 5
 """OpenCV's shortest coefficient vector that it takes everywhere."""
+MOST_COEFFICIENTS = 14
+"""Of any lens model."""
 FISHEYE = "fisheye-kb4"
 """The lens model that images directions far from its axis."""
 PRESCRIPTION = "prescription"
 """The lens model whose rays are traced through a prescription; it has no entry of its own in LENSES."""
+_TAKEN = (PRESCRIPTION, "auto")
+"""Names that mean something else in the place of a lens model's."""
 
 
 @runtime_checkable  # so that tests can check annotations
@@ -114,3 +120,43 @@ def lens_by_name(name: str) -> Lens:
     if name not in LENSES:
         raise UnknownNameError("lens model", name, [*LENSES, PRESCRIPTION])
     return LENSES[name]
+
+
+_SHIPPED = frozenset(LENSES)
+
+
+def register_lens(lens: Lens) -> Lens:
+    """Add a lens model of one's own, which is then found by its name wherever labcal's are.
+
+    It is known in the process that registers it. Workers of a script import its module anew, so that what
+    stands there outside ``if __name__ == "__main__":`` registers it in them, too.
+
+    Parameters
+    ----------
+    lens : Lens
+        One that was registered under the same name before is replaced, as when a cell of a notebook is run
+        again.
+
+    Raises
+    ------
+    InputTypeError
+        It lacks something that a lens model has.
+    InputError
+        Its name is that of a lens of labcal, or no name; or it has too many coefficients, or not as many
+        names as coefficients.
+    """
+    if not isinstance(lens, Lens):
+        parts = [name for name in vars(Lens) if not name.startswith("_")]
+        missing = [name for name in parts if not hasattr(lens, name)]
+        raise InputTypeError(f"{lens!r:.80} is no lens model: it lacks {', '.join(missing)}.")
+    if not is_name(lens.name):
+        raise InputError(f"A lens needs a name of letters, digits and hyphens, but has {lens.name!r:.80}.")
+    if lens.name in _SHIPPED or lens.name in _TAKEN:
+        raise InputError(f"'{lens.name}' is a name of labcal's already. Give the lens another one.")
+    if not len(lens.names) == len(set(lens.names)) == lens.coefficients <= MOST_COEFFICIENTS:
+        raise InputError(
+            f"The lens '{lens.name}' has {lens.coefficients} coefficients with the names "
+            f"{listed(lens.names)}. It should have up to {MOST_COEFFICIENTS}, each with a name of its own."
+        )
+    LENSES[lens.name] = lens
+    return lens

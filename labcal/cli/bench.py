@@ -2,7 +2,8 @@
 
 from argparse import Namespace
 
-from labcal.cli.options import add_output, add_seed
+from labcal.cli.methods import named_methods
+from labcal.cli.options import add_output, add_seed, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -31,6 +32,11 @@ def add_parser(commands: CommandGroup) -> None:
         help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile; "
         "of solve: limits, training, adjustment, mistakes, real, mrcal",
     )
+    parser.add_argument(
+        "--method",
+        metavar="NAME[,NAME]",
+        help="of solve: methods to measure besides, of 'labcal method list' or package.module:Class of yours",
+    )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
 
@@ -49,7 +55,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
     if groups and arguments.what == "render":
         raise InputError("--only names groups of checks, of which 'bench render' has none.")
-    settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups)
+    if arguments.what != "solve":
+        refuse_option(arguments, "method", "goes with 'bench solve', which measures methods")
+    methods = () if arguments.method is None else tuple(named_methods(arguments.method))
+    settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups, methods)
     measure = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}[arguments.what]
     photographs = real_home()
     read = () if photographs is None else (photographs,)

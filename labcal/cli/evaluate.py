@@ -61,7 +61,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
     from labcal.pipeline import evaluate
-    from labcal.reconstruct.reconstruction import load_reconstructor
+    from labcal.reconstruct.reconstruction import views_learned
     from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
     from labcal.targets.catalogue import AnyTarget, load_target
@@ -78,7 +78,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                 arguments, option, "goes with the truth of a rendered shoot, which is not given here"
             )
     points = read_points(arguments.points)
-    learned = None if arguments.rig is None else load_reconstructor(arguments.rig).calibrated_on
+    learned = None if arguments.rig is None else views_learned(arguments.rig)
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)

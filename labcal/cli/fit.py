@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO
+from labcal.cli.methods import named_methods
 from labcal.cli.options import add_hold_out, add_output, add_seed, add_workers, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 def add_parser(commands: CommandGroup) -> None:
     """Describe the arguments."""
+    from labcal.estimators.registry import method_entries
+
     parser = commands.add(
         "fit",
         run,
@@ -38,8 +41,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--method",
         required=True,
         metavar="NAME[,NAME]",
-        help="hybrid (the one to begin with), bundle, two-plane, dlt, homography, quadratic, affine, mlp, "
-        "mlp-bayes, ray-net",
+        help=f"{', '.join(method_entries())}; the first is the one to begin with. Or a method of your own, "
+        "package.module:Class, with fit(X, Y) and predict(X) as those of scikit-learn",
     )
     add_output(
         parser, "MODEL", "model to write; with several methods their names are added before the ending"
@@ -181,10 +184,9 @@ def _estimators(arguments: Namespace) -> "list[PointEstimator]":
     from labcal.errors import InputError
     from labcal.pipeline import estimators_of
 
-    names = arguments.method.split(",")
-    if len(set(names)) < len(names):
+    estimators = estimators_of(named_methods(arguments.method), fit_settings(arguments))
+    if len({one.method for one in estimators}) < len(estimators):
         raise InputError(f"--method names a method twice: {arguments.method}. Name each once.")
-    estimators = estimators_of(names, fit_settings(arguments))
     if arguments.no_rehearsal and not any("random_state" in one.get_params() for one in estimators):
         refuse_option(arguments, "seed", f"means nothing to {arguments.method}, in which nothing is random")
     return estimators
@@ -213,7 +215,8 @@ def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:
 
 
 def _path(output: Path, method: str, *, alone: bool) -> Path:
-    return output if alone else output.with_name(f"{output.stem}-{method}{output.suffix}")
+    name = method.replace(":", ".")  # which file names of Windows cannot have
+    return output if alone else output.with_name(f"{output.stem}-{name}{output.suffix}")
 
 
 def _refused(method: str, reason: str) -> MethodResult:

@@ -6,6 +6,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.methods import own_method
 from labcal.cli.options import add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -33,6 +34,11 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
     parser.add_argument(
         "--target", metavar="NAME", help="what the dots are of, so that centroids give centres; a shoot tells"
+    )
+    parser.add_argument(
+        "--method",
+        metavar="MODULE:CLASS",
+        help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
     add_output(parser, "points.csv", "table of points to write")
     add_workers(parser)
@@ -85,7 +91,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     refuse_idle_workers(arguments)
     read = paths_read([arguments.model, arguments.source, arguments.target])
     claim_outputs([FileOutput(arguments.output, KIND)], read, force=arguments.force)
-    model = load_reconstructor(arguments.model)
+    model = load_reconstructor(arguments.model, own_method(arguments.method))
     detections = read_or_detect(arguments.source, None, arguments.workers, session)
     target = _target(arguments)
     found = reconstruct(model, detections, target)

@@ -35,16 +35,18 @@ class PointEstimator(RegressorMixin, BaseEstimator):
 
     Attributes
     ----------
-    method : str
-        The name under which the registry knows the method.
     fitted_facts : tuple of str
         Fitted attributes that are a number or a text, kept in a model file beside the arrays.
     residual_covariance_ : float64 array, (3, 3)
         Mean product of the errors of X, Y and Z on the training data, mm squared; smaller with fewer outputs.
     """
 
-    method: ClassVar[str]
     fitted_facts: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    @abstractmethod
+    def method(self) -> str:
+        """The name, for messages and files; of labcal's own methods an attribute of the class."""
 
     def fit(self: Estimator, X: ArrayLike, Y: ArrayLike) -> Estimator:  # noqa: PYI019 - the checker of tests rejects Self
         """Learn from pixels whose points are known.
@@ -73,8 +75,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
         self._fit(pixels, points)
-        errors = (self._predict(pixels) - points)[:, :COORDINATES]
-        self.residual_covariance_ = errors.T @ errors / len(errors)
+        self.residual_covariance_ = self._residual_covariance(pixels, points)
         return self
 
     def predict(self, X: ArrayLike) -> Float64[np.ndarray, "n *outputs"]:
@@ -145,6 +146,10 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         size = min(self.n_outputs_, COORDINATES)
         return (*self.fitted_arrays(), FittedArray("residual_covariance_", (size, size)))
 
+    def stored_parameters(self) -> dict[str, Any]:
+        """Return which constructor arguments are kept of the fitted estimator."""
+        return dict(self.get_params())
+
     @abstractmethod
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
         """Return which arrays the fitted estimator consists of, for the present inputs and outputs."""
@@ -156,6 +161,13 @@ class PointEstimator(RegressorMixin, BaseEstimator):
     @abstractmethod
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         """Predict from checked pixels."""
+
+    def _residual_covariance(
+        self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
+    ) -> Float64[np.ndarray, "dim dim"]:
+        """Return the mean product of the errors of X, Y and Z on the training data."""
+        errors = (self._predict(pixels) - points)[:, :COORDINATES]
+        return np.asarray(errors.T @ errors / len(errors))
 
     def _with_covariance(
         self,

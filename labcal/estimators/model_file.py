@@ -14,12 +14,12 @@ from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.fitted_model import FittedModel, TrainingBox
-from labcal.estimators.model_header import VERSION, ModelHeader, Value
-from labcal.estimators.registry import make_estimator
+from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
 from labcal.estimators.rehearsal import Rehearsed
+from labcal.estimators.user_method import UserMethod
+from labcal.estimators.user_model import estimator_to_fill, fit_as_stored
 from labcal.run.file_kinds import told_by
 from labcal.run.file_reading import require_file
-from labcal.run.json_reading import json_content, read_json
 from labcal.run.outputs import write_file
 
 # One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
@@ -94,7 +94,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
         format="labcal-model",
         version=VERSION,
         method=estimator.method,
-        parameters={name: _plain(value) for name, value in estimator.get_params().items()},
+        parameters={name: _plain(value) for name, value in estimator.stored_parameters().items()},
         facts={name: _plain(getattr(estimator, name)) for name in estimator.fitted_facts},
         inputs=estimator.n_features_in_,
         outputs=estimator.n_outputs_,
@@ -112,13 +112,17 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
     write_file(path, content, kind=KIND, force=force)
 
 
-def load_model(path: Path) -> FittedModel:
+def load_model(path: Path, method: object | None = None) -> FittedModel:
     """Read a fitted model; its predictions are the same bytes as before it was saved.
 
     Parameters
     ----------
     path : Path
         A file that :func:`save_model` wrote.
+    method : str, type or object, optional
+        The method of one's own that it was fitted with, as for :func:`labcal.pipeline.fit`; none of a method
+        of labcal's. It is fitted to the stored training data once more, since only code of labcal's is run
+        for the sake of a file, and predicts the same up to rounding.
 
     Returns
     -------
@@ -128,29 +132,13 @@ def load_model(path: Path) -> FittedModel:
     ------
     InputError
         The file cannot be read, is truncated, is of another kind or of a newer version, has been changed, or
-        holds what its method does not have.
+        holds what its method does not have; or its method is one of one's own, and not named.
     UnknownNameError
         The method is not known here.
     """
-    require_file(path, "model", _MOST_BYTES)
-    try:
-        with safe_open(path, framework="numpy") as file:
-            metadata = file.metadata() or {}
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - no mapping
-    except SafetensorError as error:
-        raise InputError(
-            f"The model {path} is truncated, damaged, or no model at all ({error}). Fit it again, or copy it "
-            "anew."
-        ) from error
-    except OSError as error:
-        raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
-    header = _header(path, metadata.get(METADATA_KEY))
-    if header.signed(arrays).digest != header.digest:
-        raise InputError(
-            f"The model {path} has been changed since it was written: its digest is wrong. Fit it again."
-        )
+    header, arrays = _content(path)
     box = _box(path, header, arrays)
-    estimator = _estimator(path, header, arrays)
+    estimator = _estimator(path, header, arrays, method)
     resected = None
     if header.resected is not None:
         pairs = zip(header.cameras, header.resected, strict=False)
@@ -169,40 +157,56 @@ def load_model(path: Path) -> FittedModel:
     )
 
 
-def _header(path: Path, text: str | None) -> ModelHeader:
-    """Return the checked header, its version before all else."""
-    if text is None:
-        raise InputError(f"{path} is a safetensors file, but no model of labcal.")
-    content = json_content(text, f"The header of the model {path}")
-    version = content.get("version") if isinstance(content, dict) else None
-    if isinstance(version, int) and version > VERSION:
-        raise InputError(
-            f"The model {path} is of version {version}, but this labcal reads up to {VERSION}. Install a "
-            "newer labcal."
-        )
-    if isinstance(version, int) and version < VERSION:
-        raise InputError(
-            f"The model {path} is of version {version}, which is not read any more. Fit it again."
-        )
-    return read_json(ModelHeader, text, f"The header of the model {path}")
+def views_taught(path: Path) -> tuple[str, ...]:
+    """Return the names of the views that a model was taught, whatever its method; empty where not known.
+
+    Raises
+    ------
+    InputError
+        The file is no whole model.
+    """
+    return _content(path)[0].calibrated_on or ()
 
 
-def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> PointEstimator:
+def _content(path: Path) -> tuple[ModelHeader, dict[str, np.ndarray]]:
+    """Return the header and the arrays of a file that is whole."""
+    require_file(path, "model", _MOST_BYTES)
+    try:
+        with safe_open(path, framework="numpy") as file:
+            metadata = file.metadata() or {}
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - no mapping
+    except SafetensorError as error:
+        raise InputError(
+            f"The model {path} is truncated, damaged, or no model at all ({error}). Fit it again, or copy it "
+            "anew."
+        ) from error
+    except OSError as error:
+        raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
+    header = header_of(path, metadata.get(METADATA_KEY))
+    if header.signed(arrays).digest != header.digest:
+        raise InputError(
+            f"The model {path} has been changed since it was written: its digest is wrong. Fit it again."
+        )
+    return header, arrays
+
+
+def _estimator(
+    path: Path, header: ModelHeader, arrays: dict[str, np.ndarray], method: object | None
+) -> PointEstimator:
     """Return the fitted estimator; only attributes that its class declares are set."""
-    estimator = make_estimator(header.method)
-    if header.parameters.keys() != estimator.get_params().keys() or header.facts.keys() != set(
-        estimator.fitted_facts
-    ):
+    estimator = estimator_to_fill(path, header, method)
+    defaults = header.parameters if isinstance(estimator, UserMethod) else estimator.get_params()
+    if header.parameters.keys() != defaults.keys() or header.facts.keys() != set(estimator.fitted_facts):
         raise InputError(
             f"The model {path} names parameters that the method '{header.method}' does not have."
         )
-    defaults = estimator.get_params()
-    odd = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
-    if odd:
-        raise InputError(
-            f"The model {path} has a '{odd[0]}' that '{header.method}' does not take. Fit it again."
-        )
-    estimator.set_params(**header.parameters)
+    if not isinstance(estimator, UserMethod):
+        odd = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
+        if odd:
+            raise InputError(
+                f"The model {path} has a '{odd[0]}' that '{header.method}' does not take. Fit it again."
+            )
+        estimator.set_params(**header.parameters)
     estimator.n_features_in_ = header.inputs
     estimator.n_outputs_ = header.outputs
     estimator.single_output_ = False
@@ -220,6 +224,8 @@ def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -
         ) from error
     for attribute, shape in wanted:
         setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
+    if isinstance(estimator, UserMethod):
+        fit_as_stored(path, estimator)
     return estimator
 
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -10,6 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from labcal.bounds import MOST_PICTURES, Side
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import CalibrationRecord
+from labcal.errors import InputError
+from labcal.run.json_reading import json_content, read_json
 from labcal.run.names import Name
 
 VERSION = 2
@@ -87,3 +90,27 @@ class ModelHeader(BaseModel):
             digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
             digest.update(np.ascontiguousarray(array).tobytes())
         return blank.model_copy(update={"digest": digest.hexdigest()})
+
+
+def header_of(path: Path, text: str | None) -> ModelHeader:
+    """Return the checked header of a file, its version before all else.
+
+    Raises
+    ------
+    InputError
+        There is none, it is of another version, or a value in it is not allowed.
+    """
+    if text is None:
+        raise InputError(f"{path} is a safetensors file, but no model of labcal.")
+    content = json_content(text, f"The header of the model {path}")
+    version = content.get("version") if isinstance(content, dict) else None
+    if isinstance(version, int) and version > VERSION:
+        raise InputError(
+            f"The model {path} is of version {version}, but this labcal reads up to {VERSION}. Install a "
+            "newer labcal."
+        )
+    if isinstance(version, int) and version < VERSION:
+        raise InputError(
+            f"The model {path} is of version {version}, which is not read any more. Fit it again."
+        )
+    return read_json(ModelHeader, text, f"The header of the model {path}")

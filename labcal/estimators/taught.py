@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from sklearn.base import clone
 
 from labcal.calibrate.calibrated import Calibrated, calibrated
 from labcal.calibrate.handheld import HandheldSettings
@@ -18,7 +19,7 @@ from labcal.estimators.centred_training import CentredTraining, centred_training
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.fitted_model import FittedModel, TrainingBox
 from labcal.estimators.handheld_training import handheld_training
-from labcal.estimators.registry import make_estimator
+from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.rehearsal import Twin, fitted_beside, rehearse, twin_of
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot
@@ -122,19 +123,30 @@ def _unlearned(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
     return tuple(f"view '{name}' teaches nothing: no dot in it was measured by all cameras" for name in views)
 
 
-def estimators_of(methods: Sequence[str], settings: FitSettings) -> list[PointEstimator]:
-    """Return methods by name, with the settings that concern them.
+def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[PointEstimator]:
+    """Return methods, with the settings that concern them.
+
+    Parameters
+    ----------
+    methods : sequence of str, type or object
+        As for :func:`~labcal.estimators.method_choice.estimator_of`. An estimator of labcal's that is given
+        ready keeps its own parameters.
+    settings : FitSettings
 
     Raises
     ------
     UnknownNameError
         There is no such method or lens.
+    InputError
+        As of :func:`~labcal.estimators.method_choice.estimator_of`.
     """
-    estimators = [make_estimator(name) for name in methods]
+    estimators = [estimator_of(method) for method in methods]
     if settings.lens != AUTO:
         camera_of_lens(settings.lens, (1, 1), None)  # tells now whether there is such a lens
     wanted = {"random_state": settings.seed, "lens": settings.lens}
-    for estimator in estimators:
+    for method, estimator in zip(methods, estimators, strict=True):
+        if isinstance(method, PointEstimator):
+            continue
         known = estimator.get_params()
         estimator.set_params(**{key: value for key, value in wanted.items() if key in known})
     return estimators
@@ -177,6 +189,7 @@ def teach(
     ----------
     data : TrainingData
     estimator : PointEstimator
+        It stays as it was; a copy learns.
     resected : tuple of Camera, optional
         Of the training where its pixels are those of centres.
     twin : Twin, optional
@@ -187,6 +200,7 @@ def teach(
     InputError
         The method cannot learn from these data.
     """
+    estimator = clone(estimator)
     if "image_sizes" in estimator.get_params():
         estimator.set_params(image_sizes=data.image_sizes)
     box = TrainingBox.of(data.X, data.Y)

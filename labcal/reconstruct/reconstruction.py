@@ -15,21 +15,43 @@ from labcal.correspond.matching import Matches, match, require_on_target
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
 from labcal.estimators.fitted_model import FittedModel
-from labcal.estimators.model_file import ModelKind, load_model, model_kind
+from labcal.estimators.model_file import ModelKind, load_model, model_kind, views_taught
 from labcal.estimators.sound_points import predicted, within_sense
 from labcal.estimators.swapped_pictures import refuse_swapped
 from labcal.targets.target import Target
 
 
-def load_reconstructor(path: Path) -> FittedModel | Rig:
+def load_reconstructor(path: Path, method: object | None = None) -> FittedModel | Rig:
     """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
+
+    Parameters
+    ----------
+    path : Path
+    method : str, type or object, optional
+        The method of one's own that a model was fitted with; see
+        :func:`~labcal.estimators.model_file.load_model`.
 
     Raises
     ------
     InputError
-        The file is neither, or is damaged.
+        The file is neither, or is damaged; or a method is named, or is not, and should not, or should be.
     """
-    return read_rig(path) if model_kind(path) is ModelKind.RIG else load_model(path)
+    if model_kind(path) is not ModelKind.RIG:
+        return load_model(path, method)
+    if method is not None:
+        raise InputError(f"{path} is a rig, which has no method. Name none.")
+    return read_rig(path)
+
+
+def views_learned(path: Path) -> tuple[str, ...]:
+    """Return the names of the views that a MODEL comes from; empty where that is not known.
+
+    Raises
+    ------
+    InputError
+        The file is neither a model nor a rig, or is damaged.
+    """
+    return read_rig(path).calibrated_on if model_kind(path) is ModelKind.RIG else views_taught(path)
 
 
 @dataclass(frozen=True)

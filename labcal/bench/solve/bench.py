@@ -10,11 +10,14 @@ from labcal.bench.solve.mistakes import mistake_findings
 from labcal.bench.solve.mrcal import mrcal_findings
 from labcal.bench.solve.real import real_findings
 from labcal.bench.solve.training import training_findings
+from labcal.errors import InputError
+from labcal.estimators.method_choice import estimator_of
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
 
+_OF_METHODS = "limits"
 GROUPS: Groups = {
-    "limits": limit_findings,
+    _OF_METHODS: limit_findings,
     "training": training_findings,
     "adjustment": adjustment_findings,
     "mistakes": mistake_findings,
@@ -36,8 +39,17 @@ def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> Be
     Raises
     ------
     UnknownNameError
-        There is no such group of checks.
+        There is no such group of checks, or no such method.
+    InputError
+        A method is none, or is named where the group that measures methods is left out.
     OutputError
         The folder exists already.
     """
+    for method in settings.methods:
+        estimator_of(method)  # tells now, not after an hour, whether there is such a method
+    if settings.methods and settings.groups and _OF_METHODS not in settings.groups:
+        raise InputError(
+            f"Methods are measured in the group '{_OF_METHODS}', which is not among those that are named. "
+            "Name it, too, or no method."
+        )
     return measured_groups("solve", GROUPS, folder, settings, progress)

@@ -9,7 +9,7 @@ from labcal.bench.solve.families import FAMILIES, SIZE, Family
 from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.registry import make_estimator
+from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.rehearsal import fitted_beside, rehearse, twin_of
 from labcal.evaluate.statistics import coverage, error_statistics
 from labcal.report.reproduction import Measured
@@ -127,7 +127,7 @@ def fought(duel: Duel) -> DuelFigures:
 
 def _estimator(method: str, family: Family, seed: int) -> PointEstimator | None:
     """Return a new estimator; None where a family has no right one."""
-    estimator = make_estimator("bundle" if method == RIGHT else method)
+    estimator = estimator_of("bundle" if method == RIGHT else method)
     if method == RIGHT:
         if family.right is None:
             return None

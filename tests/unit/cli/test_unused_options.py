@@ -69,6 +69,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             "--only does not apply to .vnl as input",
         ),
         ("bench render --only suite -o out", "--only names groups"),
+        ("bench detect --method mlp -o out", "--method goes with 'bench solve'"),
         ("target export rings-10x8 -o target.svg --dpi 300", "dpi"),
     ],
 )

@@ -1,0 +1,251 @@
+"""A method of one's own: any regressor with fit and predict, made an estimator of points."""
+
+import inspect
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from numpy.typing import ArrayLike
+from sklearn.base import clone
+from sklearn.multioutput import MultiOutputRegressor
+
+from labcal.calibrate.blas_threads import one_blas_thread
+from labcal.errors import InputError, LabcalError
+from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
+from labcal.rng import generator
+
+FOLDS = 5
+"""Parts of the training data, each of which is held out once."""
+Regressor = Any
+"""An object with fit and predict, of whatever class a user has."""
+_SEED = "random_state"
+
+
+class UserMethod(PointEstimator):
+    """A regressor with ``fit(X, Y)`` and ``predict(X)``, of scikit-learn or of one's own.
+
+    A regressor that refuses several outputs, and says to scikit-learn that it takes one, is fitted once for
+    each of X, Y and Z. A copy is fitted; the regressor that is given stays as it was.
+
+    Covariances are those of errors on dots held out: the training data are split at random into `FOLDS`
+    parts, and each is predicted by the method fitted to the others. They are the same for every point. They
+    hold the pixels' noise as it was in training, and leave out what pixels that are noisier than that would
+    add, and how much more the method may err where there are no trained dots near, between planes say. The
+    expected error, which `labcal fit` tells, does try that. They are NaN where a part cannot be predicted.
+
+    Parameters
+    ----------
+    regressor : object
+        Not fitted, or fitted to something else, which does not matter.
+    name : str
+        What it is called: ``package.module:Class``.
+    random_state : int
+        Given to each ``random_state`` of the regressor, nested ones too, that is None.
+
+    Attributes
+    ----------
+    regressor_ : object
+        The fitted copy.
+    class_ : str
+        Module and name of the regressor's class.
+    trained_pixels_, trained_points_, trained_predictions_ : float64 array
+        What it was fitted to, px and mm, and what it made of it.
+    n_trained_ : int
+    has_covariance_ : bool
+        Whether the errors on dots held out are known.
+    """
+
+    fitted_facts = ("class_", "n_trained_", "has_covariance_")
+
+    def __init__(self, regressor: Regressor, name: str = "", random_state: int = 0) -> None:
+        self.regressor = regressor
+        self.name = name
+        self.random_state = random_state
+
+    @property
+    def method(self) -> str:
+        """The name, else the class of the regressor."""
+        return self.name or self.regressor_class
+
+    def fitted_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays are kept: the training data, from which the regressor is fitted again."""
+        n = self.n_trained_
+        return (
+            FittedArray("trained_pixels_", (n, self.n_features_in_)),
+            FittedArray("trained_points_", (n, self.n_outputs_)),
+            FittedArray("trained_predictions_", (n, self.n_outputs_)),
+        )
+
+    def stored_arrays(self) -> tuple[FittedArray, ...]:
+        """Return which arrays are kept; no covariance where none is known."""
+        return super().stored_arrays() if self.has_covariance_ else self.fitted_arrays()
+
+    def stored_parameters(self) -> dict[str, Any]:
+        """Return the seed, and the regressor's parameters that are numbers, texts or nothing.
+
+        Others, a kernel say, have no form in a file.
+        """
+        own = {f"regressor__{name}": value for name, value in _parameters(self.regressor).items()}
+        return {_SEED: self.random_state} | {name: value for name, value in own.items() if _is_plain(value)}
+
+    @property
+    def regressor_class(self) -> str:
+        """Module and name of the regressor's class."""
+        return class_path(self.regressor)
+
+    def refit(
+        self, X: ArrayLike, Y: ArrayLike, residual_covariance: Float64[np.ndarray, "dim dim"] | None
+    ) -> "UserMethod":
+        """Fit the regressor as `fit` does, where the errors on dots held out are known already.
+
+        Parameters
+        ----------
+        X, Y : array, (n, 2 x cameras) and (n, outputs)
+            Px and mm.
+        residual_covariance : float64 array, (3, 3), optional
+            Mm squared; None where the errors are not known.
+
+        Raises
+        ------
+        InputError
+            As of `fit`.
+        """
+        pixels, points = self._training(X, Y)
+        self.single_output_, self.n_outputs_ = False, points.shape[1]
+        self._fit(pixels, points)
+        size = min(self.n_outputs_, COORDINATES)
+        unknown = np.full((size, size), np.nan)
+        self.has_covariance_ = residual_covariance is not None
+        self.residual_covariance_ = unknown if residual_covariance is None else residual_covariance
+        return self
+
+    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
+        self.regressor_ = self._fitted(pixels, points)
+        self.class_, self.n_trained_ = self.regressor_class, len(pixels)
+        self.trained_pixels_, self.trained_points_ = pixels, points
+        self.trained_predictions_ = self._predict(pixels)
+        if not np.isfinite(self.trained_predictions_).all():
+            raise InputError(
+                f"{self.method}: 'predict' gives points that are not finite for the pixels it was fitted to."
+            )
+
+    def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
+        return self._predicted(self.regressor_, pixels)
+
+    def _residual_covariance(
+        self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
+    ) -> Float64[np.ndarray, "dim dim"]:
+        """Return the mean product of errors on dots held out; NaN where there is a part that has none."""
+        errors = np.full_like(points, np.nan)
+        part = generator(0, "user method", "folds").permutation(len(points)) % FOLDS
+        for number in range(FOLDS):
+            out = part == number
+            if not out.any():
+                continue
+            try:
+                errors[out] = self._predicted(self._fitted(pixels[~out], points[~out]), pixels[out])
+            except InputError:
+                break  # too few dots for it, say
+            errors[out] -= points[out]
+        self.has_covariance_ = bool(np.isfinite(errors).all())
+        errors = errors[:, :COORDINATES]
+        return np.asarray(errors.T @ errors / len(errors))
+
+    def _covariance(
+        self,
+        pixels: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],  # noqa: ARG002 - of any noise
+    ) -> Float64[np.ndarray, "n dim dim"]:
+        """Return the same covariance for every point: what pixels do to a tree has no slope."""
+        return np.tile(self.residual_covariance_, (len(pixels), 1, 1))
+
+    def _fitted(
+        self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
+    ) -> Regressor:
+        """Return a fitted copy of the regressor."""
+        with one_blas_thread(), _told(self.method, "fit"):
+            made = self._copy()
+            try:
+                made.fit(pixels, points)
+            except ValueError:
+                if not _takes_one_output(made):
+                    raise
+                made = MultiOutputRegressor(self._copy())
+                made.fit(pixels, points)
+            return made
+
+    def _copy(self) -> Regressor:
+        """Return the regressor, not fitted, with a seed for all that is random and has none."""
+        made: Regressor = clone(self.regressor, safe=False)
+        unset = [
+            name
+            for name, value in _parameters(made).items()
+            if value is None and name.rpartition("__")[2] == _SEED
+        ]
+        if unset:
+            made.set_params(**dict.fromkeys(unset, self.random_state))
+        return made
+
+    def _predicted(
+        self,
+        regressor: Regressor,
+        pixels: Float64[np.ndarray, "n inputs"],
+    ) -> Float64[np.ndarray, "n outputs"]:
+        with one_blas_thread(), _told(self.method, "predict"):
+            found = np.array(regressor.predict(pixels), dtype=np.float64)
+        if found.shape == (len(pixels),) and self.n_outputs_ == 1:
+            found = found[:, None]
+        if found.shape != (len(pixels), self.n_outputs_):
+            raise InputError(
+                f"{self.method}: 'predict' gave an array of shape {found.shape} for {len(pixels)} pixels, "
+                f"but {self.n_outputs_} columns were learned: it should be {(len(pixels), self.n_outputs_)}."
+            )
+        return found
+
+
+def class_path(regressor: Regressor) -> str:
+    """Return where the class of an object is: ``package.module:Class``."""
+    return f"{type(regressor).__module__}:{type(regressor).__qualname__}"
+
+
+def _parameters(regressor: Regressor) -> dict[str, Any]:
+    """Return the parameters, nested ones too; nothing of a class that is not scikit-learn's kind."""
+    known = getattr(regressor, "get_params", None)
+    return dict(known(deep=True)) if callable(known) else {}
+
+
+def _is_plain(value: object) -> bool:
+    """Tell whether a model file can hold a parameter."""
+    if isinstance(value, tuple):
+        return all(type(part) is int for part in value)
+    return value is None or isinstance(value, str | bool | int) or (type(value) is float and isfinite(value))
+
+
+def _takes_one_output(regressor: Regressor) -> bool:
+    """Tell whether a class says to scikit-learn that it is not made for several outputs."""
+    tags = getattr(regressor, "__sklearn_tags__", None)
+    return callable(tags) and not tags().target_tags.multi_output
+
+
+@contextmanager
+def _told(method: str, where: str) -> Iterator[None]:
+    """Turn whatever the user's own code raises into an error that says where it comes from."""
+    try:
+        yield
+    except LabcalError:
+        raise
+    except Exception as error:
+        raise InputError(
+            f"{method}: its '{where}' failed ({type(error).__name__}: {error}). Set LABCAL_TRACEBACK=1 to "
+            "see where."
+        ) from error
+
+
+def is_regressor(given: object) -> bool:
+    """Tell whether an object, which is no class, has fit and predict."""
+    return not inspect.isclass(given) and all(
+        callable(getattr(given, name, None)) for name in ("fit", "predict")
+    )
