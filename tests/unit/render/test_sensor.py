@@ -32,6 +32,11 @@ CAMERAS = {
     "thin prism": changed(lens="thin-prism12", dist=(*RATIONAL, *PRISM)),
     "tilted": changed(lens="tilted14", dist=(*RATIONAL, *PRISM, 0.06, -0.09)),
     "fisheye of 155 degrees": changed(lens="fisheye-kb4", focal_px=300.0, dist=(-0.04, 0.01, -0.006, 0.001)),
+    "double sphere of 155 degrees": changed(lens="double-sphere", focal_px=240.0, dist=(-0.2, 0.6)),
+    "eucm of 145 degrees": changed(lens="eucm", focal_px=300.0, dist=(0.6, 1.1)),
+    "omnidirectional of 160 degrees": changed(
+        lens="omni-radtan", focal_px=640.0, dist=(1.2, -0.1, 0.02, 6e-4, -4e-4)
+    ),
     "prescription": changed(lens="prescription", prescription="webcam-doublet"),
     "prescription, 20 megapixels": changed(
         **LARGE, focal_px=12000.0, lens="prescription", prescription="double-gauss"
