@@ -24,7 +24,12 @@ def test_from_the_picture_to_the_lens_and_back(labcal: Run, lens: str, tmp_path:
     changes = [
         word
         for camera in ("left", "right")
-        for change in (f"lens={lens}", f"dist={list(dist)}", f"focal_px={focal}", f"principal_px=[{CX}, {CY}]")
+        for change in (
+            f"lens={lens}",
+            f"dist={list(dist)}",
+            f"focal_px={focal}",
+            f"principal_px=[{CX}, {CY}]",
+        )
         for word in ("--set", f"cameras.{camera}.{change}")
     ]
     near = ("--set", "placement.centre_mm=[1000, 400, 900]", "--set", "placement.spread_mm=[450, 250, 350]")

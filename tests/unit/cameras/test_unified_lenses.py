@@ -256,3 +256,8 @@ def test_coefficients_that_make_no_sense_are_refused(
 
     with pytest.raises(InputError, match=said):
         there_and_back()
+
+
+def test_a_picture_that_reaches_beyond_its_field_is_told_what_helps() -> None:
+    with pytest.raises(InputError, match=r"\(eucm\) folds within its picture.*Raise the focal length"):
+        camera("eucm", 0.9, 0.6, focal_px=150.0).require_rays_everywhere("left")

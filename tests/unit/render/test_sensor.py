@@ -80,6 +80,14 @@ def test_sensor_rays_are_the_cameras_own(name: str) -> None:
     assert np.linalg.norm(back.q - q, axis=1).max() < 1e-3
 
 
+def test_coefficients_left_out_are_those_of_no_distortion() -> None:
+    """Zeros would be no lens of the enhanced unified model, whose beta is positive."""
+    assert changed(lens="eucm").camera().dist.tolist() == [0.5, 1.0, 0.0, 0.0, 0.0]
+    assert changed(lens="brown5", dist=(-0.1,)).camera().dist.tolist() == [-0.1, 0.0, 0.0, 0.0, 0.0]
+    with pytest.raises(ValueError, match=r"dist\[1\] \(beta\) is -1"):
+        changed(lens="eucm", dist=(0.6, -1.0))
+
+
 def test_where_the_lens_has_no_ray_the_picture_is_black() -> None:
     camera = WEBCAM.model_copy(update={"dist": (-0.9, 0.0, 0.0, 0.0, 0.0)}).camera()
     q = spread(camera, 20_000)
