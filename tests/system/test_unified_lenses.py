@@ -45,8 +45,8 @@ def test_from_the_picture_to_the_lens_and_back(labcal: Run, lens: str, tmp_path:
         allowed = 3.0 * np.array([*(sigma[name] for name in ("fx", "fy", "cx", "cy")), *sigma["dist"]])
         assert (np.abs(found - [focal, focal, CX, CY, *dist]) < allowed).all()
     chain, back = tmp_path / "camchain.yaml", tmp_path / "back.json"
-    assert labcal("convert", rig, "-o", chain, "--to", "kalibr").status == 0
-    assert labcal("convert", chain, "-o", back).status == 0
+    assert labcal("convert", rig, chain, "--to", "kalibr").status == 0
+    assert labcal("convert", chain, back).status == 0
     for name, record in read_rig(rig).cameras.items():
         read = read_rig(back).cameras[name]
         assert (read.lens, read.dist, read.K) == (lens, record.dist, record.K)
