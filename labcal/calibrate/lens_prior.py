@@ -2,7 +2,8 @@
 
 Dots do not tell all coefficients of a lens. Some stand in for each other (k1 and k4 of the rational model do
 at first order), and steps along such a direction end at a pole of the formula; and what a high power of the
-radius does in the picture's corners no dot in its middle tells. So all of them are held at 0.
+radius does in the picture's corners no dot in its middle tells. So all of them are held where the lens has
+no distortion, most at 0.
 
 The wide prior says that none bends the picture by its own width where dots are. It weighs nothing beside what
 dots tell: a dot's noise is a ten-thousandth of a picture's width or less. The coefficients beyond Brown's
@@ -21,7 +22,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH
+from labcal.cameras.lens import undistorted_dist
 from labcal.cameras.opencv_model import PERSPECTIVE
 from labcal.cameras.optics import INTRINSICS
 
@@ -70,7 +71,7 @@ class FoundLens:
 def coefficient_weights(
     camera: Camera, effect: Float64[np.ndarray, " coefficients"], width: PriorWidth
 ) -> Float64[np.ndarray, " coefficients"]:
-    """Return the inverse variances of a lens's coefficients about 0.
+    """Return the inverse variances of a lens's coefficients about those of no distortion.
 
     Parameters
     ----------
@@ -106,8 +107,8 @@ def narrow_is_better(wide: Sequence[Camera], narrow: Sequence[Camera], rms_ratio
 
 def _border_slopes(camera: Camera) -> Float64[np.ndarray, "n 2 coefficients"]:
     """Return by how much coefficients move the border of an undistorted lens's picture, px."""
-    count, (width, height) = camera.model.coefficients, camera.size
-    plain = replace(camera, dist=np.zeros(max(LENGTH, count)), T_cam_world=np.eye(4), window=None)
+    width, height = camera.size
+    plain = replace(camera, dist=undistorted_dist(camera.model), T_cam_world=np.eye(4), window=None)
     u, v = np.meshgrid([0.0, 0.5 * (width - 1), width - 1.0], [0.0, 0.5 * (height - 1), height - 1.0])
     rays = plain.rays(np.stack([u.ravel(), v.ravel()], axis=-1))
     return np.asarray(plain.intrinsic_jacobian(rays.direction[rays.ok])[:, :, INTRINSICS:])

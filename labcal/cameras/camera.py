@@ -270,6 +270,8 @@ class Camera:
         """What helps where the picture reaches beyond the lens's field."""
         if self.prescription is not None:
             return "Raise focal_px, lessen the picture's size, or give the prescription wider surfaces."
+        if self.model.ranges is not None:
+            return "Raise the focal length, lessen the picture's size, or let the lens see farther."
         return "Weaken the distortion, or add coefficients that let it grow outwards."
 
     @property

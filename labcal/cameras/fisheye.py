@@ -42,6 +42,8 @@ class KannalaBrandt:
     central = True
     names = FISHEYE.order
     opencv = FISHEYE
+    undistorted = (0.0,) * _POWERS
+    ranges = None
     fall_off = FallOff.EVEN
     rectilinear = False
 

@@ -53,6 +53,14 @@ class FreeNumbers:
         )
         return np.array([*intrinsics, *camera.padded_dist[: camera.model.coefficients], *place])
 
+    @property
+    def deviations(self) -> Float64[np.ndarray, " free"]:
+        """The numbers; of the lens's coefficients, how far they are from those of no distortion."""
+        found = self.values
+        if not self._prescribed:
+            found[self.coefficients] -= self.camera.model.undistorted
+        return found
+
     def moved(self, step: Float64[np.ndarray, " free"]) -> Camera:
         """Return the camera with the step added to its numbers.
 

@@ -2,9 +2,14 @@
 
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
+from labcal.cameras.double_sphere import DoubleSphere
+from labcal.cameras.enhanced_unified import EnhancedUnified
 from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.fisheye import KannalaBrandt
 from labcal.cameras.mathematics import Mathematics, Number
+from labcal.cameras.omnidirectional import Omnidirectional
 from labcal.cameras.opencv_model import OpenCVModel
 from labcal.cameras.perspective import Perspective
 from labcal.errors import InputError, InputTypeError, UnknownNameError
@@ -17,6 +22,8 @@ MOST_COEFFICIENTS = 14
 """Of any lens model."""
 FISHEYE = "fisheye-kb4"
 """The lens model that images directions far from its axis."""
+DOUBLE_SPHERE, ENHANCED_UNIFIED, OMNIDIRECTIONAL = "double-sphere", "eucm", "omni-radtan"
+"""Lens models of the robotics community, which see more than 180 degrees by closed formulas."""
 PRESCRIPTION = "prescription"
 """The lens model whose rays are traced through a prescription; it has no entry of its own in LENSES."""
 _TAKEN = (PRESCRIPTION, "auto")
@@ -51,6 +58,17 @@ class Lens(Protocol):
         """The model of OpenCV whose coefficients these are, by name; None where it is none of OpenCV's."""
 
     @property
+    def undistorted(self) -> tuple[float, ...]:
+        """Where estimates of the coefficients begin, and priors hold: at no distortion, or a typical one."""
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...] | None:
+        """The least and the greatest value of each coefficient that makes sense.
+
+        None where that depends on the radius, as of the coefficients of a polynomial.
+        """
+
+    @property
     def fall_off(self) -> FallOff | None:
         """How its light falls off; None where that is not known."""
 
@@ -75,7 +93,7 @@ class Lens(Protocol):
         """Return all numbers; `reach` is the largest radius of the picture at unit focal length."""
 
     def undistorted_radius(self, angle: float) -> float:
-        """Return the radius at which an angle (rad) is imaged without distortion, at unit focal length."""
+        """Return the radius at which an angle (rad) is imaged with these coefficients (unit focal length)."""
 
     def image(
         self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
@@ -105,8 +123,18 @@ LENSES: dict[str, Lens] = {
         Perspective("thin-prism12", 12),
         Perspective("tilted14", 14),
         KannalaBrandt(FISHEYE),
+        DoubleSphere(DOUBLE_SPHERE),
+        EnhancedUnified(ENHANCED_UNIFIED),
+        Omnidirectional(OMNIDIRECTIONAL),
     )
 }
+
+
+def undistorted_dist(lens: Lens) -> np.ndarray:
+    """Return `dist` of the lens without distortion, padded with zeros, shape (max(5, coefficients),)."""
+    dist = np.zeros(max(LENGTH, lens.coefficients))
+    dist[: lens.coefficients] = lens.undistorted
+    return dist
 
 
 def lens_by_name(name: str) -> Lens:

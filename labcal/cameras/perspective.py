@@ -56,6 +56,7 @@ class Perspective:
     coefficients: int
     central = True
     opencv = PERSPECTIVE
+    ranges = None
     fall_off = FallOff.COS4
     rectilinear = True
 
@@ -63,6 +64,11 @@ class Perspective:
     def names(self) -> tuple[str, ...]:
         """The names of the coefficients: OpenCV's, in its order."""
         return PERSPECTIVE.order[: self.coefficients]
+
+    @property
+    def undistorted(self) -> tuple[float, ...]:
+        """Zeros."""
+        return (0.0,) * self.coefficients
 
     def undistorted_radius(self, angle: float) -> float:
         """Return the tangent of an angle (rad)."""

@@ -39,6 +39,8 @@ class PrescribedLens:
     coefficients = 0
     central = False
     opencv = None
+    undistorted = ()
+    ranges = None
     fall_off = FallOff.TRACED
     rectilinear = True
 

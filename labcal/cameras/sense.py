@@ -16,7 +16,7 @@ from labcal.bounds import (
     PRINCIPAL_SIDES,
 )
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import FISHEYE
+from labcal.cameras.lens import FISHEYE, LENSES
 from labcal.errors import InputError
 from labcal.geometry.poses import require_rigid
 
@@ -83,6 +83,10 @@ def require_sensible_numbers(
 
 def _require_coefficients(lens: str, dist: Sequence[float], reach: float) -> None:
     """Raise where a coefficient moves points at a radius by many times that radius."""
+    ranges = LENSES[lens].ranges if lens in LENSES else None
+    if ranges is not None:
+        _require_in_ranges(LENSES[lens].names, dist, ranges)
+        return
     powers = _FISHEYE_POWERS if lens == FISHEYE else _POWERS
     for number, (value, power) in enumerate(zip(dist, powers, strict=False)):
         most = MOST_DISTORTION / reach**power
@@ -93,6 +97,18 @@ def _require_coefficients(lens: str, dist: Sequence[float], reach: float) -> Non
             )
     if any(not abs(tilt) <= MOST_TILT_RAD for tilt in dist[_TILT:]):
         raise InputError(f"The sensor's tilts (dist[12], dist[13]) should be within {MOST_TILT_RAD} rad.")
+
+
+def _require_in_ranges(
+    names: Sequence[str], dist: Sequence[float], ranges: Sequence[tuple[float, float]]
+) -> None:
+    """Raise where a coefficient is none that makes sense."""
+    for number, (name, value, (least, most)) in enumerate(zip(names, dist, ranges, strict=False)):
+        if not least <= value <= most:
+            raise InputError(
+                f"The lens coefficient dist[{number}] ({name}) is {value:.6g}, but should be {least:g} to "
+                f"{most:g}."
+            )
 
 
 def require_placed(T_ab: Pose, what: str) -> None:

@@ -3,12 +3,13 @@
 from typing import Annotated
 
 import numpy as np
+from jaxtyping import Float64
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from labcal.arrays import Matrix3
 from labcal.bounds import Finite, Length, Millimetres, Quantity, Side
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH
+from labcal.cameras.lens import LENGTH, LENSES, undistorted_dist
 from labcal.cameras.prescription import Prescription, load_prescription
 from labcal.cameras.sense import require_sensible_numbers
 from labcal.cameras.window import Window
@@ -42,7 +43,7 @@ class CameraDescription(BaseModel):
     """Principal point; the middle of the picture where left out."""
     lens: str = "brown5"
     dist: Annotated[tuple[Finite, ...], Field(max_length=14)] = ()
-    """Coefficients in OpenCV's order; those left out are zero."""
+    """Coefficients in the lens's order; those left out are those of no distortion, zero for most."""
     prescription: Prescription | None = None
     """For the lens ``prescription``: its surfaces; in a file the name of a lens, or its whole description."""
     window: Window | None = None
@@ -61,13 +62,20 @@ class CameraDescription(BaseModel):
 
     @model_validator(mode="after")
     def _is_sensible(self) -> "CameraDescription":
-        require_sensible_numbers(self._K().tolist(), self.lens, self.dist, self.size)
+        require_sensible_numbers(self._K().tolist(), self.lens, self._dist().tolist(), self.size)
         return self
 
     def _K(self) -> Matrix3:
         width, height = self.size
         cx, cy = self.principal_px or (0.5 * (width - 1), 0.5 * (height - 1))
         return np.array([[self.focal_px, 0.0, cx], [0.0, self.focal_px, cy], [0.0, 0.0, 1.0]])
+
+    def _dist(self) -> Float64[np.ndarray, " coefficients"]:
+        without = undistorted_dist(LENSES[self.lens]) if self.lens in LENSES else np.zeros(LENGTH)
+        dist = np.zeros(max(len(without), len(self.dist)))
+        dist[: len(without)] = without
+        dist[: len(self.dist)] = self.dist
+        return dist
 
     def camera(self) -> Camera:
         """Return the camera.
@@ -79,12 +87,10 @@ class CameraDescription(BaseModel):
         UnknownNameError
             There is no such lens model.
         """
-        dist = np.zeros(max(LENGTH, len(self.dist)))
-        dist[: len(self.dist)] = self.dist
         return Camera(
             K=self._K(),
             lens=self.lens,
-            dist=dist,
+            dist=self._dist(),
             T_cam_world=look_at(np.array(self.eye_mm), np.array(self.look_at_mm), np.array(self.up)),
             size=self.size,
             prescription=self._focused_prescription(),

@@ -27,6 +27,9 @@ PARAMETRIC: dict[str, dict[str, Any]] = {
     "thin-prism12": {"lens": "thin-prism12", "dist": (*_RATIONAL, *_PRISM)},
     "tilted14": {"lens": "tilted14", "dist": (*_RATIONAL, *_PRISM, 0.06, -0.09)},
     "fisheye-kb4": {"lens": "fisheye-kb4", "dist": (-0.04, 0.01, -0.006, 0.001)},
+    "double-sphere": {"lens": "double-sphere", "dist": (-0.2, 0.6)},
+    "eucm": {"lens": "eucm", "dist": (0.6, 1.1)},
+    "omni-radtan": {"lens": "omni-radtan", "dist": (1.2, -0.1, 0.02, 6e-4, -4e-4)},
 }
 REFRACTED: dict[str, dict[str, Any]] = {
     "webcam prescription": {"lens": "prescription", "prescription": "webcam-doublet"},
@@ -36,8 +39,11 @@ REFRACTED: dict[str, dict[str, Any]] = {
     "wavy pane": {"lens": "brown5", "dist": _BROWN, "window": {"kind": "wavy", "waves": _WAVES}},
 }
 OPTICS = PARAMETRIC | REFRACTED
-_FOCAL_OVER_WIDTH = {"fisheye-kb4": 0.45, "double gauss": 1.9}
-"""The fisheye sees 155 degrees along the diagonal; the photographic lens has a half field of 22 degrees."""
+_FOCAL_OVER_WIDTH = {
+    "fisheye-kb4": 0.45, "double-sphere": 0.37, "eucm": 0.45, "omni-radtan": 0.95, "double gauss": 1.9,
+}  # fmt: skip
+"""The fisheye and those like it see some 150 degrees along the diagonal; the photographic lens has a half
+field of 22 degrees."""
 
 
 def description(name: str, size: tuple[int, int], place: dict[str, Any]) -> CameraDescription:

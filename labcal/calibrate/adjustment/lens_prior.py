@@ -9,13 +9,14 @@ from labcal.calibrate.adjustment.blocks import Blocks, Slopes
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.state import Layout, Lenses, RigState
 from labcal.calibrate.lens_prior import PriorWidth, coefficient_weights
+from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import projection_derivatives
 from labcal.cameras.optics import INTRINSICS
 
 
 @dataclass(frozen=True)
 class LensPrior:
-    """Inverse variances of the coefficients about 0, by camera; none where lenses are fixed."""
+    """Inverse variances of the coefficients about no distortion, by camera; none where lenses are fixed."""
 
     weight: tuple[Float64[np.ndarray, " coefficients"], ...] = ()
 
@@ -38,7 +39,7 @@ class LensPrior:
     def cost(self, state: RigState) -> float:
         """Return what the coefficients of a state cost."""
         pairs = zip(self.weight, state.cameras, strict=False)
-        return float(sum(weight @ camera.dist[: len(weight)] ** 2 for weight, camera in pairs))
+        return float(sum(weight @ _distortion(camera) ** 2 for weight, camera in pairs))
 
     def added(self, blocks: Blocks, layout: Layout) -> Blocks:
         """Return normal equations with the prior's share."""
@@ -48,8 +49,13 @@ class LensPrior:
         for number, weight in enumerate(self.weight):
             at = np.arange(layout.lens[number].start + INTRINSICS, layout.lens[number].stop)
             shared[at, at] += weight
-            gradient[at] += weight * layout.state.cameras[number].dist[: len(weight)]
+            gradient[at] += weight * _distortion(layout.state.cameras[number])
         return Blocks(shared, blocks.cross, blocks.view, Slopes(gradient, blocks.gradient.view))
+
+
+def _distortion(camera: Camera) -> Float64[np.ndarray, " coefficients"]:
+    """Return how far the coefficients are from those of the lens without distortion."""
+    return np.asarray(camera.dist[: camera.model.coefficients] - np.array(camera.model.undistorted))
 
 
 NO_PRIOR = LensPrior()

@@ -11,7 +11,7 @@ from labcal.calibrate.held_out import folds, simplest
 from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
 from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted, resect
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION
+from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION, undistorted_dist
 from labcal.cameras.prescription import load_prescription, prescription_names
 from labcal.cameras.window import FlatWindow
 from labcal.errors import InputError, UnknownNameError
@@ -81,8 +81,7 @@ def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) 
     width, height = size
     K = np.array([[width, 0.0, 0.5 * width], [0.0, width, 0.5 * height], [0.0, 0.0, 1.0]])
     if lens in LENSES:
-        dist = np.zeros(max(LENGTH, LENSES[lens].coefficients))
-        return Camera(K, lens, dist, np.eye(4), size, window=window)
+        return Camera(K, lens, undistorted_dist(LENSES[lens]), np.eye(4), size, window=window)
     if lens in prescription_names() or Path(lens).suffix in {".yaml", ".yml"}:
         glass = load_prescription(lens)
         return Camera(K, PRESCRIPTION, np.zeros(LENGTH), np.eye(4), size, glass, window)

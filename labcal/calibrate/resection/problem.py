@@ -27,7 +27,8 @@ class ResectionProblem:
         World points, mm.
     whitening : Whitening
     prior : float64 array, (free,)
-        Inverse variances of pose and free numbers about 0; 0 for all but a lens's coefficients.
+        Inverse variances of pose and free numbers, 0 for all but a lens's coefficients: about those of the
+        lens without distortion.
     """
 
     q: Pixels
@@ -40,7 +41,7 @@ class ResectionProblem:
         residual = parameters.camera.project(self.p).q - self.q
         if not np.isfinite(residual).all():
             return float("inf")
-        numbers = parameters.numbers.values
+        numbers = parameters.numbers.deviations
         return float((self.whitening.white(residual) ** 2).sum() + self.prior[POSE:] @ numbers**2)
 
     def linearize(self, parameters: PlacedCamera) -> "ResectionEquations":
@@ -48,7 +49,7 @@ class ResectionProblem:
         seen = parameters.seen(self.p)
         J = self.whitening.white(seen.by_camera).reshape(-1, parameters.count)
         residual = self.whitening.white(seen.q - self.q).ravel()
-        numbers = np.concatenate([np.zeros(POSE), parameters.numbers.values])
+        numbers = np.concatenate([np.zeros(POSE), parameters.numbers.deviations])
         return ResectionEquations(
             parameters, J.T @ J + np.diag(self.prior), J.T @ residual + self.prior * numbers
         )
@@ -102,7 +103,7 @@ class ResectionEquations:
 
 
 def lens_prior(at: PlacedCamera, p: Points, width: PriorWidth) -> Float64[np.ndarray, " free"]:
-    """Return the inverse variances of a camera's pose and free numbers about 0: those of its lens.
+    """Return the inverse variances of a camera's pose and free numbers: those of its lens.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ import scipy.linalg
 
 from labcal.arrays import Pixels, Points
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH
+from labcal.cameras.lens import undistorted_dist
 from labcal.errors import InputError
 from labcal.geometry.pose_from_rays import pose_from_rays
 from labcal.geometry.poses import pose
@@ -79,7 +79,7 @@ def camera_with_field(kind: Camera, field: float) -> Camera:
     corner = 0.5 * float(np.hypot(width, height))
     f = corner / kind.model.undistorted_radius(field)
     K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
-    return replace(kind, K=K, dist=np.zeros(max(LENGTH, len(kind.dist))), T_cam_world=np.eye(4))
+    return replace(kind, K=K, dist=undistorted_dist(kind.model), T_cam_world=np.eye(4))
 
 
 def _with_pose(camera: Camera, q: Pixels, p: Points) -> Camera | None:
@@ -108,7 +108,7 @@ def _linear(q: Pixels, p: Points, kind: Camera) -> Camera | None:
     K[0, 1] = K[1, 0] = K[2, 0] = K[2, 1] = 0.0
     if kind.prescription is not None:
         K[0, 0] = K[1, 1] = 0.5 * (K[0, 0] + K[1, 1])
-    return replace(kind, K=K, dist=np.zeros(max(LENGTH, len(kind.dist))), T_cam_world=pose(R, t))
+    return replace(kind, K=K, dist=undistorted_dist(kind.model), T_cam_world=pose(R, t))
 
 
 def _miss(camera: Camera, q: Pixels, p: Points) -> float:

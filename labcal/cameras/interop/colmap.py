@@ -28,11 +28,14 @@ from labcal.cameras.interop.lens_numbers import (
     fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
+    named_lens,
     opencv_model,
     perspective_lens,
+    refuse_what_only_labcal_holds,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import rig_of
+from labcal.cameras.lens import ENHANCED_UNIFIED
 from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -53,7 +56,9 @@ _PERSPECTIVE = {
 }
 """By model: how many focal lengths, and how many of OpenCV's coefficients follow the principal point."""
 _FISHEYE = {"SIMPLE_RADIAL_FISHEYE": (1, 1), "RADIAL_FISHEYE": (1, 2), "OPENCV_FISHEYE": (2, 4)}
-_MODELS = _PERSPECTIVE | _FISHEYE
+_EUCM = {"EUCM": (2, 2)}
+"""Alpha and beta; COLMAP has it from version 4.1 on."""
+_MODELS = _PERSPECTIVE | _FISHEYE | _EUCM
 _CAMERA_LINE = rf"^\d+ ({'|'.join(_MODELS)}|FOV|THIN_PRISM_FISHEYE) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HEIGHT"
 _CAMERA_WORDS = 4
 _IMAGE_WORDS = 10
@@ -172,13 +177,20 @@ def _camera(words: Sequence[str], T_cam_world: Pose, path: Path) -> CameraRecord
     numbers = finite_numbers(words[4:], (focals + 2 + count,), f"the parameters of {model}", path)
     fx, fy = numbers[0], numbers[focals - 1]
     cx, cy = (value - _HALF_PIXEL for value in numbers[focals : focals + 2])
-    lens = fisheye_lens if model in _FISHEYE else perspective_lens
+    coefficients = numbers[focals + 2 :]
+    if model in _EUCM:
+        lens = named_lens(ENHANCED_UNIFIED, coefficients)
+    else:
+        lens = (fisheye_lens if model in _FISHEYE else perspective_lens)(coefficients)
     size = picture_size(words[2:4], path)
-    return camera_record((fx, fy, cx, cy), lens(numbers[focals + 2 :]), T_cam_world, size, path)
+    return camera_record((fx, fy, cx, cy), lens, T_cam_world, size, path)
 
 
 def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
     """Return COLMAP's model and its coefficients."""
+    if record.lens == ENHANCED_UNIFIED:
+        refuse_what_only_labcal_holds(name, record, _HOLDER)
+        return "EUCM", record.dist[: _EUCM["EUCM"][1]]
     if opencv_model(name, record, _HOLDER) is FISHEYE:
         return "OPENCV_FISHEYE", fisheye_coefficients(record)
     held = held_coefficients(name, record, 8, f"{_HOLDER} (FULL_OPENCV)")

@@ -48,7 +48,7 @@ def _pair(lens: str) -> Rig:
     """Return two cameras beside each other."""
     model = LENSES[lens]
     dist = np.zeros(max(LENGTH, model.coefficients))
-    dist[: model.coefficients] = getattr(model, "undistorted", 0.0)  # which may be no zeros
+    dist[: model.coefficients] = model.undistorted  # which may be no zeros
     dist[: model.coefficients] += _STEP * (1.0 + np.arange(model.coefficients))
     left = Camera(_K, lens, dist, np.eye(4), _SIZE)
     T = np.eye(4)

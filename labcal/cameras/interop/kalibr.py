@@ -1,8 +1,10 @@
 """Kalibr's ``camchain.yaml``: cameras ``cam0``, ``cam1``, ... in a chain, in metres.
 
 ``T_cn_cnm1`` maps coordinates of the camera before to those of the camera; the first one is the world.
-``radtan`` is OpenCV's k1 k2 p1 p2, ``equidistant`` its fisheye's k1 to k4. The name of a camera is the
-topic that its pictures come on, as in ``/left/image_raw``.
+``radtan`` is OpenCV's k1 k2 p1 p2, ``equidistant`` its fisheye's k1 to k4. Of the camera models ``ds``,
+``eucm`` and ``omni``, ``intrinsics`` begin with the lens's own coefficients: xi alpha, alpha beta, and xi,
+behind which ``omni`` has a ``radtan``. The name of a camera is the topic that its pictures come on, as in
+``/left/image_raw``.
 """
 
 import re
@@ -29,8 +31,10 @@ from labcal.cameras.interop.lens_numbers import (
     fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
+    named_lens,
     opencv_model,
     perspective_lens,
+    refuse_what_only_labcal_holds,
 )
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import (
@@ -42,6 +46,7 @@ from labcal.cameras.interop.placement import (
     steps_along,
 )
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
+from labcal.cameras.lens import DOUBLE_SPHERE, ENHANCED_UNIFIED, OMNIDIRECTIONAL
 from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -56,6 +61,15 @@ _LENSES = {
     "equidistant": (fisheye_lens, 4),
     "none": (perspective_lens, 0),
 }
+_OWN = {
+    ("ds", "none"): (DOUBLE_SPHERE, 2, 0),
+    ("eucm", "none"): (ENHANCED_UNIFIED, 2, 0),
+    ("omni", "radtan"): (OMNIDIRECTIONAL, 1, _RADTAN),
+    ("omni", "none"): (OMNIDIRECTIONAL, 1, 0),
+}
+"""By camera and distortion model: the lens, how many of its coefficients stand before the focal lengths, and
+how many are the distortion's. The first of a lens is written."""
+_WRITTEN = {lens: words for words, (lens, _, _) in reversed(_OWN.items())}
 
 
 def recognises(text: str) -> bool:
@@ -101,15 +115,15 @@ def write_kalibr(rig: Rig, _suffix: str) -> RigTexts:
     numbers = range(len(steps))
     entries = []
     for number, (name, record) in enumerate(rig.cameras.items()):
-        model, coefficients = _distortion(name, record)
+        words, before, behind = _lens(name, record)
         (fx, _, cx), (_, fy, cy), _ = record.K
         lines = [
             f"cam{number}:",
             f"  cam_overlaps: {[other for other in numbers if other != number]}",
-            "  camera_model: pinhole",
-            f"  intrinsics: {_list((fx, fy, cx, cy))}",
-            f"  distortion_model: {model}",
-            f"  distortion_coeffs: {_list(coefficients)}",
+            f"  camera_model: {words[0]}",
+            f"  intrinsics: {_list((*before, fx, fy, cx, cy))}",
+            f"  distortion_model: {words[1]}",
+            f"  distortion_coeffs: {_list(behind)}",
             f"  resolution: [{record.size[0]}, {record.size[1]}]",
             f"  rostopic: /{name}/image_raw",
         ]
@@ -126,11 +140,17 @@ def _list(values: Sequence[float]) -> str:
     return f"[{', '.join(number_text(value) for value in values)}]"
 
 
-def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
-    """Return Kalibr's distortion model and its coefficients."""
+def _lens(name: str, record: CameraRecord) -> tuple[tuple[str, str], tuple[float, ...], tuple[float, ...]]:
+    """Return camera and distortion model, the coefficients before the focal lengths, and the distortion's."""
+    if record.lens in _WRITTEN:
+        refuse_what_only_labcal_holds(name, record, _HOLDER)
+        words = _WRITTEN[record.lens]
+        _, before, behind = _OWN[words]
+        return words, record.dist[:before], record.dist[before : before + behind]
     if opencv_model(name, record, _HOLDER) is FISHEYE:
-        return "equidistant", fisheye_coefficients(record)
-    return "radtan", held_coefficients(name, record, _RADTAN, f"{_HOLDER} (radtan)")
+        return ("pinhole", "equidistant"), (), fisheye_coefficients(record)
+    held = held_coefficients(name, record, _RADTAN, f"{_HOLDER} (radtan)")
+    return ("pinhole", "radtan"), (), held
 
 
 def _step(chain: Sequence[dict[str, Any]], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
@@ -166,17 +186,24 @@ def _require_neighbours(chain: Sequence[dict[str, Any]], path: Path) -> None:
 
 def _camera(camera: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
     """Return one camera of the chain."""
-    model, distortion = camera.get("camera_model"), camera.get("distortion_model")
-    if model != "pinhole" or distortion not in _LENSES:
+    model, distortion = str(camera.get("camera_model")), str(camera.get("distortion_model"))
+    own = _OWN.get((model, distortion))
+    if own is None and (model != "pinhole" or distortion not in _LENSES):
         raise InputError(
             f"{path}: the camera model {model!r:.40} with the distortion {distortion!r:.40} has no "
-            f"counterpart here; pinhole with {', '.join(_LENSES)} has. Calibrate with one of these."
+            f"counterpart here; pinhole with {', '.join(_LENSES)} has, and "
+            f"{', '.join(f'{camera} with {behind}' for camera, behind in _OWN)}. Calibrate with one of these."
         )
-    lens, count = _LENSES[distortion]
+    _, before, count = ("", 0, _LENSES[distortion][1]) if own is None else own
+    numbers = finite_numbers(camera.get("intrinsics"), (before + 4,), "intrinsics", path)
     coefficients = finite_numbers(camera.get("distortion_coeffs"), (count,), "distortion_coeffs", path)
+    if own is None:
+        lens = _LENSES[distortion][0](coefficients)
+    else:
+        lens = named_lens(own[0], (*numbers[:before], *coefficients))
     return camera_record(
-        finite_numbers(camera.get("intrinsics"), (4,), "intrinsics", path),
-        lens(coefficients),
+        numbers[before:],
+        lens,
         T_cam_world,
         picture_size(camera.get("resolution"), path),
         path,

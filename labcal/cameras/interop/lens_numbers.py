@@ -44,6 +44,11 @@ def fisheye_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]
     return FISHEYE_LENS, (*coefficients, *(0.0,) * LENGTH)[:LENGTH]
 
 
+def named_lens(lens: str, coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]:
+    """Return a lens by labcal's name for it, and its `dist`, padded with zeros."""
+    return lens, (*coefficients, *(0.0,) * LENGTH)[: max(LENGTH, len(coefficients))]
+
+
 def opencv_model(name: str, record: CameraRecord, holder: str) -> OpenCVModel:
     """Return the model of OpenCV that a camera's lens is.
 
@@ -61,12 +66,7 @@ def opencv_model(name: str, record: CameraRecord, holder: str) -> OpenCVModel:
         The lens is none of OpenCV's, or the camera has what only labcal can hold: a lens prescription, or a
         window in front of the lens.
     """
-    for what, has_it in (("lens prescription", record.prescription), ("window", record.window)):
-        if has_it is not None:
-            raise InputError(
-                f"{holder} cannot hold the {what} of camera '{name}'. Calibrate with one of the lens models "
-                f"{_written_lenses()}, or keep rig.json."
-            )
+    refuse_what_only_labcal_holds(name, record, holder)
     model = lens_by_name(record.lens).opencv
     if model is None:
         raise InputError(
@@ -74,6 +74,22 @@ def opencv_model(name: str, record: CameraRecord, holder: str) -> OpenCVModel:
             f"OpenCV's. Calibrate with one of the lens models {_written_lenses()}, or keep rig.json."
         )
     return model
+
+
+def refuse_what_only_labcal_holds(name: str, record: CameraRecord, holder: str) -> None:
+    """Raise where a camera has a lens prescription, or a window in front of the lens.
+
+    Raises
+    ------
+    InputError
+        It has; `holder` is the format as messages name it.
+    """
+    for what, has_it in (("lens prescription", record.prescription), ("window", record.window)):
+        if has_it is not None:
+            raise InputError(
+                f"{holder} cannot hold the {what} of camera '{name}'. Calibrate with one of the lens models "
+                f"{_written_lenses()}, or keep rig.json."
+            )
 
 
 def fisheye_coefficients(record: CameraRecord) -> tuple[float, ...]:

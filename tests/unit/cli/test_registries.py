@@ -56,7 +56,7 @@ def test_methods_are_those_of_the_registry_and_of_the_help_of_fit(capsys: Captur
 
 
 @pytest.mark.parametrize(
-    ("verb", "names"), [("lens", LENSES), ("method", method_names()), ("format", FORMATS)], ids=str
+    ("verb", "names"), [("lens", LENSES), ("method", method_names()), ("format", FORMATS)]
 )
 def test_a_table_is_whole_in_80_columns(
     verb: str, names: list[str], capsys: Capture, monkeypatch: pytest.MonkeyPatch

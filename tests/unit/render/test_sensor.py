@@ -32,6 +32,11 @@ CAMERAS = {
     "thin prism": changed(lens="thin-prism12", dist=(*RATIONAL, *PRISM)),
     "tilted": changed(lens="tilted14", dist=(*RATIONAL, *PRISM, 0.06, -0.09)),
     "fisheye of 155 degrees": changed(lens="fisheye-kb4", focal_px=300.0, dist=(-0.04, 0.01, -0.006, 0.001)),
+    "double sphere of 155 degrees": changed(lens="double-sphere", focal_px=240.0, dist=(-0.2, 0.6)),
+    "eucm of 145 degrees": changed(lens="eucm", focal_px=300.0, dist=(0.6, 1.1)),
+    "omnidirectional of 160 degrees": changed(
+        lens="omni-radtan", focal_px=640.0, dist=(1.2, -0.1, 0.02, 6e-4, -4e-4)
+    ),
     "prescription": changed(lens="prescription", prescription="webcam-doublet"),
     "prescription, 20 megapixels": changed(
         **LARGE, focal_px=12000.0, lens="prescription", prescription="double-gauss"
@@ -73,6 +78,14 @@ def test_sensor_rays_are_the_cameras_own(name: str) -> None:
     back = camera.project(rays.origin + 1500.0 * direction)
     assert back.ok.all()
     assert np.linalg.norm(back.q - q, axis=1).max() < 1e-3
+
+
+def test_coefficients_left_out_are_those_of_no_distortion() -> None:
+    """Zeros would be no lens of the enhanced unified model, whose beta is positive."""
+    assert changed(lens="eucm").camera().dist.tolist() == [0.5, 1.0, 0.0, 0.0, 0.0]
+    assert changed(lens="brown5", dist=(-0.1,)).camera().dist.tolist() == [-0.1, 0.0, 0.0, 0.0, 0.0]
+    with pytest.raises(ValueError, match=r"dist\[1\] \(beta\) is -1"):
+        changed(lens="eucm", dist=(0.6, -1.0))
 
 
 def test_where_the_lens_has_no_ray_the_picture_is_black() -> None:

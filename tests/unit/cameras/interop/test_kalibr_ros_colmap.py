@@ -70,7 +70,7 @@ def test_a_third_camera_of_kalibr_follows_the_second(make_rig: MakeRig) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("camera_model: pinhole", "camera_model: omni", "camera model 'omni'"),
+        ("camera_model: pinhole", "camera_model: ocam", "camera model 'ocam'"),
         ("distortion_model: radtan", "distortion_model: fov", "distortion 'fov'"),
         ("[461.5, 460.25, 362.5, 246.125]", "[461.5, 460.25]", "intrinsics should hold 4 numbers"),
         ("[752, 480]", "[752, -480]", "no size of a picture"),

@@ -13,14 +13,14 @@ from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 
 MakeRig = Callable[..., Rig]
-PERSPECTIVE = tuple(LENSES)[:-1]
+PERSPECTIVE = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "tilted14")
 HELD = {
     "labcal": tuple(LENSES),
-    "opencv": tuple(LENSES),
+    "opencv": (*PERSPECTIVE, "fisheye-kb4"),
     "mrcal": PERSPECTIVE[:-1],
-    "kalibr": ("pinhole", "brown-k1k2", "fisheye-kb4"),
+    "kalibr": ("pinhole", "brown-k1k2", "fisheye-kb4", "double-sphere", "eucm", "omni-radtan"),
     "ros": ("pinhole", "brown-k1k2", "brown5", "rational8", "fisheye-kb4"),
-    "colmap": ("pinhole", "brown-k1k2", "brown5", "rational8", "fisheye-kb4"),
+    "colmap": ("pinhole", "brown-k1k2", "brown5", "rational8", "fisheye-kb4", "eucm"),
     "dice": PERSPECTIVE,
 }
 """The lenses that each format has."""
