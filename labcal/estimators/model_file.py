@@ -3,7 +3,7 @@
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import safetensors.numpy
@@ -12,15 +12,17 @@ from safetensors import SafetensorError, safe_open
 from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
-from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.fitted_model import FittedModel, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value
 from labcal.estimators.registry import make_estimator
-from labcal.estimators.rehearsal import Rehearsed
+from labcal.estimators.rehearsed import Rehearsed
 from labcal.run.file_kinds import told_by
 from labcal.run.file_reading import require_file
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.outputs import write_file
+
+if TYPE_CHECKING:
+    from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
 
 # One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
 METADATA_KEY = "labcal"
@@ -187,7 +189,7 @@ def _header(path: Path, text: str | None) -> ModelHeader:
     return read_json(ModelHeader, text, f"The header of the model {path}")
 
 
-def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> PointEstimator:
+def _estimator(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> "PointEstimator":
     """Return the fitted estimator; only attributes that its class declares are set."""
     estimator = make_estimator(header.method)
     if header.parameters.keys() != estimator.get_params().keys() or header.facts.keys() != set(
