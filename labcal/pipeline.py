@@ -10,44 +10,41 @@ person should not miss is in the `warnings` of what is returned.
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labcal.calibrate.calibrated import Calibrated, calibrated
-from labcal.calibrate.centre_bias import centred
-from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.rig import Rig
-from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
-from labcal.correspond.matching import match
-from labcal.correspond.measure import Measurement, detections_of, measure_pictures
 from labcal.correspond.points import ReconstructedPoints
-from labcal.correspond.sources import Source, find_sources, shoot_sources
 from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.estimators.fitted_model import FittedModel
-from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
-from labcal.evaluate.against_truth import Alignment, TruthErrors, errors_against_truth
-from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
-from labcal.evaluate.scored_views import ScoredViews
-from labcal.reconstruct.reconstruction import Reconstruction, reconstruct_centres
-from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
-from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress, Progress
-from labcal.scene.catalogue import load_scene
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve
-from labcal.shoot.truth import has_truth
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 
+if TYPE_CHECKING:
+    from labcal.calibrate.calibrated import Calibrated
+    from labcal.calibrate.handheld import HandheldSettings
+    from labcal.correspond.measure import Measurement, detections_of
+    from labcal.correspond.sources import Source, find_sources
+    from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
+    from labcal.evaluate.against_truth import Alignment, TruthErrors
+    from labcal.evaluate.own_lengths import LengthErrors
+    from labcal.reconstruct.reconstruction import Reconstruction
+    from labcal.render.shoot import RenderSettings
+
 __all__ = [
     "FitSettings",
     "HandheldSettings",
+    "RenderSettings",
     "calibrate",
     "detect",
     "detections_of",
@@ -63,20 +60,50 @@ __all__ = [
     "training_of",
 ]
 
+_HOMES = {
+    "FitSettings": "labcal.estimators.taught",
+    "HandheldSettings": "labcal.calibrate.handheld",
+    "RenderSettings": "labcal.render.shoot",
+    "detections_of": "labcal.correspond.measure",
+    "estimators_of": "labcal.estimators.taught",
+    "find_sources": "labcal.correspond.sources",
+    "taught": "labcal.estimators.taught",
+    "training_of": "labcal.estimators.taught",
+}
+"""Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""
 
-def render(scene: str, folder: Path, settings: RenderSettings | None = None) -> Shoot:
+
+def __getattr__(name: str) -> object:
+    """Return what is at home elsewhere."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted({*globals(), *_HOMES})
+
+
+def render(scene: str, folder: Path, settings: "RenderSettings | None" = None) -> Shoot:
     """Render a scene, by name or from a YAML file, into a new shoot; see :func:`render_shoot` for errors."""
+    from labcal.render.shoot import RenderSettings, render_shoot
+    from labcal.scene.catalogue import load_scene
+
     return render_shoot(load_scene(scene), folder, settings or RenderSettings(), NoProgress())
 
 
 def measure(
-    sources: Sequence[Source],
+    sources: "Sequence[Source]",
     target: AnyTarget,
     workers: int = 1,
     progress: Progress | None = None,
     tone_curve: AnyToneCurve = ToneCurve.LINEAR,
-) -> list[Measurement]:
+) -> "list[Measurement]":
     """Find the dots in pictures; a picture that cannot be used is a result with a reason."""
+    from labcal.correspond.measure import measure_pictures
+    from labcal.run.executor import open_executor
+
     with open_executor(workers) as executor:
         return measure_pictures(sources, target, executor, progress or NoProgress(), tone_curve)
 
@@ -89,6 +116,9 @@ def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> 
     InputError
         No picture could be read at all.
     """
+    from labcal.correspond.measure import detections_of
+    from labcal.correspond.sources import shoot_sources
+
     return detections_of(measure(shoot_sources(shoot), shoot.target, workers, progress))
 
 
@@ -96,10 +126,10 @@ def calibrate(
     source: Shoot | AnyTarget,
     detections: Detections,
     lens: str | None = None,
-    settings: HandheldSettings | None = None,
+    settings: "HandheldSettings | None" = None,
     hold_out: HoldOut = (),
     progress: Progress | None = None,
-) -> Calibrated:
+) -> "Calibrated":
     """Calibrate cameras from a target in the hand.
 
     Parameters
@@ -110,6 +140,8 @@ def calibrate(
     lens, settings, hold_out, progress
         As in :func:`~labcal.calibrate.calibrated.calibrated`, where errors are told, too.
     """
+    from labcal.calibrate.calibrated import calibrated
+
     if not isinstance(source, Shoot):
         return calibrated(detections, source, lens, settings, hold_out, progress)
     tested = {view.name for view in source.views(Role.TEST)}
@@ -124,7 +156,7 @@ def fit(
     source: Shoot | AnyTarget,
     detections: Detections,
     method: object = "hybrid",
-    settings: FitSettings | None = None,
+    settings: "FitSettings | None" = None,
 ) -> FittedModel:
     """Teach a method the dots of a target; :func:`taught` teaches several the same :func:`training_of`.
 
@@ -143,6 +175,8 @@ def fit(
     UnknownNameError, InputError
         There is no such method, or it cannot learn from these dots.
     """
+    from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
+
     settings = settings or FitSettings()
     estimators = estimators_of([method], settings)
     (model,) = taught(training_of(source, detections, settings), estimators, settings)
@@ -153,8 +187,11 @@ def fit(
 
 def reconstruct(
     model: FittedModel | Rig, detections: Detections, target: Target | None = None
-) -> Reconstruction:
+) -> "Reconstruction":
     """Return the points of all dots that every camera measured; see :func:`reconstruct_centres`."""
+    from labcal.reconstruct.reconstruction import reconstruct_centres
+    from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
+
     found = reconstruct_centres(model, detections, target)
     known = None if target is None else target.name
     return replace(found, warnings=reconstruction_warnings(model, detections, found, known))
@@ -164,14 +201,19 @@ def evaluate(
     points: ReconstructedPoints,
     source: Shoot | AnyTarget | DotPlaces,
     detections: Detections | None = None,
-    alignment: Alignment | None = None,
+    alignment: "Alignment | None" = None,
     learned: Collection[str] | None = None,
-) -> TruthErrors | LengthErrors:
+) -> "TruthErrors | LengthErrors":
     """Return the errors of points, against the truth where a shoot has one, else against lengths.
 
     `learned` names the views that the cameras were calibrated from or the method was taught, where known:
     `calibrated_on` of the rig or model.
     """
+    from labcal.evaluate.against_truth import errors_against_truth
+    from labcal.evaluate.own_lengths import errors_of_lengths
+    from labcal.evaluate.scored_views import ScoredViews
+    from labcal.shoot.truth import has_truth
+
     if not isinstance(source, Shoot):
         return errors_of_lengths(points, source, learned)
     if has_truth(source.folder):
@@ -186,6 +228,10 @@ def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = No
 
     The bias of centroids is taken off first where the target is given.
     """
+    from labcal.calibrate.centre_bias import centred
+    from labcal.cameras.triangulation import epipolar_distances
+    from labcal.correspond.matching import match
+
     first, *others = rig.cameras
     distances = [np.empty(0)]
     for other in others:

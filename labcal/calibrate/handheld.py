@@ -14,7 +14,6 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreeing_views import LoneCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.centre_bias import CentreBias, centred
 from labcal.calibrate.lens_prior import PriorWidth
@@ -37,6 +36,7 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.errors import InputError
+from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import counted
 

@@ -11,7 +11,6 @@ from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import LARGE, OF_VIEWS, PLENTY
@@ -21,6 +20,7 @@ from labcal.calibrate.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
 from labcal.correspond.detections import Detections, joined
 from labcal.errors import InputError
 from labcal.run.progress import Progress
+from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import counted
 

@@ -10,7 +10,6 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Points, Pose
 from labcal.calibrate.gross_errors import gross_errors
-from labcal.calibrate.opencv_threads import one_opencv_thread
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.start import camera_with_field
 from labcal.cameras.camera import Camera
@@ -20,6 +19,7 @@ from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.plane_pose import plane_pose
 from labcal.geometry.poses import from_rotation_vector, transform
+from labcal.run.threads import one_opencv_thread
 from labcal.targets.target import Target
 
 _TERMINATION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float64
-from scipy.stats import chi2
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import TriangulatedPoints, triangulate
 from labcal.correspond.matching import Matches
+from labcal.distributions import chi2_quantile, chi2_upper_quantile
 
 MOST_PX = 1.0
 """A typical miss beyond this is no noise: the cameras are not as they were, or not these."""
@@ -51,5 +51,5 @@ class RayMisses:
     @property
     def outlying(self) -> Bool[np.ndarray, " n"]:
         """Which dots miss by more than noise explains, that of their covariances or what all of them show."""
-        typical = float(np.median(self.chi_square)) / float(chi2.median(self.freedom))
-        return np.asarray(self.chi_square > max(1.0, typical) * chi2.isf(OUTLYING, self.freedom))
+        typical = float(np.median(self.chi_square)) / chi2_quantile(0.5, self.freedom)
+        return np.asarray(self.chi_square > max(1.0, typical) * chi2_upper_quantile(OUTLYING, self.freedom))

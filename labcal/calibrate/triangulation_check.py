@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
-from scipy.stats import chi2
 
 from labcal.calibrate.ray_misses import RayMisses
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches
+from labcal.distributions import chi2_quantile
 
 UNKNOWN_SCATTER_PX = 0.35
 """Along each axis, of cameras that do not say what their calibration left: older rigs, other programs'."""
@@ -83,7 +83,7 @@ def calibration_record(
     if not finite.any():
         return CalibrationRecord(inconsistent=causes)
     share = misses.freedom / len(cameras)
-    usual = float(np.median(misses.px**2)) * misses.freedom / float(chi2.median(misses.freedom)) / share
+    usual = float(np.median(misses.px**2)) * misses.freedom / chi2_quantile(0.5, misses.freedom) / share
     noise = float(np.median(_variance(matches)))
     return CalibrationRecord(
         triangulation_rms_px=float(np.sqrt((misses.px[finite] ** 2).mean())),
@@ -111,5 +111,5 @@ def _times(
     rows: Bool[np.ndarray, " n"] | Int64[np.ndarray, " some"],
 ) -> float:
     """Return how many times the expected variance residuals have, by their median."""
-    usual = float(chi2.median(misses.freedom)) / misses.freedom
+    usual = chi2_quantile(0.5, misses.freedom) / misses.freedom
     return float(np.median(misses.px[rows] ** 2 / expected[rows])) / usual

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from labcal.correspond.training import TrainingData
     from labcal.estimators.estimator import PointEstimator
     from labcal.estimators.fitted_model import FittedModel
-    from labcal.estimators.rehearsal import Rehearsed
+    from labcal.estimators.rehearsed import Rehearsed
 
 
 def add_parser(commands: CommandGroup) -> None:

@@ -10,7 +10,6 @@ from labcal.correspond.detections import Detections, gather
 from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
 from labcal.correspond.way_up import settle_way_up
-from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.errors import InputError, InputTypeError, WorkerError
@@ -43,6 +42,8 @@ def measure_picture(
 
     A file that cannot be read, or not be used, is a result with a reason.
     """
+    from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
+
     try:
         dots = detect_dots(undone(source.read(), tone_curve), target)
     except (InputError, InputTypeError) as error:

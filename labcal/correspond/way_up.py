@@ -16,7 +16,6 @@ from labcal.arrays import Pixels
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
-from labcal.detect.plain import turn_in_picture
 from labcal.geometry.epipolar import epipolar_misfit
 from labcal.targets.target import Target
 
@@ -104,6 +103,8 @@ def _next_turn(together: list[tuple[_Seen, float]], turn: float) -> float:
 
 def _turns(dots: PictureDots, target: Target) -> np.ndarray:
     """Return by how much the board is turned in the picture under every numbering, radians."""
+    from labcal.detect.plain import turn_in_picture  # noqa: PLC0415 -- imports Numba, which tables do not need
+
     return np.array(
         [
             turn_in_picture(target.points(index[dots.ok])[:, :2], dots.position[dots.ok])

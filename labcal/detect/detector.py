@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.detect.charuco import detect_charuco
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import SPOILT, DotFlag, Refusal
@@ -89,6 +88,8 @@ def _detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
     """Find dots or corners, of whatever polarity."""
     grey = grey_picture(image)
     if isinstance(target, CharucoBoard):
+        from labcal.detect.charuco import detect_charuco  # noqa: PLC0415 -- imports SciPy, which dots do not need
+
         return detect_charuco(grey, target)
     if np.shares_memory(grey, image):
         grey = grey.copy()  # it is turned into its negative in place, since it may be large

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Points
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import TriangulatedPoints
 from labcal.errors import InputError
@@ -16,6 +15,7 @@ from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.gp_field.learned_camera import LearnedCamera, triangulated
 from labcal.estimators.learned_arrays import FIGURES, LearnedArrays, free_count, from_arrays, to_arrays
 from labcal.geometry.arrangement import camera_count, refuse_other_than_points
+from labcal.run.threads import one_blas_thread
 from labcal.wording import counted
 
 _CAMERAS = 2

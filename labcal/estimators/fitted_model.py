@@ -1,6 +1,7 @@
 """A fitted method together with what it was fitted to: cameras, picture sizes, the trained volume."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -8,9 +9,11 @@ from jaxtyping import Bool, Float64
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.errors import InputError
-from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.rehearsal import Rehearsed
+from labcal.estimators.rehearsed import Rehearsed
 from labcal.wording import counted
+
+if TYPE_CHECKING:
+    from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,7 @@ class FittedModel:
         Cameras, sizes, box and estimator do not belong together.
     """
 
-    estimator: PointEstimator
+    estimator: "PointEstimator"
     cameras: tuple[str, ...]
     image_sizes: tuple[tuple[int, int], ...]
     box: TrainingBox

@@ -3,7 +3,7 @@
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import safetensors.numpy
@@ -12,15 +12,15 @@ from safetensors import SafetensorError, safe_open
 from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
-from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.fitted_model import FittedModel, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
-from labcal.estimators.rehearsal import Rehearsed
-from labcal.estimators.user_method import UserMethod
-from labcal.estimators.user_model import estimator_to_fill, fit_as_stored
+from labcal.estimators.rehearsed import Rehearsed
 from labcal.run.file_kinds import told_by
 from labcal.run.file_reading import require_file
 from labcal.run.outputs import write_file
+
+if TYPE_CHECKING:
+    from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
 
 # One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
 METADATA_KEY = "labcal"
@@ -192,8 +192,12 @@ def _content(path: Path) -> tuple[ModelHeader, dict[str, np.ndarray]]:
 
 def _estimator(
     path: Path, header: ModelHeader, arrays: dict[str, np.ndarray], method: object | None
-) -> PointEstimator:
+) -> "PointEstimator":
     """Return the fitted estimator; only attributes that its class declares are set."""
+    # Both import scikit-learn, which a reader of a header, or of a rig, does without.
+    from labcal.estimators.user_method import UserMethod  # noqa: PLC0415 -- see above
+    from labcal.estimators.user_model import estimator_to_fill, fit_as_stored  # noqa: PLC0415 -- see above
+
     estimator = estimator_to_fill(path, header, method)
     defaults = header.parameters if isinstance(estimator, UserMethod) else estimator.get_params()
     if header.parameters.keys() != defaults.keys() or header.facts.keys() != set(estimator.fitted_facts):

@@ -1,5 +1,7 @@
 """Points that are some: what a model or a rig gives beyond the bounds of sense is no solution."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from jaxtyping import Float64
 
@@ -7,12 +9,14 @@ from labcal.bounds import MOST_MM
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError, LabcalError
-from labcal.estimators.estimator import PointEstimator
 from labcal.geometry.covariances import stated_soundly
+
+if TYPE_CHECKING:
+    from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
 
 
 def predicted(
-    estimator: PointEstimator, matches: Matches
+    estimator: "PointEstimator", matches: Matches
 ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
     """Return the points of a method that was read from a file, mm, and their covariances, mm squared.
 

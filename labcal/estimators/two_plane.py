@@ -6,7 +6,6 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Points
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.held_out import edges
 from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
@@ -20,6 +19,7 @@ from labcal.geometry.arrangement import (
 )
 from labcal.geometry.projective_map import projective_map
 from labcal.geometry.rays import closest_points
+from labcal.run.threads import one_blas_thread
 
 CHOSEN = 0
 """In the place of a degree: the one that held-out edges choose."""

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from sklearn.base import clone
 from sklearn.multioutput import MultiOutputRegressor
 
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.errors import InputError, LabcalError
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
 from labcal.rng import generator
+from labcal.run.threads import one_blas_thread
 
 FOLDS = 5
 """Parts of the training data, each of which is held out once."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 from jaxtyping import Float64
-from scipy.stats import chi2
 
 from labcal.arrays import Mask
+from labcal.distributions import chi2_quantile
 from labcal.geometry.covariances import positive_definite
 
 
@@ -30,5 +30,5 @@ def within_ellipsoids(
     stated = positive_definite(covariance) & np.isfinite(error).all(axis=1)
     whitened = np.linalg.solve(covariance[stated], error[stated, :, None])[..., 0]
     within = np.zeros(len(error), dtype=bool)
-    within[stated] = (error[stated] * whitened).sum(axis=1) <= chi2.ppf(confidence, error.shape[1])
+    within[stated] = (error[stated] * whitened).sum(axis=1) <= chi2_quantile(confidence, error.shape[1])
     return within

@@ -1,7 +1,6 @@
 """Rigid transforms ``T_ab``: coordinates in b to coordinates in a, so ``T_ac = T_ab @ T_bc``."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Matrix3, Points, Pose
 from labcal.errors import InputError
@@ -29,11 +28,15 @@ def transform(T_ab: Pose, p_b: Points) -> Points:
 
 def from_rotation_vector(rotation_vector: np.ndarray, t_ab: np.ndarray) -> Pose:
     """Return ``T_ab`` from a rotation vector (axis times angle in radians, as OpenCV's) and t (mm)."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- takes a quarter of a second
+
     return pose(Rotation.from_rotvec(rotation_vector).as_matrix(), t_ab)
 
 
 def rotation_vector(T_ab: Pose) -> np.ndarray:
     """Return the rotation vector of ``T_ab`` (axis times angle in radians), shape (3,)."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
+
     return np.asarray(Rotation.from_matrix(T_ab[:3, :3]).as_rotvec())
 
 

@@ -6,6 +6,7 @@ from types import ModuleType
 from typing import Any
 
 from labcal.render.llvm import ensure_llvm
+from labcal.run.threads import one_drjit_thread
 
 Jit = Any
 """A value of Dr.Jit or Mitsuba; its class is another one in every variant."""
@@ -31,16 +32,13 @@ def renderer(variant: str) -> Iterator[ModuleType]:
         Dr.Jit has no LLVM library to compile with.
     """
     ensure_llvm()
-    import drjit  # noqa: PLC0415 -- it must not look for LLVM before it is told where
-    import mitsuba  # noqa: PLC0415
+    import mitsuba  # noqa: PLC0415 -- its Dr.Jit must not look for LLVM before it is told where
 
     before = mitsuba.variant()
-    threads = drjit.thread_count()
     mitsuba.set_variant(variant)
-    drjit.set_thread_count(1)
     try:
-        yield mitsuba
+        with one_drjit_thread():
+            yield mitsuba
     finally:
-        drjit.set_thread_count(threads)
         if before is not None:  # Mitsuba cannot go back to no variant at all
             mitsuba.set_variant(before)

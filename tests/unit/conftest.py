@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.dot_image import dot_images
 from labcal.correspond.detections import Detections
 from labcal.targets.grid import DotGrid
 
@@ -45,13 +44,32 @@ def see() -> See:
     return _see
 
 
+_RIM = 720
+
+
+def _rims(grid: DotGrid) -> np.ndarray:
+    """Return points around every dot, (dots, n, 3), in mm."""
+    angle = 2 * np.pi * np.arange(_RIM) / _RIM
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(_RIM)], axis=1)
+    return grid.points()[:, None] + 0.5 * grid.outer_diameters_mm()[:, None, None] * circle
+
+
+def _centre_of_area(outline: np.ndarray) -> np.ndarray:
+    """Return the centres of area of polygons (n, corners, 2), by the shoelace formula."""
+    middle = outline.mean(axis=1, keepdims=True)
+    a = outline - middle
+    b = np.roll(a, -1, axis=1)
+    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return middle[:, 0] + ((a + b) * cross[..., None]).sum(axis=1) / (3.0 * cross.sum(axis=1)[:, None])
+
+
 def _centroids(cameras: Mapping[str, Camera], grid: DotGrid, poses: Mapping[str, np.ndarray]) -> Detections:
     """Return what a perfect detector measures, centres of area, with a variance of 1e-4 px squared."""
     parts = []
     for view, T in poses.items():
         for name, camera in cameras.items():
-            found = dot_images(camera, T, grid.points(), 0.5 * grid.outer_diameters_mm())
-            whole = found.ok & camera.in_picture(found.outline).all(axis=1)
+            outline = camera.project(_rims(grid) @ T[:3, :3].T + T[:3, 3]).q
+            whole = camera.in_picture(outline).all(axis=1)
             n = grid.count
             parts.append(
                 Detections(
@@ -61,7 +79,7 @@ def _centroids(cameras: Mapping[str, Camera], grid: DotGrid, poses: Mapping[str,
                     size=np.tile(np.array(camera.size, dtype=np.int64), (n, 1)),
                     index=grid.indices().astype(np.int64),
                     has_id=np.ones(n, dtype=bool),
-                    position=found.centroid,
+                    position=_centre_of_area(outline),
                     covariance=np.tile(1e-4 * np.eye(2), (n, 1, 1)),
                     flag=np.where(whole, "ok", "cut"),
                 )

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from labcal.run.parent_watch import end_with_parent
+from labcal.run.threads import one_opencv_thread
 from labcal.targets.grid import DotGrid
 
 Ending = Literal["result", "reason", "error", "crash", "hang", "memory"]
@@ -106,17 +107,16 @@ class WatchedProcess:
         return status
 
 
+@one_opencv_thread()
 def _work(pipe: Connection, target: DotGrid, first: np.ndarray, memory_bytes: int) -> None:
     """Measure pictures until the other end closes."""
-    import cv2  # noqa: PLC0415 -- a spawned process imports what it needs itself
-
+    # A spawned process imports what it needs itself.
     from labcal.correspond.measure import measure_picture  # noqa: PLC0415
     from labcal.correspond.sources import Source  # noqa: PLC0415
     from labcal.detect.detector import detect_dots  # noqa: PLC0415
 
     end_with_parent()
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # the decoders' own words about damaged files
-    cv2.setNumThreads(1)
     detect_dots(first, target)
     idle = _peak_bytes()
     _limit_memory(memory_bytes)

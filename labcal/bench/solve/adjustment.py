@@ -15,7 +15,6 @@ from labcal.bench.solve.spoilt import spoilt_checks
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.rounds import DAMPING, STOPPING
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_start import start_from_camera
 from labcal.calibrate.rig_start import LoneCamera, rig_start
@@ -23,6 +22,7 @@ from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Solution
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.executor import open_pool
+from labcal.run.threads import one_blas_thread
 
 SIZES = (200, 1000, 4000)
 """Views."""

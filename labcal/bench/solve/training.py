@@ -15,7 +15,6 @@ import torch
 from jaxtyping import Float64
 
 from labcal.bench.groups import Bench, Findings
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.estimators.scaling import RangeScaling
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
@@ -24,11 +23,11 @@ from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
 from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
-from labcal.optim.threads import one_thread
 from labcal.paper.rows import Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading, simulate
 from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
+from labcal.run.threads import one_blas_thread, one_torch_thread
 
 PEER = "torch_levenberg_marquardt"
 ROW = PaperRow("training", Solver.NETWORK, Data.VOLUME, 520, 0.0, 0.0, (20, 30), 1e-8)
@@ -71,7 +70,7 @@ def training_findings(bench: Bench) -> Findings:
     rounds = QUICK_ROUNDS if bench.quick else ROUNDS
     task = _Task.of(bench.seed)
     bench.progress.start("training", 3)
-    with one_thread(), one_blas_thread():
+    with one_torch_thread(), one_blas_thread():
         checks, beside = _own_ratios(task, rounds)
         bench.progress.advance()
         checks += _batch_ratios(task, rounds)

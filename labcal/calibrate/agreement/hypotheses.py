@@ -4,11 +4,10 @@ from math import comb
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from scipy.stats import beta
-from scipy.stats import f as f_distribution
 
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.pair import PairAgreement
+from labcal.distributions import beta_tail, f_tail
 
 FALSE_ALARMS = 1e-6
 """Chance from which on cameras disagree: of a million good pairs one is accused."""
@@ -122,7 +121,7 @@ def surely(pair: PairAgreement, groups: Int64[np.ndarray, " n"]) -> bool:
     count = int(groups.max())
     rest = len(groups) - 1 - count
     share = 1.0 - pair.misfit(groups) / max(pair.misfit(together(pair)), 1e-300)
-    chance = float(beta.sf(share, count / 2, rest / 2)) if rest > 1 else 1.0
+    chance = beta_tail(share, count / 2, rest / 2) if rest > 1 else 1.0
     return chance * comb(len(groups) - 1, count) < _NO_CHANCE
 
 
@@ -144,7 +143,7 @@ def _gains(pair: PairAgreement, groups: Int64[np.ndarray, " n"]) -> Float64[np.n
 
 def _chance_of_view(pair: PairAgreement, gain: float) -> float:
     """Return how likely chance makes one view fit so badly."""
-    return float(f_distribution.sf(gain / POSE / pair.inflation, POSE, max(pair.smooth.freedom, 1.0)))
+    return f_tail(gain / POSE / pair.inflation, POSE, max(pair.smooth.freedom, 1.0))
 
 
 def _alone(groups: Int64[np.ndarray, " n"], place: int) -> Int64[np.ndarray, " n"]:

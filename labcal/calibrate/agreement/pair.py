@@ -5,12 +5,12 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from scipy.stats import f as f_distribution
 
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.correlated_errors import SmoothErrors
 from labcal.calibrate.agreement.relative_poses import RelativePoses
 from labcal.calibrate.lone_calibration import CameraAlone
+from labcal.distributions import f_tail
 
 _RIDGE = 1e-12
 """In units of a shared parameter's own curvature: for what neither camera's dots determine."""
@@ -59,7 +59,7 @@ class PairAgreement:
         if freedom == 0:
             return 1.0
         ratio = self.misfit(groups) / freedom / self.inflation
-        return float(f_distribution.sf(ratio, freedom, max(self.smooth.freedom, 1.0)))
+        return f_tail(ratio, freedom, max(self.smooth.freedom, 1.0))
 
     @property
     def inflation(self) -> float:

@@ -7,7 +7,6 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Points
 from labcal.calibrate.adjustment.state import POSE
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.calibrate.resection.problem import ResectionProblem, lens_prior
@@ -19,6 +18,7 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping
 from labcal.optim.whitening import Even, Whitening
+from labcal.run.threads import one_blas_thread
 
 _STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 FAR, NEAR = Damping(ceiling=1e8), Damping(start=1e-6, ceiling=1e8)

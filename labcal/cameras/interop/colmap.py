@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import (
@@ -113,6 +112,8 @@ def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
     InputError
         COLMAP has no such lens.
     """
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
+
     cameras: list[str] = []
     images: list[str] = []
     points: list[str] = []
@@ -147,6 +148,8 @@ def _lines(source: SourceText) -> list[str]:
 
 def _images(source: SourceText) -> list[tuple[str, str, Pose]]:
     """Return camera, name and pose of each image; every second line lists points and may be empty."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
+
     found = []
     for line in _lines(source)[::2]:
         words = line.split(maxsplit=_IMAGE_WORDS - 1)

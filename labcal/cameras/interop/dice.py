@@ -12,7 +12,6 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import (
@@ -152,6 +151,8 @@ def _array(text: str | None) -> list[str]:
 
 def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return what a camera's list says about its place, mm."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
+
     values = _values(camera)
     t = np.array([finite_number(values.get(key, "0"), key, path) for key in ("TX", "TY", "TZ")])
     for child in camera:

@@ -10,7 +10,6 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.cameras.interop.exchange import ReadRig
 from labcal.cameras.interop.lens_numbers import camera_record, perspective_lens
@@ -45,6 +44,8 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
     size = picture_size(stated if mask is None else [mask.get("width"), mask.get("height")], path)
     if stated not in (None, size):
         raise InputError(f"{path} states another size of the pictures than --size. Leave --size out.")
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
+
     names: list[str] = []
     records: list[CameraRecord] = []
     for camera in cameras:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arrays import Pixels, Points
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted
 from labcal.estimators.gp_field.evidence import FieldScale, field_scale
 from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
 from labcal.optim.whitening import Correlated
+from labcal.run.threads import one_blas_thread
 
 ROUNDS = 3
 """After these, neither the field's scale nor the camera moves by more than a few percent of their sd, unless

@@ -29,11 +29,6 @@ class PixelField:
     x: Float64[np.ndarray, "n 3"]
     residual: Float64[np.ndarray, "n 2"]
 
-    @property
-    def is_there(self) -> bool:
-        """Whether there is anything to explain."""
-        return self.scale.amplitude_px > 0.0
-
     @cached_property
     def root(self) -> Float64[np.ndarray, "n n"]:
         """The Cholesky factor of the measurements' covariance, px."""

@@ -7,7 +7,6 @@ import torch
 from jaxtyping import Float64
 from scipy.linalg import solve_triangular
 
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.estimators.estimator import COORDINATES, FittedArray
 from labcal.estimators.networks.network_estimator import NetworkEstimator, joint_reason, mean_history
 from labcal.estimators.pushed_noise import pushed_noise
@@ -15,7 +14,7 @@ from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.restarts import Race
-from labcal.optim.threads import one_thread
+from labcal.run.threads import one_blas_thread, one_torch_thread
 
 AT_ONCE = 500
 """Points whose derivatives by all weights are held at once."""
@@ -120,7 +119,7 @@ class MlpBayes(NetworkEstimator):
         scaled, network = self._scaled(pixels), self._network()
         half_range = self.output_half_range_[:COORDINATES]
         total = np.zeros((len(pixels), len(half_range), len(half_range)))
-        with one_thread(), one_blas_thread():
+        with one_torch_thread(), one_blas_thread():
             for own, factor in zip(self.parameters_, self.weight_factors_, strict=True):
                 for first in range(0, len(pixels), AT_ONCE):
                     rows = slice(first, first + AT_ONCE)

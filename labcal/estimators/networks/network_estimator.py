@@ -6,15 +6,14 @@ import numpy as np
 import torch
 from jaxtyping import Float64
 
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.errors import InputError
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
 from labcal.estimators.scaling import RangeScaling
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.threads import one_thread
 from labcal.rng import generator
+from labcal.run.threads import one_blas_thread, one_torch_thread
 
 Pixels = Float64[np.ndarray, "n inputs"]
 
@@ -81,7 +80,7 @@ class NetworkEstimator(PointEstimator):
             torch.from_numpy(outputs.scaled(points)),
             count,
         )
-        with one_thread(), one_blas_thread():
+        with one_torch_thread(), one_blas_thread():
             self._train(problem, starts)
 
     def _predict(self, pixels: Pixels) -> Float64[np.ndarray, "n outputs"]:
@@ -103,7 +102,7 @@ class NetworkEstimator(PointEstimator):
         """Return what each member predicts."""
         scaled, network = self._scaled(pixels), self._network()
         outputs = RangeScaling(self.output_centre_, self.output_half_range_)
-        with one_thread():
+        with one_torch_thread():
             return np.stack(
                 [
                     outputs.restored(network.forward(torch.from_numpy(own), scaled)[1].numpy())

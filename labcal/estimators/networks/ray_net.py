@@ -8,7 +8,6 @@ from jaxtyping import Float64
 from scipy.linalg import solve_triangular
 
 from labcal.arrays import Points
-from labcal.calibrate.blas_threads import one_blas_thread
 from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.networks.network_estimator import joint_reason
@@ -32,9 +31,9 @@ from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
 from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
-from labcal.optim.threads import one_thread
 from labcal.optim.weight_decay import Decayed
 from labcal.rng import generator
+from labcal.run.threads import one_blas_thread, one_torch_thread
 
 CAMERAS, UNKNOWN_POINTS = 2, 6
 ROUGH_EPOCHS = 60
@@ -140,7 +139,7 @@ class RayNet(PointEstimator):
         starts = self._starts(len(frames))
         of_cameras = [range(k, len(starts), len(frames)) for k in range(len(frames))]
         race = Race(of_cameras, first_milestone=FIRST_MILESTONE)
-        with one_thread(), one_blas_thread():
+        with one_torch_thread(), one_blas_thread():
             without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(starts))
             stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
             rough = minimize_batch(without_decay, starts, stopping, Damping(), race)
@@ -197,7 +196,7 @@ class RayNet(PointEstimator):
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         frames = self._frames()
-        with one_thread():
+        with one_torch_thread():
             crossings = [self._crossings(k, pixels) for k in range(len(frames))]
             ends = [frame.ends(own) for frame, own in zip(frames, crossings, strict=True)]
             near = np.stack([near for near, _ in ends], axis=1)
@@ -221,7 +220,7 @@ class RayNet(PointEstimator):
     ) -> Float64[np.ndarray, "n dim dim"]:
         points = self._predict(pixels)
         of_weights = np.empty_like(pixel_covariance)
-        with one_thread(), one_blas_thread():
+        with one_torch_thread(), one_blas_thread():
             for k, frame in enumerate(self._frames()):
                 weights = torch.from_numpy(self.parameters_[k])
                 jacobian = self._network().jacobian(weights, self._scaled(k, pixels)).numpy()

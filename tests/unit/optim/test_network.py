@@ -10,7 +10,6 @@ from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
 from labcal.optim.solution import Stopping
-from labcal.optim.threads import one_thread
 
 SIZES = [(4, 3), (4, 6, 3), (4, 5, 7, 3), (3, 4, 5, 6, 2), (1, 1, 1)]
 
@@ -153,19 +152,3 @@ def test_nguyen_widrow_is_the_same_for_the_same_generator() -> None:
     one, same, other = (nguyen_widrow(network, np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert torch.equal(one, same)
     assert not torch.equal(one, other)
-
-
-def fail_in_one_thread() -> None:
-    with one_thread():
-        raise RuntimeError(f"{torch.get_num_threads()} inside")
-
-
-def test_one_thread_restores_the_number_of_threads_even_after_an_error() -> None:
-    before = torch.get_num_threads()
-    torch.set_num_threads(2)
-    try:
-        with pytest.raises(RuntimeError, match="1 inside"):
-            fail_in_one_thread()
-        assert torch.get_num_threads() == 2
-    finally:
-        torch.set_num_threads(before)

@@ -55,9 +55,9 @@ def test_lamps_light_the_board_as_computed(lamps: list[str]) -> None:
     ratio = light[on_board] / np.asarray(expected)
     assert on_board.sum() > 200
     assert np.ptp(expected) > 0.1 * np.mean(expected)  # else a constant would do
-    assert ratio.std() < 0.03
-    z = (ratio.mean() - 1.0) / (ratio.std() / np.sqrt(on_board.sum()))
-    assert abs(z) < 4 or abs(ratio.mean() - 1.0) < 2e-3
+    # Noise of 256 rays is 0.9% of a pixel at most, of which 0.05% is left in the mean.
+    assert ratio.std() < 0.015
+    assert abs(ratio.mean() - 1.0) < 2e-3
 
 
 def test_a_spotlight_has_no_noise_and_ends_at_its_cutoff() -> None:

@@ -12,6 +12,10 @@ from labcal.bench.detect.watched import Limits, WatchedProcess
 from labcal.correspond.measure import measure_picture
 from labcal.correspond.sources import Source
 
+NOISE = list(KINDS).index("noise")
+NO_TARGET = {"tiny", "empty scene", "noise", "bomb", "size patched", "no file"}
+"""Kinds in which there are no dots to be found, whatever the seed."""
+
 
 @pytest.fixture(autouse=True)
 def small_bombs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,16 +29,23 @@ def test_inputs_follow_from_the_seed(tmp_path: Path) -> None:
     for number in range(len(KINDS)):
         one, two = (hostile_file(number, 5, tmp_path / home) for home in ("a", "b"))
         assert one.name == two.name
-        assert not one.is_file() or one.read_bytes() == two.read_bytes()
+        assert one.is_file() == two.is_file() == ("no file" not in one.name)
+        if one.is_file():
+            assert one.read_bytes() == two.read_bytes()
+    other = hostile_file(NOISE, 6, tmp_path)
+    assert other.read_bytes() != hostile_file(NOISE, 5, tmp_path / "a").read_bytes()
 
 
 def test_each_kind_gives_a_result_or_a_reason(tmp_path: Path) -> None:
     for number in range(3 * len(KINDS)):
         path = hostile_file(number, 1, tmp_path)
         found = measure_picture(Source("view", "camera", str(path), None), TARGET)
-        assert found.indexed or found.reason, path
-        if "whole" in path.name:
+        kind = path.stem.partition("-")[2]
+        if kind == "whole":
             assert found.indexed, path
+        elif kind in NO_TARGET:
+            assert not found.indexed, path
+            assert (found.reason or "").endswith("."), found.reason  # a sentence
 
 
 def test_values_that_are_no_picture_are_a_reason(tmp_path: Path) -> None:

@@ -1,0 +1,68 @@
+"""One thread for each library that has several: results keep their bytes, and processes spread the work."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Let NumPy's and SciPy's BLAS compute with one thread inside, and with as many as before afterwards.
+
+    The matrices here are too small for more. Measured on two cores that others used, too: factoring 200 x 200
+    takes ten times as long with two threads as with one. The number of threads also decides on the last
+    digits. Only libraries that are loaded when this is called are told: what computes with SciPy inside
+    imports it at the head of its file.
+    """
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415 -- each switch imports its own library
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
+
+
+@contextmanager
+def one_opencv_thread() -> Iterator[None]:
+    """Let OpenCV compute with one thread inside, and with as many as before afterwards.
+
+    Its calibration forms sums in the order in which its threads end: with more than one the same points give
+    other last digits at every run.
+    """
+    import cv2  # noqa: PLC0415 -- as above
+
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+@contextmanager
+def one_torch_thread() -> Iterator[None]:
+    """Let torch compute with one thread inside, and with as many as before afterwards.
+
+    The number of threads decides in which order sums are formed, and with it the last bits of a result.
+    """
+    import torch  # noqa: PLC0415 -- as above
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
+
+
+@contextmanager
+def one_drjit_thread() -> Iterator[None]:
+    """Let Dr.Jit, and with it Mitsuba, compute with one thread inside, and with as many as before afterwards.
+
+    A case shall give the same bytes however many cases run beside it. Dr.Jit has to know where LLVM is.
+    """
+    import drjit  # noqa: PLC0415 -- as above
+
+    before = drjit.thread_count()
+    drjit.set_thread_count(1)
+    try:
+        yield
+    finally:
+        drjit.set_thread_count(before)
