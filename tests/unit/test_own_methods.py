@@ -49,7 +49,7 @@ def Made():
 @pytest.fixture(autouse=True)
 def one_lens(monkeypatch: pytest.MonkeyPatch) -> None:
     """Spare the choice among five lens models, which is not what is tested here."""
-    monkeypatch.setattr(lens_choice, "CANDIDATES", ("brown5",))
+    monkeypatch.setattr(lens_choice, "OF_POINTS", ("brown5",))
 
 
 @pytest.fixture
