@@ -34,13 +34,13 @@ def gross_errors(dots: Detections, target: Target) -> Bool[np.ndarray, " n"]:
     -----
     A homography that suits most dots leaves residuals that distortion makes alike for neighbours.
     """
-    none = np.zeros(len(dots), dtype=bool)
+    off = np.zeros(len(dots), dtype=bool)
     places = target.points(dots.index)
     if len(dots) < _FEWEST:
-        return none
+        return off
     H = robust_homography(places[:, :2], dots.position)
     if H is None:
-        return none
+        return off
     told = homogeneous(places[:, :2]) @ H.T
     with np.errstate(divide="ignore", invalid="ignore"):
         told = told[:, :2] / told[:, 2:]
@@ -49,8 +49,8 @@ def gross_errors(dots: Detections, target: Target) -> Bool[np.ndarray, " n"]:
     least = _OF_A_PITCH * float(np.median(distances[:, 1]))
     candidates = np.flatnonzero(np.linalg.norm(residual, axis=1) > least)
     if len(candidates) == 0 or not np.isfinite(residual).all():
-        return none
+        return off
     apart, usual = beside_neighbours(residual, places, candidates)
     size = np.linalg.norm(apart, axis=1)
-    none[candidates] = (size > least) & (size > _TIMES * usual)
-    return none
+    off[candidates] = (size > least) & (size > _TIMES * usual)
+    return off

@@ -4,8 +4,7 @@ import sys
 from pathlib import Path
 
 from labcal.errors import InputError
-
-_OWN = ":"
+from labcal.estimators.registry import SEPARATOR
 
 
 def named_methods(text: str) -> list[str]:
@@ -23,7 +22,7 @@ def named_methods(text: str) -> list[str]:
         )
     if len(set(names)) < len(names):
         raise InputError(f"--method names a method twice: {text}. Name each once.")
-    if any(_OWN in name for name in names):
+    if any(SEPARATOR in name for name in names):
         _look_here()
     return names
 

@@ -8,12 +8,10 @@ from sklearn.base import clone
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.registry import make_estimator
+from labcal.estimators.registry import SEPARATOR, make_estimator
 from labcal.estimators.user_method import UserMethod, class_path, is_regressor
 from labcal.wording import clipped
 
-SEPARATOR = ":"
-"""Between module and class of a method of one's own; no name of a method has it."""
 _FORM = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*(\.[^\W\d]\w*)*")
 
 

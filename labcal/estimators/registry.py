@@ -30,6 +30,8 @@ class MethodEntry:
     needs: str
 
 
+SEPARATOR = ":"
+"""Between module and class of a method of one's own; no name of a method has it."""
 _VOLUME = "two cameras or more; dots not all on one plane"
 _ANY = "any number of cameras; dots on one plane or not"
 # In the order in which they are recommended.
@@ -153,7 +155,7 @@ def method_class(name: str) -> "type[PointEstimator]":
         return _REGISTERED[name]
     if name not in _METHODS:
         raise UnknownNameError("method", name, method_entries())
-    module, _, class_name = _METHODS[name].where.partition(":")
+    module, _, class_name = _METHODS[name].where.partition(SEPARATOR)
     found: type[PointEstimator] = getattr(import_module(module), class_name)
     return found
 
