@@ -31,7 +31,7 @@ from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
-    from labcal.calibrate.calibrated import Calibrated
+    from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.correspond.measure import Measurement, detections_of
     from labcal.correspond.sources import Source, find_sources
@@ -129,7 +129,7 @@ def calibrate(
     settings: "HandheldSettings | None" = None,
     hold_out: HoldOut = (),
     progress: Progress | None = None,
-) -> "Calibrated":
+) -> "Calibration":
     """Calibrate cameras from a target in the hand.
 
     Parameters
@@ -138,9 +138,9 @@ def calibrate(
         A shoot, whose test views do not enter; or the target that the dots are of.
     detections : Detections
     lens, settings, hold_out, progress
-        As in :func:`~labcal.calibrate.calibrated.calibrated`, where errors are told, too.
+        As in :func:`~labcal.calibrate.calibration.calibrated`, where errors are told, too.
     """
-    from labcal.calibrate.calibrated import calibrated
+    from labcal.calibrate.calibration import calibrated
 
     if not isinstance(source, Shoot):
         return calibrated(detections, source, lens, settings, hold_out, progress)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from sklearn.base import clone
 
-from labcal.calibrate.calibrated import Calibrated, calibrated
+from labcal.calibrate.calibration import Calibration, calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens
@@ -50,7 +50,7 @@ class Training:
     ----------
     centred : CentredTraining
         Pixels and points.
-    held : Calibrated or None
+    held : Calibration or None
         How the target was placed; None where a stage told.
     warnings : tuple of str
         What is not as it should be, for people.
@@ -59,7 +59,7 @@ class Training:
     """
 
     centred: CentredTraining
-    held: Calibrated | None
+    held: Calibration | None
     warnings: tuple[str, ...]
     held_out: tuple[str, ...] = ()
 
@@ -98,7 +98,7 @@ def training_of(
     ------
     InputError
         As of :func:`~labcal.correspond.training.training_data`, or of
-        :func:`~labcal.calibrate.calibrated.calibrated`.
+        :func:`~labcal.calibrate.calibration.calibrated`.
     """
     settings = settings or FitSettings()
     tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()

@@ -1,6 +1,6 @@
 """What it means that the cameras of a rig contradict each other, for people."""
 
-from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 
 
 def contradiction_words(found: HandheldCalibration) -> list[str]:

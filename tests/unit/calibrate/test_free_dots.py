@@ -9,8 +9,8 @@ from scipy.stats import chi2
 
 from labcal.calibrate.adjustment.dot_freedom import Held
 from labcal.calibrate.adjustment.state import Lenses
-from labcal.calibrate.calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
