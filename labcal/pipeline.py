@@ -21,7 +21,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.points import ReconstructedPoints
 from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -157,7 +157,7 @@ def fit(
     detections: Detections,
     method: object = "hybrid",
     settings: "FitSettings | None" = None,
-) -> FittedModel:
+) -> Model:
     """Teach a method the dots of a target; :func:`taught` teaches several the same :func:`training_of`.
 
     Parameters
@@ -185,9 +185,7 @@ def fit(
     return model
 
 
-def reconstruct(
-    model: FittedModel | Rig, detections: Detections, target: Target | None = None
-) -> "Reconstruction":
+def reconstruct(model: Model | Rig, detections: Detections, target: Target | None = None) -> "Reconstruction":
     """Return the points of all dots that every camera measured; see :func:`reconstruct_centres`."""
     from labcal.reconstruct.reconstruction import reconstruct_centres
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings

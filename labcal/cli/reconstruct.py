@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.centre_bias import CentreBias
     from labcal.calibrate.triangulation_check import TriangulationCheck
     from labcal.cameras.rig import Rig
-    from labcal.estimators.fitted_model import FittedModel
+    from labcal.estimators.model import Model
     from labcal.targets.target import Target
 
 
@@ -127,9 +127,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     return ExitStatus.PARTIAL if inconsistent or PointFlag.OK.value not in flags else ExitStatus.DONE
 
 
-def _inconsistent(
-    model: "FittedModel | Rig", check: "TriangulationCheck | None"
-) -> InconsistentPoints | None:
+def _inconsistent(model: "Model | Rig", check: "TriangulationCheck | None") -> InconsistentPoints | None:
     """Return what speaks against the points; None where nothing does."""
     causes = [] if model.calibration is None else list(model.calibration.inconsistent)
     views = [] if check is None else list(check.views)

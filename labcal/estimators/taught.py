@@ -17,9 +17,9 @@ from labcal.correspond.view_roles import HoldOut
 from labcal.errors import InputError
 from labcal.estimators.centred_training import CentredTraining, centred_training
 from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.method_choice import estimator_of
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.rehearsal import Twin, fitted_beside, rehearse, twin_of
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot
@@ -157,10 +157,10 @@ def taught(
     estimators: Sequence[PointEstimator],
     settings: FitSettings | None = None,
     progress: Progress | None = None,
-) -> list[FittedModel | InputError]:
+) -> list[Model | InputError]:
     """Return what each method learned, or why it cannot."""
     settings, progress = settings or FitSettings(), progress or NoProgress()
-    data, learned = training.centred.data, list[FittedModel | InputError]()
+    data, learned = training.centred.data, list[Model | InputError]()
     progress.start("methods", len(estimators) + 1)
     twin = None
     if settings.rehearsal:
@@ -182,7 +182,7 @@ def teach(
     estimator: PointEstimator,
     resected: tuple[Camera, ...] | None = None,
     twin: Twin | None = None,
-) -> FittedModel:
+) -> Model:
     """Teach one method pixels and points.
 
     Parameters
@@ -206,4 +206,4 @@ def teach(
     box = TrainingBox.of(data.X, data.Y)
     fitted = fitted_beside(twin, estimator, data.X, data.Y)
     rehearsed = None if twin is None else rehearse(fitted, twin)
-    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)
+    return Model(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)

@@ -14,14 +14,14 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match, require_on_target
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, views_taught
 from labcal.estimators.sound_points import predicted, within_sense
 from labcal.estimators.swapped_pictures import refuse_swapped
 from labcal.targets.target import Target
 
 
-def load_reconstructor(path: Path, method: object | None = None) -> FittedModel | Rig:
+def load_reconstructor(path: Path, method: object | None = None) -> Model | Rig:
     """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
 
     Parameters
@@ -71,20 +71,18 @@ class Reconstruction:
 
 
 def reconstruct_points(
-    model: FittedModel | Rig, detections: Detections, target: Target | None = None
+    model: Model | Rig, detections: Detections, target: Target | None = None
 ) -> ReconstructedPoints:
     """Return the points of :func:`reconstruct_centres`; without a target, of the centroids as they are."""
     return reconstruct_centres(model, detections, target).points
 
 
-def reconstruct_centres(
-    model: FittedModel | Rig, detections: Detections, target: Target | None
-) -> Reconstruction:
+def reconstruct_centres(model: Model | Rig, detections: Detections, target: Target | None) -> Reconstruction:
     """Return the points of all dots that every camera of the model measured.
 
     Parameters
     ----------
-    model : FittedModel or Rig
+    model : Model or Rig
         A fitted method gives points in the stage's world, with the covariances that it states; a rig
         triangulates, with covariances from the pixels', in its own world.
     detections : Detections
@@ -149,7 +147,7 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     )
 
 
-def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> Reconstruction:
+def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconstruction:
     bias, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
     if model.resected is not None:
         refuse_swapped(model.resected, matches)

@@ -4,19 +4,19 @@ from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import PointFlag
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.reconstruct.reconstruction import Reconstruction
 from labcal.wording import counted, listed
 
 
 def reconstruction_warnings(
-    model: FittedModel | Rig, detections: Detections, found: Reconstruction, target_known: str | None
+    model: Model | Rig, detections: Detections, found: Reconstruction, target_known: str | None
 ) -> tuple[str, ...]:
     """Return what is not as it should be, for people.
 
     Parameters
     ----------
-    model : FittedModel or Rig
+    model : Model or Rig
     detections : Detections
         What was reconstructed from.
     found : Reconstruction
@@ -29,7 +29,7 @@ def reconstruction_warnings(
             "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
             "--target NAME"
         )
-    if isinstance(model, FittedModel) and model.misfit:
+    if isinstance(model, Model) and model.misfit:
         warnings.append(
             f"when it was fitted, '{model.estimator.method}' was found to err by far more than the noise "
             "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "

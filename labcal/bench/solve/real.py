@@ -13,8 +13,8 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
-from labcal.estimators.fitted_model import FittedModel
 from labcal.estimators.handheld_training import handheld_training
+from labcal.estimators.model import Model
 from labcal.estimators.registry import make_estimator
 from labcal.estimators.taught import teach
 from labcal.report.bench import Figure, at_most
@@ -60,7 +60,7 @@ def real_findings(bench: Bench) -> Findings:
     for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
         found, places = print_and_rig(learned, target, LENS)
         training = handheld_training(found, learned, target).data
-        models: dict[str, Rig | FittedModel] = {"rig": found.rig}
+        models: dict[str, Rig | Model] = {"rig": found.rig}
         models |= {method: teach(training, make_estimator(method)) for method in TAUGHT}
         for name, model in models.items():
             lengths = lengths_elsewhere(model, places, others, target).length_error_mm
