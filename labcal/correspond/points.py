@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.arrays import PointCovariances, Points
+from labcal.arrays import PointCovariances, Vectors3
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.geometry.covariances import stated_soundly
 from labcal.run.file_kinds import beginning_with
@@ -45,7 +45,7 @@ class ReconstructedPoints:
     """(n,) of str"""
     index: Int64[np.ndarray, "n 2"]
     """(col, row)"""
-    point: Points
+    point: Vectors3
     """(n, 3), mm; NaN where there is none."""
     covariance: PointCovariances
     """(n, 3, 3), mm squared; NaN where the method states none."""

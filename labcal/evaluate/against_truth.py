@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from labcal.arrays import Mask, Points
+from labcal.arrays import Mask, Vectors3
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
@@ -159,7 +159,7 @@ def _true_places(shoot: Shoot) -> Places:
     return places
 
 
-def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Points:
+def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Vectors3:
     """Return where dots truly were; NaN for those that the truth does not know."""
     unknown = [np.nan] * 3
     keys = zip(view.tolist(), *index.T.tolist(), strict=True)
@@ -173,7 +173,9 @@ def _held_out(views: ScoredViews) -> str:
     return "points of views to test on" if views.calibrated_on is None else "points of views held out"
 
 
-def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
+def _scored(
+    points: ReconstructedPoints, true: Vectors3, shoot: Shoot, views: ScoredViews
+) -> tuple[Mask, str]:
     """Return which points count, and that in words."""
     nominal = shoot.nominal_poses()
     tested = {view.name for view in shoot.views(Role.TEST)}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import PointCovariances, Points
+from labcal.arrays import PointCovariances, Vectors3
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.ellipsoids import within_ellipsoids
 
@@ -28,7 +28,7 @@ class ErrorStatistics:
     """Greatest length."""
 
 
-def error_statistics(predicted: Points, true: Points) -> ErrorStatistics:
+def error_statistics(predicted: Vectors3, true: Vectors3) -> ErrorStatistics:
     """Return the figures for points, of which at least one must be finite in both; the rest is left out.
 
     Parameters
@@ -53,7 +53,7 @@ def error_statistics(predicted: Points, true: Points) -> ErrorStatistics:
     )
 
 
-def coverage(error: Points, covariance: PointCovariances) -> float:
+def coverage(error: Vectors3, covariance: PointCovariances) -> float:
     """Return the share of errors that lie within their own 95% ellipsoid; NaN where no covariance is stated.
 
     Parameters
