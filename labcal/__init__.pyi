@@ -6,7 +6,7 @@ from .cameras.rig import read_rig as read_rig
 from .cameras.rig import write_rig as write_rig
 from .correspond.detections import Detections as Detections
 from .correspond.detections import read_detections as read_detections
-from .correspond.points import ReconstructedPoints as ReconstructedPoints
+from .correspond.points import Points as Points
 from .correspond.points import read_points as read_points
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError

@@ -18,7 +18,7 @@ import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.estimators.model import Model
@@ -196,7 +196,7 @@ def reconstruct(model: Model | Rig, detections: Detections, target: Target | Non
 
 
 def evaluate(
-    points: ReconstructedPoints,
+    points: Points,
     source: Shoot | AnyTarget | DotPlaces,
     detections: Detections | None = None,
     alignment: "Alignment | None" = None,

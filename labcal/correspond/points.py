@@ -38,7 +38,7 @@ class PointFlag(StrEnum):
 
 
 @dataclass(frozen=True)
-class ReconstructedPoints:
+class Points:
     """Points in columns of equal length, in the frame of the model."""
 
     view: np.ndarray
@@ -55,14 +55,14 @@ class ReconstructedPoints:
     def __len__(self) -> int:
         return len(self.view)
 
-    def where(self, mask: np.ndarray) -> "ReconstructedPoints":
+    def where(self, mask: np.ndarray) -> "Points":
         """Return the lines where the mask holds."""
-        return ReconstructedPoints(
+        return Points(
             self.view[mask], self.index[mask], self.point[mask], self.covariance[mask], self.flag[mask]
         )
 
 
-def points_csv(points: ReconstructedPoints) -> str:
+def points_csv(points: Points) -> str:
     """Return the text of ``points.csv``; figures are written so that they read back exactly."""
     return table_text(
         HEADER,
@@ -74,7 +74,7 @@ def points_csv(points: ReconstructedPoints) -> str:
     )  # fmt: skip
 
 
-def read_points(path: Path) -> ReconstructedPoints:
+def read_points(path: Path) -> Points:
     """Read ``points.csv``.
 
     Raises
@@ -89,7 +89,7 @@ def read_points(path: Path) -> ReconstructedPoints:
         (np.concatenate(column) for column in zip(*read, strict=True)) if read else _NO_LINES
     )
     refuse_twice(path, np.column_stack([view, index + MOST_INDEX]), "dot of a view")
-    return ReconstructedPoints(
+    return Points(
         view=names_of_lines(path, list(views), view),
         index=index,
         point=figures[:, :3],

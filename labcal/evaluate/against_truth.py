@@ -10,7 +10,7 @@ from labcal.arrays import Mask, Vectors3
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
-from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
 from labcal.evaluate.scored_views import ScoredViews, scored_warnings
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
@@ -57,7 +57,7 @@ class TruthErrors(ErrorStatistics):
 
 
 def errors_against_truth(
-    points: ReconstructedPoints,
+    points: Points,
     shoot: Shoot,
     detections: Detections | None,
     alignment: Alignment | None = None,
@@ -70,7 +70,7 @@ def errors_against_truth(
 
     Parameters
     ----------
-    points : ReconstructedPoints
+    points : Points
     shoot : Shoot
         Its folder holds the truth.
     detections : Detections or None
@@ -173,9 +173,7 @@ def _held_out(views: ScoredViews) -> str:
     return "points of views to test on" if views.calibrated_on is None else "points of views held out"
 
 
-def _scored(
-    points: ReconstructedPoints, true: Vectors3, shoot: Shoot, views: ScoredViews
-) -> tuple[Mask, str]:
+def _scored(points: Points, true: Vectors3, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
     """Return which points count, and that in words."""
     nominal = shoot.nominal_poses()
     tested = {view.name for view in shoot.views(Role.TEST)}
@@ -190,9 +188,7 @@ def _scored(
     ), "points of test views within the trained hull"
 
 
-def _limit(
-    kept: ReconstructedPoints, shoot: Shoot, truth: Truth, places: Places, detections: Detections
-) -> float:
+def _limit(kept: Points, shoot: Shoot, truth: Truth, places: Places, detections: Detections) -> float:
     """Return the RMS error that exactly known cameras would leave, from the detections' covariances."""
     matches = match(detections, shoot.cameras)
     wanted = {

@@ -12,7 +12,7 @@ from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match, require_on_target
-from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, views_taught
@@ -58,7 +58,7 @@ def views_learned(path: Path) -> tuple[str, ...]:
 class Reconstruction:
     """Points, and what was taken off the centroids that they come from."""
 
-    points: ReconstructedPoints
+    points: Points
     bias: CentreBias | None
     """None where nothing was."""
     miss_px: float | None
@@ -70,9 +70,7 @@ class Reconstruction:
     """What is not as it should be, for people."""
 
 
-def reconstruct_points(
-    model: Model | Rig, detections: Detections, target: Target | None = None
-) -> ReconstructedPoints:
+def reconstruct_points(model: Model | Rig, detections: Detections, target: Target | None = None) -> Points:
     """Return the points of :func:`reconstruct_centres`; without a target, of the centroids as they are."""
     return reconstruct_centres(model, detections, target).points
 
@@ -140,7 +138,7 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     flag = np.where(misses.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
-        ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag),
+        Points(matches.view, matches.index, found.point, found.covariance, flag),
         bias,
         misses.typical_px,
         check,
@@ -164,7 +162,7 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
     flag = np.where(outlying | misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)
     flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
-    points = ReconstructedPoints(matches.view, matches.index, point, covariance, flag)
+    points = Points(matches.view, matches.index, point, covariance, flag)
     return Reconstruction(points, bias, typical_px, check)
 
 

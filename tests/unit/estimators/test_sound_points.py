@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from labcal.correspond.matching import Matches
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import _like, load_model, save_model
@@ -72,7 +72,7 @@ def test_what_cannot_be_computed_is_told_as_the_models_fault(model: Model, stere
 
 def test_points_that_are_nowhere_have_no_solution() -> None:
     n = 3
-    points = ReconstructedPoints(
+    points = Points(
         np.array(["v"] * n), np.zeros((n, 2), dtype=np.int64),
         np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 1e200], [1.0, 2.0, 3.0]]),
         np.stack([np.eye(3), np.eye(3), np.diag([1.0, 1.0, -1.0])]), np.array(["ok"] * n, dtype="<U16"),
