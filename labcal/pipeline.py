@@ -1,20 +1,19 @@
-"""The chain from pictures to errors in millimetres, each step a function of plain values.
+"""The chain from pictures to errors in millimetres: the work of every command as one function.
 
 ::
 
     render ─► SHOOT ─► detect ─► fit, or calibrate ─► reconstruct ─► evaluate
 
-What a command does is the function of its name; the command line adds reading, writing and printing. What a
-person should not miss is in the `warnings` of what is returned.
+A command line parses, calls the function of its verb's name, and prints; a notebook calls the same functions.
+Paths are text or :class:`os.PathLike`; where a shoot, a table, cameras or points are wanted, their path does,
+too. Nothing is printed: what a person should not miss is in the `warnings` of what is returned, and
+`progress` is told how far the work has come.
 """
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
@@ -22,51 +21,74 @@ from labcal.correspond.points import Points
 from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.estimators.model import Model
+from labcal.paths import AnyPath, as_path
 from labcal.run.progress import NoProgress, Progress
-from labcal.shoot.dataset import Shoot
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.manifest import Role
-from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve
-from labcal.targets.catalogue import AnyTarget
+from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, find_tone_curve
+from labcal.targets.catalogue import AnyTarget, load_target
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
+    from labcal.bench.settings import BenchSettings
     from labcal.calibrate.calibration import Calibration
+    from labcal.calibrate.epipolar_residual import epipolar_rms
     from labcal.calibrate.handheld import HandheldSettings
+    from labcal.cameras.interop.conversion import Conversion, ConvertSettings
     from labcal.correspond.measure import Measurement, detections_of
-    from labcal.correspond.sources import Source, find_sources
+    from labcal.correspond.picture_set import AnyPictures, open_pictures
+    from labcal.correspond.undistortion import Undistorted, UndistortSettings
     from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
+    from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.reconstruction import Reconstruction
     from labcal.render.shoot import RenderSettings
+    from labcal.report.bench import BenchResult
+    from labcal.report.inspection import Inspection
+    from labcal.report.reproduction import Reproduction
 
 __all__ = [
+    "BenchSettings",
+    "ConvertSettings",
     "FitSettings",
     "HandheldSettings",
     "RenderSettings",
+    "ReproduceSettings",
+    "UndistortSettings",
+    "bench",
     "calibrate",
+    "convert",
     "detect",
     "detections_of",
     "epipolar_rms",
     "estimators_of",
     "evaluate",
-    "find_sources",
     "fit",
+    "inspect",
     "measure",
+    "open_pictures",
     "reconstruct",
     "render",
+    "reproduce",
     "taught",
     "training_of",
+    "undistort",
 ]
 
 _HOMES = {
+    "BenchSettings": "labcal.bench.settings",
+    "ConvertSettings": "labcal.cameras.interop.conversion",
     "FitSettings": "labcal.estimators.taught",
     "HandheldSettings": "labcal.calibrate.handheld",
     "RenderSettings": "labcal.render.shoot",
+    "ReproduceSettings": "labcal.paper.reproduce",
+    "UndistortSettings": "labcal.correspond.undistortion",
     "detections_of": "labcal.correspond.measure",
+    "epipolar_rms": "labcal.calibrate.epipolar_residual",
     "estimators_of": "labcal.estimators.taught",
-    "find_sources": "labcal.correspond.sources",
+    "open_pictures": "labcal.correspond.picture_set",
     "taught": "labcal.estimators.taught",
     "training_of": "labcal.estimators.taught",
 }
@@ -85,31 +107,94 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *_HOMES})
 
 
-def render(scene: str, folder: Path, settings: "RenderSettings | None" = None) -> Shoot:
-    """Render a scene, by name or from a YAML file, into a new shoot; see :func:`render_shoot` for errors."""
+def render(
+    scene: AnyPath,
+    folder: AnyPath,
+    settings: "RenderSettings | None" = None,
+    overrides: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> Shoot:
+    """Render a scene into a new shoot: pictures, a manifest, and the truth in a folder apart.
+
+    Parameters
+    ----------
+    scene : str or path
+        The name of a scene that labcal ships, or the path of a YAML file.
+    folder : path
+        The folder to appear. What an interrupted run left is gone on with.
+    settings : RenderSettings, optional
+    overrides : sequence of str
+        Values of the scene to change, as in ``"cameras.left.focal_px=800"``.
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such scene, or something in it is not allowed.
+    OutputError
+        The folder exists already, or may not be made.
+    DeviceError
+        The renderer does not work on this machine.
+    """
     from labcal.render.shoot import RenderSettings, render_shoot
     from labcal.scene.catalogue import load_scene
 
-    return render_shoot(load_scene(scene), folder, settings or RenderSettings(), NoProgress())
+    loaded = load_scene(str(scene), tuple(overrides))
+    return render_shoot(loaded, as_path(folder), settings or RenderSettings(), progress or NoProgress())
 
 
 def measure(
-    sources: "Sequence[Source]",
-    target: AnyTarget,
+    pictures: "AnyPictures",
+    target: str | AnyTarget | None = None,
+    tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
     workers: int = 1,
     progress: Progress | None = None,
-    tone_curve: AnyToneCurve = ToneCurve.LINEAR,
 ) -> "list[Measurement]":
-    """Find the dots in pictures; a picture that cannot be used is a result with a reason."""
+    """Find the dots in pictures, and tell of each picture what came of it.
+
+    Parameters
+    ----------
+    pictures : PictureSet, Shoot, path or sequence of paths
+        As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
+    target : str or AnyTarget, optional
+        What the pictures show; a shoot brings its own.
+    tone_curve : str or AnyToneCurve
+        The camera's, which is undone first.
+    workers : int
+        Processes at work; the results are the same for any number.
+    progress : Progress, optional
+
+    Returns
+    -------
+    list of Measurement
+        In the order of the pictures; one that cannot be used is a result with a reason.
+
+    Raises
+    ------
+    InputError
+        There are no such pictures, or the target is not known.
+    """
     from labcal.correspond.measure import measure_pictures
+    from labcal.correspond.picture_set import open_pictures
     from labcal.run.executor import open_executor
 
+    curve = find_tone_curve(tone_curve) if isinstance(tone_curve, str) else tone_curve
+    opened = open_pictures(pictures)
+    shown = opened.target(target)
     with open_executor(workers) as executor:
-        return measure_pictures(sources, target, executor, progress or NoProgress(), tone_curve)
+        return measure_pictures(opened.sources, shown, executor, progress or NoProgress(), curve)
 
 
-def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> Detections:
-    """Return the dots of a shoot, found by its own target; :func:`measure` tells of each picture.
+def detect(
+    pictures: "AnyPictures",
+    target: str | AnyTarget | None = None,
+    tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> Detections:
+    """Find the dots in pictures, and return the table of them.
+
+    Parameters and errors are those of :func:`measure`, which tells of each picture by itself.
 
     Raises
     ------
@@ -117,127 +202,355 @@ def detect(shoot: Shoot, workers: int = 1, progress: Progress | None = None) -> 
         No picture could be read at all.
     """
     from labcal.correspond.measure import detections_of
-    from labcal.correspond.sources import shoot_sources
 
-    return detections_of(measure(shoot_sources(shoot), shoot.target, workers, progress))
+    return detections_of(measure(pictures, target, tone_curve, workers, progress))
+
+
+def inspect(
+    pictures: "AnyPictures",
+    target: str | AnyTarget | None = None,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> "Inspection":
+    """Return pictures at a glance: exposure, sharpness and dots of each, and a contact sheet of all.
+
+    Parameters
+    ----------
+    pictures, target, workers, progress
+        As of :func:`measure`.
+
+    Raises
+    ------
+    InputError
+        There are no such pictures, the target is not known, or no picture could be read at all.
+    """
+    from labcal.correspond.picture_set import open_pictures
+    from labcal.report.inspection import inspection
+
+    opened, progress = open_pictures(pictures), progress or NoProgress()
+    shown = opened.target(target)
+    measurements = measure(opened, shown, workers=workers, progress=progress)
+    return inspection(opened, measurements, shown, progress)
 
 
 def calibrate(
-    source: Shoot | AnyTarget,
-    detections: Detections,
+    source: Shoot | AnyTarget | AnyPath,
+    detections: Detections | AnyPath | None = None,
     lens: str | None = None,
     settings: "HandheldSettings | None" = None,
     hold_out: HoldOut = (),
     progress: Progress | None = None,
 ) -> "Calibration":
-    """Calibrate cameras from a target in the hand.
+    """Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.
 
     Parameters
     ----------
-    source : Shoot or AnyTarget
-        A shoot, whose test views do not enter; or the target that the dots are of.
-    detections : Detections
-    lens, settings, hold_out, progress
-        As in :func:`~labcal.calibrate.calibration.calibrated`, where errors are told, too.
-    """
-    from labcal.calibrate.calibration import calibrated
-
-    if not isinstance(source, Shoot):
-        return calibrated(detections, source, lens, settings, hold_out, progress)
-    tested = {view.name for view in source.views(Role.TEST)}
-    rest = [view for view in detections.views if view not in tested]
-    kept_back = [
-        view for view in detections.views if view in tested or view in held_out_views(rest, hold_out)
-    ]
-    return calibrated(detections, source.target, lens, settings, kept_back, progress)
-
-
-def fit(
-    source: Shoot | AnyTarget,
-    detections: Detections,
-    method: object = "hybrid",
-    settings: "FitSettings | None" = None,
-) -> Model:
-    """Teach a method the dots of a target; :func:`taught` teaches several the same :func:`training_of`.
-
-    Parameters
-    ----------
-    source : Shoot or AnyTarget
-        A shoot, of which training views are used; or the target, held in the hand in all views.
-    detections : Detections
-    method : str, type or object
-        Its name; ``package.module:Class`` of a method of one's own; or an estimator or a class, of labcal's
-        or with fit and predict as those of scikit-learn. What is given stays as it was: a copy learns.
-    settings : FitSettings, optional
+    source : Shoot, AnyTarget, path or str
+        A shoot or its folder, whose test views do not enter; or the target that the dots are of, or its name.
+    detections : Detections or path, optional
+        Dots, or the table of them; those of the shoot are found in its pictures where left out.
+    lens : str, optional
+        A lens model; ``"auto"``: views held out choose it. That of the rig to start from, or
+        ``brown5``, where left out.
+    settings : HandheldSettings, optional
+    hold_out : int, str or sequence of str
+        Views that do not enter, so that the result can be scored on them: how many, or which.
+    progress : Progress, optional
 
     Raises
     ------
     UnknownNameError, InputError
-        There is no such method, or it cannot learn from these dots.
+        As of :func:`~labcal.calibrate.calibration.calibrated`; or no dots are given of a target.
+    """
+    from labcal.calibrate.calibration import calibrated
+
+    shown = _shown(source)
+    dots = _dots(detections, shown)
+    if not isinstance(shown, Shoot):
+        return calibrated(dots, shown, lens, settings, hold_out, progress)
+    tested = {view.name for view in shown.views(Role.TEST)}
+    rest = [view for view in dots.views if view not in tested]
+    kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
+    return calibrated(dots, shown.target, lens, settings, kept_back, progress)
+
+
+def fit(
+    source: Shoot | AnyTarget | AnyPath,
+    detections: Detections | AnyPath | None = None,
+    method: object = "hybrid",
+    settings: "FitSettings | None" = None,
+    progress: Progress | None = None,
+) -> Model:
+    """Fit a method to the dots of a target; :func:`taught` fits several to the same :func:`training_of`.
+
+    Parameters
+    ----------
+    source : Shoot, AnyTarget, path or str
+        A shoot or its folder, of which training views are used; or the target, held in the hand in all views,
+        or its name.
+    detections : Detections or path, optional
+        Dots, or the table of them; those of the shoot are found in its pictures where left out.
+    method : str, type or object
+        Its name; ``package.module:Class`` of a method of one's own; or an estimator or a class, of labcal's
+        or with fit and predict as those of scikit-learn. What is given stays as it was: a copy learns.
+    settings : FitSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such method, it cannot learn from these dots, or no dots are given of a target.
     """
     from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
 
     settings = settings or FitSettings()
+    shown = _shown(source)
     estimators = estimators_of([method], settings)
-    (model,) = taught(training_of(source, detections, settings), estimators, settings)
+    training = training_of(shown, _dots(detections, shown), settings, progress)
+    (model,) = taught(training, estimators, settings, progress)
     if isinstance(model, InputError):
         raise model
     return model
 
 
-def reconstruct(model: Model | Rig, detections: Detections, target: Target | None = None) -> "Reconstruction":
-    """Return the points of all dots that every camera measured; see :func:`reconstruct_centres`."""
-    from labcal.reconstruct.reconstruction import reconstruct_centres
+def reconstruct(
+    model: Model | Rig | AnyPath,
+    detections: Detections | AnyPath,
+    target: Target | str | None = None,
+) -> "Reconstruction":
+    """Return the points of all dots that every camera measured.
+
+    Parameters
+    ----------
+    model : Model, Rig or path
+        A fitted method or cameras, or the file of them.
+    detections : Detections or path
+        Dots, or the table of them.
+    target : Target or str, optional
+        What the dots are of, so that centroids give centres.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`.
+    """
+    from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 
-    found = reconstruct_centres(model, detections, target)
-    known = None if target is None else target.name
-    return replace(found, warnings=reconstruction_warnings(model, detections, found, known))
+    used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
+    shown = load_target(target) if isinstance(target, str) else target
+    dots = _dots(detections, None)
+    found = reconstruct_centres(used, dots, shown)
+    known = None if shown is None else shown.name
+    return replace(found, warnings=reconstruction_warnings(used, dots, found, known))
 
 
 def evaluate(
-    points: Points,
-    source: Shoot | AnyTarget | DotPlaces,
-    detections: Detections | None = None,
+    points: Points | AnyPath,
+    source: Shoot | AnyTarget | DotPlaces | AnyPath,
+    detections: Detections | AnyPath | None = None,
     alignment: "Alignment | None" = None,
-    learned: Collection[str] | None = None,
+    rig: Rig | Model | Collection[str] | AnyPath | None = None,
 ) -> "TruthErrors | LengthErrors":
-    """Return the errors of points, against the truth where a shoot has one, else against lengths.
+    """Return the errors of points in mm, against the truth where a shoot has one, else against lengths.
 
-    `learned` names the views that the cameras were calibrated from or the method was taught, where known:
-    `calibrated_on` of the rig or model.
+    Parameters
+    ----------
+    points : Points or path
+    source : Shoot, AnyTarget, DotPlaces, path or str
+        The shoot that the points are of, or its folder; or, to compare with the target's own lengths, the
+        target or its name, or the places of its dots (``RIG-dots.json``).
+    detections : Detections or path, optional
+        What the points came from; gives the limit of triangulation.
+    alignment : {"none", "rigid"}, optional
+        How the points are brought onto the truth; rigid for a target in the hand, else none.
+    rig : Rig, Model, path or collection of str, optional
+        What the points were reconstructed with, or the views that it was calibrated from: these are not
+        scored, or are said to be.
+
+    Raises
+    ------
+    InputError
+        The points are not of that target or shoot, or something is given that needs a truth.
     """
+    from labcal.cameras.rig import Rig
+    from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews
+    from labcal.reconstruct.reconstruction import views_learned
     from labcal.shoot.truth import has_truth
 
-    if not isinstance(source, Shoot):
-        return errors_of_lengths(points, source, learned)
-    if has_truth(source.folder):
-        return errors_against_truth(points, source, detections, alignment, learned)
+    shown = source if isinstance(source, DotPlaces) else _shown(source)
+    if not (isinstance(shown, Shoot) and has_truth(shown.folder)):
+        for name, given in (("detections", detections), ("alignment", alignment)):
+            if given is not None:
+                raise InputError(
+                    f"`{name}` goes with the truth of a rendered shoot, which is not given here. "
+                    "Leave it out."
+                )
+    found = points if isinstance(points, Points) else read_points(as_path(points))
+    learned: Collection[str] | None
+    if isinstance(rig, Rig | Model):
+        learned = rig.calibrated_on or None
+    elif rig is None or (isinstance(rig, Collection) and not isinstance(rig, str)):
+        learned = rig
+    else:
+        learned = views_learned(as_path(rig)) or None
+    if not isinstance(shown, Shoot):
+        return errors_of_lengths(found, shown, learned)
+    if has_truth(shown.folder):
+        dots = None if detections is None else _dots(detections, None)
+        return errors_against_truth(found, shown, dots, alignment, learned)
     if learned is None:
-        points = points.where(ScoredViews.by_role(points.view, source).holds(points.view))
-    return errors_of_lengths(points, source.target, learned)
+        found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
+    return errors_of_lengths(found, shown.target, learned)
 
 
-def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:
-    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
+def convert(
+    inputs: AnyPath | Sequence[AnyPath],
+    output: AnyPath,
+    settings: "ConvertSettings | None" = None,
+    *,
+    force: bool = False,
+) -> "Conversion":
+    """Convert cameras, or detections, from and to the files of other systems.
 
-    The bias of centroids is taken off first where the target is given.
+    Parameters
+    ----------
+    inputs : path or sequence of paths
+        A file, one a camera, or a folder.
+    output : path
+        File to write; of COLMAP, a folder. Its ending tells cameras from detections (``.csv``, ``.vnl``).
+    settings : ConvertSettings, optional
+    force : bool
+        Replace what labcal wrote there.
+
+    Raises
+    ------
+    InputError
+        The files cannot be read, or what is in them cannot be held by the other format.
+    OutputError
+        The output may not be written.
     """
-    from labcal.calibrate.centre_bias import centred
-    from labcal.cameras.triangulation import epipolar_distances
-    from labcal.correspond.matching import match
+    from labcal.cameras.interop.conversion import ConvertSettings, convert_cameras
+    from labcal.correspond.interop.conversion import convert_detections, is_of_detections
+    from labcal.correspond.paths_read import paths_read
 
-    first, *others = rig.cameras
-    distances = [np.empty(0)]
-    for other in others:
-        pair = (rig.camera(first), rig.camera(other))
-        matches = match(detections, (first, other))
-        if target is not None:
-            matches, _ = centred(pair, matches, target)
-        distances.append(epipolar_distances(*pair, matches.q[:, 0], matches.q[:, 1]))
-    all_distances = np.concatenate(distances)
-    known = all_distances[np.isfinite(all_distances)]
-    return float(np.sqrt((known**2).mean())) if len(known) else float("nan")
+    given = [inputs] if isinstance(inputs, str) or not isinstance(inputs, Sequence) else inputs
+    paths, place, settings = [as_path(one) for one in given], as_path(output), settings or ConvertSettings()
+    converted = convert_detections if is_of_detections([*paths, place]) else convert_cameras
+    return converted(paths, place, settings, paths_read([*paths, settings.target]), force=force)
+
+
+def undistort(
+    model: Rig | AnyPath,
+    pictures: "AnyPictures",
+    folder: AnyPath,
+    settings: "UndistortSettings | None" = None,
+    progress: Progress | None = None,
+) -> "Undistorted":
+    """Make pictures as pinhole cameras in the same places would have taken them, with maps and cameras.
+
+    Parameters
+    ----------
+    model : Rig or path
+        The cameras.
+    pictures : PictureSet, Shoot, path or sequence of paths
+        As for :func:`~labcal.correspond.picture_set.open_pictures`.
+    folder : path
+        The folder to appear.
+    settings : UndistortSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    InputError, OutputError
+        As of :func:`~labcal.correspond.undistortion.undistort_pictures`.
+    """
+    from labcal.cameras.rig import read_rig
+    from labcal.correspond.paths_read import paths_read
+    from labcal.correspond.picture_set import open_pictures
+    from labcal.correspond.undistortion import UndistortSettings, undistort_pictures
+
+    rig = model if isinstance(model, Rig) else read_rig(as_path(model))
+    opened = open_pictures(pictures)
+    given = [None if isinstance(model, Rig) else model, *opened.given]
+    read, place = paths_read(given, opened.sources), as_path(folder)
+    return undistort_pictures(
+        rig, opened, place, settings or UndistortSettings(), read, progress or NoProgress()
+    )
+
+
+def reproduce(
+    folder: AnyPath, settings: "ReproduceSettings | None" = None, progress: Progress | None = None
+) -> "Reproduction":
+    """Reproduce the experiments of the paper, all 22 rows or some, and write the results and a page.
+
+    Parameters
+    ----------
+    folder : path
+        The folder to appear. What an interrupted run left is gone on with.
+    settings : ReproduceSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    OutputError, DeviceError
+        As of :func:`labcal.paper.reproduce.reproduce`.
+    """
+    from labcal.paper.reproduce import ReproduceSettings, reproduce
+    from labcal.run.claims import FolderOutput, claim_outputs
+
+    place, settings = as_path(folder), settings or ReproduceSettings()
+    claim_outputs([FolderOutput(place)], (), force=settings.force)
+    return reproduce(place, settings, progress or NoProgress())
+
+
+def bench(
+    what: str,
+    folder: AnyPath,
+    settings: "BenchSettings | None" = None,
+    progress: Progress | None = None,
+) -> "BenchResult":
+    """Measure how good labcal is, every figure against its limit, and write the results.
+
+    Parameters
+    ----------
+    what : {"render", "detect", "solve"}
+    folder : path
+        The folder to appear.
+    settings : BenchSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such benchmark, or a setting does not apply to it.
+    OutputError
+        The folder may not be made.
+    """
+    from labcal.bench.benchmarks import run_benchmark
+    from labcal.bench.settings import BenchSettings
+
+    return run_benchmark(what, as_path(folder), settings or BenchSettings(), progress or NoProgress())
+
+
+def _shown(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
+    """Return what dots are of: a shoot, by its folder, too, or a target, by its name, too."""
+    if isinstance(source, Shoot | Target):
+        return source
+    return open_shoot(as_path(source)) if is_shoot(as_path(source)) else load_target(str(source))
+
+
+def _dots(detections: Detections | AnyPath | None, shown: Shoot | AnyTarget | None) -> Detections:
+    """Return dots that are given, by the table's path, too, or those of a shoot."""
+    if isinstance(detections, Detections):
+        return detections
+    if detections is not None:
+        from labcal.correspond.detections import read_detections
+
+        return read_detections(as_path(detections))
+    if isinstance(shown, Shoot):
+        return detect(shown)
+    raise InputError("No dots are given. Give `detections`, or a shoot, in whose pictures they are found.")

@@ -15,7 +15,7 @@ from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
 from labcal.errors import InputError
 from labcal.optim.solution import StopReason
 from labcal.run.progress import NoProgress, Progress
@@ -98,13 +98,14 @@ def calibrated(
     choice, lens = None, lens or _lens_of(settings)
     if lens == AUTO:
         if settings.start is not None:
-            raise InputError(f"The lens '{AUTO}' is tried from the beginning. Give no rig to start from.")
+            raise InputError(f"The lens '{AUTO}' is tried from the beginning. Leave `start` out.")
         choice = choose_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     found = calibrate_handheld(entering, target, lens, settings)
     kept = settings.start if settings.lenses is Lenses.FIXED else None
     learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
-    warnings = tuple(calibration_warnings(found, lens, target.name))
+    tested = None if held_out else warning_of_test_views(entering)
+    warnings = (*(() if tested is None else (tested,)), *calibration_warnings(found, lens, target.name))
     return Calibration(found, lens, choice, held_out, learned, warnings)
 
 

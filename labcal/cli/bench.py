@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from labcal.cli.methods import named_methods
-from labcal.cli.options import add_output, add_seed, refuse_option
+from labcal.cli.options import add_output, add_seed
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -43,27 +43,13 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
-    from labcal.bench.detect.bench import bench_detect
-    from labcal.bench.detect.real import real_home
-    from labcal.bench.render.bench import bench_render
-    from labcal.bench.settings import BenchSettings
-    from labcal.bench.solve.bench import bench_solve
-    from labcal.errors import InputError
+    from labcal.pipeline import BenchSettings, bench
     from labcal.report.bench import bench_table
-    from labcal.run.claims import FolderOutput, claim_outputs
 
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
-    if groups and arguments.what == "render":
-        raise InputError("--only names groups of checks, of which 'bench render' has none.")
-    if arguments.what != "solve":
-        refuse_option(arguments, "method", "goes with 'bench solve', which measures methods")
     methods = () if arguments.method is None else tuple(named_methods(arguments.method))
     settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups, methods)
-    measure = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}[arguments.what]
-    photographs = real_home()
-    read = () if photographs is None else (photographs,)
-    claim_outputs([FolderOutput(arguments.output)], read, force=arguments.force)
     with session.progress() as progress:
-        result = measure(arguments.output, settings, progress)
+        result = bench(arguments.what, arguments.output, settings, progress)
     session.emit(result, bench_table(result))
     return ExitStatus.PARTIAL if result.failed else ExitStatus.DONE

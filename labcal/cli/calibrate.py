@@ -60,18 +60,12 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import KIND, write_rig
-    from labcal.cli.calibrate_result import calibrate_result, calibrate_table
-    from labcal.cli.inputs import (
-        choose_target,
-        dots_of,
-        paths_read,
-        refuse_idle_workers,
-        say_roles,
-        shoot_or_none,
-    )
-    from labcal.correspond.view_roles import parse_hold_out
+    from labcal.cli.dots import dots_given, refuse_idle_workers
+    from labcal.correspond.dot_source import open_dots
+    from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
-    from labcal.pipeline import calibrate, epipolar_rms
+    from labcal.pipeline import calibrate
+    from labcal.report.calibrate_result import calibrate_result, calibrate_table
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.standing import require_name
     from labcal.shoot.pictures import png_output
@@ -90,29 +84,22 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_workers(arguments)
-    target = choose_target(arguments.target, [arguments.source])
-    shoot = shoot_or_none(arguments.source)
-    detections = dots_of(arguments, target, session)
-    hold_out = parse_hold_out(arguments.hold_out, detections.views) if arguments.hold_out else ()
-    if shoot is None and not hold_out:
-        say_roles(detections, "calibrate", session)
-    # A target that is named may be another one than the shoot's description says.
-    source = shoot if shoot is None or shoot.target == target else shoot.showing(target)
+    given = open_dots(arguments.source, arguments.detections)
+    target = given.target(arguments.target)
+    detections = dots_given(given, target, arguments, session)
+    hold_out = arguments.hold_out or ()
     with session.progress() as progress:
-        made = calibrate(source or target, detections, arguments.lens, settings, hold_out, progress)
+        made = calibrate(given.showing(target), detections, arguments.lens, settings, hold_out, progress)
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
         session.say(f"left out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
-    found = made.found
     write_rig(arguments.output, made.rig, force=arguments.force)
-    if found.freed is not None:
-        _write_dots(arguments, made)
-    known = target if found.disagreement is None else None  # else points may be nowhere near a target
-    result = calibrate_result(made, epipolar_rms(found.rig, found.entering(detections), known))
+    _write_dots(arguments, made)
+    result = calibrate_result(made, detections, target)
     session.emit(result, calibrate_table(result))
-    two_lenses = any(fit.two_lenses is not None for fit in found.fits.values())
-    amiss = found.skipped or two_lenses or result.inconsistent
+    two_lenses = any(camera.two_lenses is not None for camera in result.cameras.values())
+    amiss = result.skipped or two_lenses or result.inconsistent
     return ExitStatus.PARTIAL if amiss else ExitStatus.DONE
 
 

@@ -5,7 +5,6 @@ from typing import Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Column
 from rich.text import Text
 
 from labcal.cli.option_words import in_options
@@ -36,14 +35,6 @@ def console_for(stream: Stream) -> Console:
     """Return a console that prints text as it is."""
     width = None if stream.isatty() else _WIDTH_OF_A_FILE
     return PlainConsole(file=stream, markup=False, highlight=False, emoji=False, width=width)
-
-
-def name_column(title: str) -> Column:
-    """Return a column whose cells are broken into lines where they are too wide, and never cut.
-
-    Names often differ in their last letters alone.
-    """
-    return Column(title, overflow="fold", min_width=8)
 
 
 def rendered(content: object, stream: Stream) -> str:

@@ -44,11 +44,9 @@ class RenderResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Render the shoot."""
-    from labcal.render.shoot import RenderSettings, render_shoot
+    from labcal.pipeline import RenderSettings, render
     from labcal.run.claims import FolderOutput, claim_outputs
-    from labcal.scene.catalogue import load_scene
 
-    scene = load_scene(arguments.scene, tuple(arguments.overrides))
     claim_outputs([FolderOutput(arguments.output)], [arguments.scene], force=arguments.force)
     settings = RenderSettings(
         spp=arguments.spp,
@@ -58,7 +56,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         force=arguments.force,
     )
     with session.progress() as progress:
-        shoot = render_shoot(scene, arguments.output, settings, progress)
+        shoot = render(arguments.scene, arguments.output, settings, arguments.overrides, progress)
     images = sum(len(view.images) for view in shoot.views())
     result = RenderResult(str(arguments.output), len(shoot.views()), images)
     session.emit(

@@ -33,10 +33,9 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reproduce and show the table."""
-    from labcal.paper.reproduce import ReproduceSettings, reproduce
     from labcal.paper.rows import rows_named
+    from labcal.pipeline import ReproduceSettings, reproduce
     from labcal.report.reproduction_table import reproduction_table
-    from labcal.run.claims import FolderOutput, claim_outputs
 
     settings = ReproduceSettings(
         rows=rows_named(arguments.rows),
@@ -46,7 +45,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         workers=arguments.workers,
         force=arguments.force,
     )
-    claim_outputs([FolderOutput(arguments.output)], (), force=arguments.force)
     with session.progress() as progress:
         result = reproduce(arguments.output, settings, progress)
     session.emit(result, reproduction_table(result))

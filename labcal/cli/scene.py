@@ -91,7 +91,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     """List the shipped scenes."""
     from rich.table import Table
 
-    from labcal.cli.console import name_column
+    from labcal.report.columns import name_column
     from labcal.scene.catalogue import load_scene, scene_names
     from labcal.scene.views import planned_views
 

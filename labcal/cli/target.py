@@ -62,7 +62,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     """List the shipped targets."""
     from rich.table import Table
 
-    from labcal.cli.console import name_column
+    from labcal.report.columns import name_column
     from labcal.targets.catalogue import load_target, target_names
 
     targets = [load_target(name) for name in target_names()]

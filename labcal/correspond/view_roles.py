@@ -1,17 +1,22 @@
 """Views that a calibration may not see, since its result is judged by them."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
+from labcal.correspond.detections import Detections
 from labcal.errors import InputError
+from labcal.shoot.dataset import is_shoot, open_shoot
+from labcal.shoot.manifest import Role
+from labcal.wording import listed
 
-HoldOut = int | Sequence[str]
-"""How many views, spread evenly, or which."""
+HoldOut = int | str | Sequence[str]
+"""How many views, spread evenly, or which; also as text, ``"2"`` or ``"a,b"``."""
 
 
-def parse_hold_out(text: str, views: Sequence[str]) -> HoldOut:
-    """Return what ``--hold-out`` says: names of views, or how many.
+def parse_hold_out(text: str, views: Sequence[str]) -> int | list[str]:
+    """Return what a text says: names of views between commas, or how many.
 
     Raises
     ------
@@ -38,6 +43,8 @@ def held_out_views(views: Sequence[str], hold_out: HoldOut) -> tuple[str, ...]:
     InputError
         There are no such views, or none is left to calibrate from.
     """
+    if isinstance(hold_out, str):
+        hold_out = parse_hold_out(hold_out, views)
     if isinstance(hold_out, int):
         if not 0 <= hold_out < len(views):
             raise InputError(f"{hold_out} of {len(views)} views cannot be held out. Hold out fewer.")
@@ -49,3 +56,21 @@ def held_out_views(views: Sequence[str], hold_out: HoldOut) -> tuple[str, ...]:
     if set(views) == set(hold_out):
         raise InputError("All views are held out, so that none is left to calibrate from.")
     return tuple(view for view in views if view in hold_out)
+
+
+def warning_of_test_views(detections: Detections) -> str | None:
+    """Return a warning where a table is of a shoot that has views to test on, and these are in it, too."""
+    home = Path(str(detections.image[0])).parent.parent if len(detections) else Path()
+    if not is_shoot(home):
+        return None
+    try:
+        views = open_shoot(home).views(Role.TEST)
+    except InputError:  # nothing is wanted of that shoot
+        return None
+    tested = [view.name for view in views if view.name in detections.views]
+    if not tested:
+        return None
+    return (
+        f"the views {listed(tested)} enter, which the shoot {home} keeps to test on. To leave them out, give "
+        f"{home} itself, with this table as its `detections`"
+    )

@@ -103,6 +103,7 @@ def training_of(
     settings = settings or FitSettings()
     tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
     if isinstance(source, Shoot) and on_stage(source):
+        _refuse_of_held(settings)
         data = training_data(source, detections)
         centred = centred_training(data, source.target, source.nominal_poses())
         return Training(centred, None, _unlearned(source, data), tested)
@@ -114,6 +115,16 @@ def training_of(
     found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
     learned = handheld_training(found.found, detections, target)
     return Training(learned, found, found.warnings, (*found.held_out, *tested))
+
+
+def _refuse_of_held(settings: FitSettings) -> None:
+    """Raise where settings are given that would be dropped, since a stage tells where the target was."""
+    for name in ("free_dots", "hold_out"):
+        if getattr(settings, name) not in (False, ()):
+            raise InputError(
+                f"`{name}` is for a target that was held, but a stage tells where that of this shoot was. "
+                "Leave it out."
+            )
 
 
 def _unlearned(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.correspond.dot_source import dots_of_shoot
 from labcal.paper.pictured import pictured_problems
 from labcal.paper.problem import Problem
 from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading
 from labcal.paper.summary import figures_of, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
-from labcal.pipeline import detect
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
@@ -116,7 +116,7 @@ def _pictured(
     pictures = []
     for data in dict.fromkeys(row.data for row in settings.rows if row.pictured):
         shoot = _shoot(working / "shoots" / SCENES[data], SCENES[data], settings, progress)
-        problems[data] = pictured_problems(data, shoot, detect(shoot, settings.workers, progress))
+        problems[data] = pictured_problems(data, shoot, dots_of_shoot(shoot, settings.workers, progress))
         for camera, file in shoot.views()[0].images.items():
             path = (shoot.folder / file).relative_to(working).as_posix()
             pictures.append(ShownPicture(scene=SCENES[data], caption=f"{SCENES[data]}, {camera}", file=path))

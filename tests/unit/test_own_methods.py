@@ -124,7 +124,7 @@ def test_verbs_and_python_give_the_same(
     assert "Name no method" in told["error"]["message"]
 
     save_model(Path("own.safetensors"), model, force=False)
-    with pytest.raises(InputError, match="name it: --method"):
+    with pytest.raises(InputError, match="name it: `method="):
         load_model(Path("own.safetensors"))
     again = load_model(Path("own.safetensors"), given)
     assert (pipeline.reconstruct(again, dots, shoot.target).points.point == found.points.point).all()

@@ -91,17 +91,17 @@ def test_a_calibration_leaves_test_views_out_and_evaluation_scores_them(
     more = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES, hold_out=1)
     assert more.held_out == ("pose-3", *TESTED)
     points = pipeline.reconstruct(made.rig, dots).points
-    errors = pipeline.evaluate(points, shoot, learned=made.rig.calibrated_on)
+    errors = pipeline.evaluate(points, shoot, rig=made.rig.calibrated_on)
     assert (errors.views_scored, errors.views_calibrated_on, errors.warnings) == (TESTED, 0, ())
     by_role = pipeline.evaluate(points, shoot)  # the shoot does not know what a rig came from
     assert (by_role.views_scored, by_role.views_calibrated_on) == (TESTED, None)
     alone = points.where(~np.isin(points.view, TESTED))
     assert pipeline.evaluate(alone, shoot).views_calibrated_on is None  # of whichever rig they are
-    circular = pipeline.evaluate(alone, shoot, learned=made.rig.calibrated_on)
+    circular = pipeline.evaluate(alone, shoot, rig=made.rig.calibrated_on)
     assert circular.views_calibrated_on == 6
     assert "circular" in circular.warnings[0]
     everything = pipeline.calibrate(grid, dots, "brown-k1k2", CENTRES)
-    assert pipeline.evaluate(points, shoot, learned=everything.rig.calibrated_on).views_calibrated_on == 8
+    assert pipeline.evaluate(points, shoot, rig=everything.rig.calibrated_on).views_calibrated_on == 8
 
 
 def test_the_command_says_which_views_it_left_out(shoot: Shoot, dots: Detections, tmp_path: Path) -> None:
@@ -215,7 +215,7 @@ def test_a_rig_to_start_from_does_not_go_with_trying_lenses(
     shoot: Shoot, dots: Detections, pair: Cameras
 ) -> None:
     start = HandheldSettings(start=Rig.of(pair))
-    with pytest.raises(InputError, match="Give no rig to start from"):
+    with pytest.raises(InputError, match="Leave `start` out"):
         pipeline.calibrate(shoot, dots, "auto", start)
 
 

@@ -11,9 +11,9 @@ from labcal.calibrate.agreement.finding import CauseName, ContradictionError
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.correspond.detections import Detections
+from labcal.correspond.dot_source import dots_of_shoot
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
-from labcal.pipeline import detect
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.reproduction import Measured
@@ -115,7 +115,8 @@ def _detected(wanted: SetOfPictures, mistake: Mistake | None) -> Detections:
     folder = Path(wanted.folder) / f"{wanted.key}-{mistake or 'none'}"
     settings = RenderSettings(spp=SPP, views=VIEWS, seed=wanted.seed, force=True)
     try:
-        return detect(render_shoot(load_scene(SCENE, changes), folder, settings, NoProgress()))
+        shoot = render_shoot(load_scene(SCENE, changes), folder, settings, NoProgress())
+        return dots_of_shoot(shoot, 1, NoProgress())
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -8,6 +8,9 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cli import main
+from labcal.shoot.dataset import write_manifest
+from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
+from labcal.targets.catalogue import load_target
 
 TARGET = "paper-13x10"
 
@@ -17,7 +20,9 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with inputs that are looked at after the options are."""
     monkeypatch.chdir(tmp_path)
     Path("shoot").mkdir()
-    Path("shoot", "shoot.json").write_text("{}")
+    view = ViewEntry(name="a", images={"left": "a.png"}, role=Role.TEST, T_world_target_nominal=None)
+    cameras = {"left": CameraEntry(size=(640, 480))}
+    write_manifest(Path("shoot"), Manifest(target=load_target(TARGET), cameras=cameras, views=(view,)))
     for name in ("dots.csv", "points.csv", "a_0.png", "corners.vnl", "model"):
         Path(name).write_text("")
     K = np.array([[700.0, 0.0, 320.0], [0.0, 700.0, 240.0], [0.0, 0.0, 1.0]])

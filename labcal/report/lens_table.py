@@ -1,19 +1,13 @@
 """How lens models compare, for people."""
 
-from typing import TYPE_CHECKING
+from rich.table import Table
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from labcal.calibrate.lens_choice import LensChoice
+from labcal.calibrate.lens_choice import LensChoice
+from labcal.report.columns import name_column
 
 
-def lens_table(choice: "LensChoice") -> "Table":
+def lens_table(choice: LensChoice) -> Table:
     """Return the table of the models that were tried, the chosen one marked."""
-    from rich.table import Table
-
-    from labcal.cli.console import name_column
-
     worse_by = "worse than the best by [px\u00b2]"
     table = Table(name_column("lens"), "RMS held out [px]", worse_by, "", title="lens models")
     for trial in choice.trials:

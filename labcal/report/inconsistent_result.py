@@ -1,10 +1,8 @@
 """What is told where the cameras of a rig do not agree on where the target was."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class InconsistentResult:
     """Those that show the likeliest cause."""
 
 
-def inconsistent_result(found: "HandheldCalibration") -> InconsistentResult | None:
+def inconsistent_result(found: HandheldCalibration) -> InconsistentResult | None:
     """Return the part of a JSON document; None where the cameras agree."""
     doubt = found.disagreement
     if doubt is None:

@@ -1,21 +1,26 @@
 """What ``labcal calibrate`` tells: the JSON document, and the same for people."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_result
+from rich.console import Group
+from rich.table import Table
+from rich.text import Text
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from labcal.calibrate.calibration import Calibration
-    from labcal.calibrate.centre_bias import CentreBias
-    from labcal.calibrate.freed_dots import FreedDots
-    from labcal.calibrate.handheld_calibration import HandheldCalibration
-    from labcal.calibrate.lens_choice import LensChoice
-    from labcal.calibrate.one_lens import TwoLenses
-    from labcal.calibrate.outlying_dots import OutlyingDots
-    from labcal.evaluate.print_shape import PrintShape
+from labcal.calibrate.calibration import Calibration
+from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.epipolar_residual import epipolar_rms
+from labcal.calibrate.freed_dots import FreedDots
+from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.lens_choice import LensChoice
+from labcal.calibrate.one_lens import TwoLenses
+from labcal.calibrate.outlying_dots import OutlyingDots
+from labcal.correspond.detections import Detections
+from labcal.evaluate.print_shape import PrintShape, agreement, print_shape
+from labcal.report.columns import name_column
+from labcal.report.inconsistent_result import InconsistentResult, inconsistent_result
+from labcal.report.lens_table import lens_table
+from labcal.report.print_words import print_words
+from labcal.targets.catalogue import AnyTarget
 
 MOST_OUTLIERS = 200
 """Outliers that the document lists, the worst ones."""
@@ -57,7 +62,7 @@ class CameraResult:
     """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
     share_without_rays: float
     """Of the picture, where the lens folds."""
-    two_lenses: "TwoLenses | None"
+    two_lenses: TwoLenses | None
     """Groups of views that were taken through different lenses, so that the numbers are of neither; null
     where one lens explains all."""
 
@@ -78,7 +83,7 @@ class OutlierResult:
 class FreeDotsResult:
     """The print in the JSON document of ``labcal calibrate --free-dots``."""
 
-    shape: "PrintShape"
+    shape: PrintShape
     """As all cameras together find it."""
     agreement: list[float] | None
     """Correlation along x and y of what the first two cameras find, each alone; null for one camera."""
@@ -95,10 +100,10 @@ class CalibrateResult:
     outlier_count: int
     outliers: list[OutlierResult]
     """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
-    centre_bias_px: "CentreBias"
+    centre_bias_px: CentreBias
     stop_reason: str
     free_dots: FreeDotsResult | None
-    lens_choice: "LensChoice | None"
+    lens_choice: LensChoice | None
     """Of ``--lens auto``."""
     held_out: list[str]
     """Views that did not enter, since they are to be scored."""
@@ -110,9 +115,11 @@ class CalibrateResult:
     """Why the cameras do not agree on where the target was; null where they do."""
 
 
-def calibrate_result(made: "Calibration", epipolar_rms_px: float) -> CalibrateResult:
-    """Return the JSON document."""
+def calibrate_result(made: Calibration, detections: Detections, target: AnyTarget) -> CalibrateResult:
+    """Return the JSON document of a calibration from dots of a target."""
     found = made.found
+    known = target if found.disagreement is None else None  # else points may be nowhere near a target
+    epipolar_rms_px = epipolar_rms(found.rig, found.entering(detections), known)
     return CalibrateResult(
         cameras={name: _camera(found, name) for name in found.rig.cameras},
         rms_px=found.rms_px,
@@ -133,7 +140,7 @@ def calibrate_result(made: "Calibration", epipolar_rms_px: float) -> CalibrateRe
     )
 
 
-def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
+def _camera(found: HandheldCalibration, name: str) -> CameraResult:
     record, fit = found.rig.cameras[name], found.fits[name]
     fx, fy, cx, cy = fit.sigma.intrinsics.tolist()
     return CameraResult(
@@ -158,14 +165,13 @@ def _camera(found: "HandheldCalibration", name: str) -> CameraResult:
     )  # fmt: skip
 
 
-def _outliers(outliers: "OutlyingDots") -> list[OutlierResult]:
+def _outliers(outliers: OutlyingDots) -> list[OutlierResult]:
     columns = (outliers.view, outliers.camera, outliers.index, outliers.off_px)
     lines = zip(*(column[:MOST_OUTLIERS].tolist() for column in columns), strict=True)
     return [OutlierResult(view, camera, col, row, off) for view, camera, (col, row), off in lines]
 
 
-def _free_dots(freed: "FreedDots", found: "HandheldCalibration") -> FreeDotsResult:
-    from labcal.evaluate.print_shape import agreement, print_shape
+def _free_dots(freed: FreedDots, found: HandheldCalibration) -> FreeDotsResult:
 
     alone = [fit.freed for fit in found.fits.values() if fit.freed is not None][:2]
     agree = list(agreement(alone)) if len(alone) == 2 else None  # noqa: PLR2004 -- a pair
@@ -174,14 +180,6 @@ def _free_dots(freed: "FreedDots", found: "HandheldCalibration") -> FreeDotsResu
 
 def calibrate_table(result: CalibrateResult) -> object:
     """Return the document for people."""
-    from rich.console import Group
-    from rich.table import Table
-    from rich.text import Text
-
-    from labcal.cli.console import name_column
-    from labcal.cli.lens_table import lens_table
-    from labcal.report.print_words import print_words
-
     caption = f"rig: RMS {result.rms_px:.4f} px"
     if len(result.cameras) > 1:
         caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
@@ -212,12 +210,8 @@ def calibrate_table(result: CalibrateResult) -> object:
     return Group(*parts)
 
 
-def _outlier_table(result: CalibrateResult) -> "Table":
+def _outlier_table(result: CalibrateResult) -> Table:
     """Return the worst outliers for people."""
-    from rich.table import Table
-
-    from labcal.cli.console import name_column
-
     title = f"outliers: {result.outlier_count}"
     table = Table(name_column("view"), name_column("camera"), "col, row", "off by [px]", title=title)
     for outlier in result.outliers[:_SHOWN_OUTLIERS]:

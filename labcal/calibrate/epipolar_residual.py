@@ -1,0 +1,28 @@
+"""How far dots lie from the epipolar curves that cameras say they are on."""
+
+import numpy as np
+
+from labcal.calibrate.centre_bias import centred
+from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import epipolar_distances
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match
+from labcal.targets.catalogue import AnyTarget
+
+
+def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:
+    """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
+
+    The bias of centroids is taken off first where the target is given.
+    """
+    first, *others = rig.cameras
+    distances = [np.empty(0)]
+    for other in others:
+        pair = (rig.camera(first), rig.camera(other))
+        matches = match(detections, (first, other))
+        if target is not None:
+            matches, _ = centred(pair, matches, target)
+        distances.append(epipolar_distances(*pair, matches.q[:, 0], matches.q[:, 1]))
+    all_distances = np.concatenate(distances)
+    known = all_distances[np.isfinite(all_distances)]
+    return float(np.sqrt((known**2).mean())) if len(known) else float("nan")

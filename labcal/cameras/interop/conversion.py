@@ -1,0 +1,136 @@
+"""Conversion of files between labcal and other systems: what is wanted, what came of it, and cameras."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.cameras.blind_pixels import blind_pixels
+from labcal.cameras.interop.exchange import ReadOptions, Unit
+from labcal.cameras.interop.registry import format_by_name, format_to_write
+from labcal.cameras.interop.rig_files import (
+    baseline_mm,
+    chosen_cameras,
+    read_rig_files,
+    read_unit,
+    rig_outputs,
+    write_rig_files,
+)
+from labcal.cameras.rig import contradiction_note
+from labcal.errors import InputError
+from labcal.run.claims import claim_outputs
+
+
+@dataclass(frozen=True)
+class ConvertSettings:
+    """What the files to convert do not say themselves, and what is wanted of them."""
+
+    from_format: str | None = None
+    """Told by the content where left out."""
+    to_format: str | None = None
+    """Told by the ending of the output where that is clear."""
+    only: Sequence[str] = ()
+    """These cameras alone, in this order; all where empty."""
+    target: str | None = None
+    """Of detections: what the pictures show."""
+    cameras: str | None = None
+    """Of detections: cameras by the images' names, as in ``_0=left,_1=right``."""
+    size: tuple[int, int] | None = None
+    """Width and height of the pictures, px."""
+    unit: str | None = None
+    """Of lengths in the files that are read, ``mm`` or ``m``."""
+    lens: str | None = None
+    """Of OpenCV's files with four coefficients that do not say it: ``brown5`` or ``fisheye-kb4``."""
+
+    def refuse(self, names: Iterable[str], why: str) -> None:
+        """Raise where something is given that would be dropped.
+
+        Raises
+        ------
+        InputError
+            It is; `why`, which begins with a verb, tells what it goes with.
+        """
+        for name in names:
+            if getattr(self, name) not in (None, ()):
+                raise InputError(f"`{name}` {why}. Leave it out.")
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What became of files that were converted; the JSON document of ``labcal convert``."""
+
+    source: str
+    """Format of what was read."""
+    wanted: str
+    """Format of what was written."""
+    files: list[str]
+    cameras: list[str]
+    points: int | None
+    """Of detections; null for cameras."""
+    unit: str | None
+    """What lengths in the files of cameras that were read were taken for; labcal's own are in mm."""
+    baseline_mm: float | None
+    """From the first camera to the second, of those that were read; null for one camera and detections."""
+    notes: list[str]
+    """What the reader of the files should know."""
+    inconsistent: list[str]
+    """Why the views that a rig was calibrated from contradict each other, the likeliest cause first."""
+
+
+def convert_cameras(
+    inputs: Sequence[Path], output: Path, settings: ConvertSettings, read: Iterable[Path], *, force: bool
+) -> Conversion:
+    """Write cameras in the format of another system, or read them from one.
+
+    Parameters
+    ----------
+    inputs : sequence of Path
+        A file, one a camera, or a folder.
+    output : Path
+        The file to write; of COLMAP, a folder.
+    settings : ConvertSettings
+    read : iterable of Path
+        All files that are read, none of which is replaced.
+    force : bool
+        Replace what labcal wrote there.
+
+    Raises
+    ------
+    InputError
+        The cameras cannot be read, or not be held by that format; or a setting would be dropped.
+    OutputError
+        The output may not be written.
+    """
+    settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
+    to_format = settings.to_format
+    wanted = format_by_name(to_format) if to_format else format_to_write(output)
+    given = ReadOptions(settings.size, _unit(settings.unit), settings.lens)
+    source, found = read_rig_files(list(inputs), settings.from_format, given)
+    rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
+    texts = wanted.write(rig, output.suffix)
+    claim_outputs(rig_outputs(output, wanted, texts), read, force=force)
+    files = write_rig_files(output, wanted, texts, force=force)
+    notes = [*found.notes, *texts.notes]
+    contradiction = contradiction_note(rig)
+    if contradiction is not None:
+        notes.append(contradiction)
+    notes += [note for name in rig.cameras if (note := blind_pixels(name, rig.camera(name))) is not None]
+    return Conversion(
+        source=source.name,
+        wanted=wanted.name,
+        files=[str(file) for file in files],
+        cameras=list(rig.cameras),
+        points=None,
+        unit=read_unit(source, given).value,
+        baseline_mm=baseline_mm(found.rig),
+        notes=notes,
+        inconsistent=[] if rig.calibration is None else list(rig.calibration.inconsistent),
+    )
+
+
+def _unit(name: str | None) -> Unit | None:
+    """Return a unit by its name."""
+    if name is None:
+        return None
+    if name not in [unit.value for unit in Unit]:
+        raise InputError(f"`unit` is {' or '.join(unit.value for unit in Unit)}, but '{name}' was given.")
+    return Unit(name)

@@ -1,0 +1,45 @@
+"""The dots that a command is given: measured already, or found now."""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labcal.cli.compiling import say_whether_compiling
+from labcal.cli.options import refuse_option
+from labcal.cli.session import Session
+
+if TYPE_CHECKING:
+    from labcal.correspond.detections import Detections
+    from labcal.correspond.dot_source import DotSource
+    from labcal.targets.catalogue import AnyTarget
+
+
+def dots_given(
+    source: "DotSource", target: "AnyTarget | None", arguments: Namespace, session: Session
+) -> "Detections":
+    """Return the dots of a source; pictures without ids are told as warnings."""
+    from labcal.correspond.dot_source import dots_found
+    from labcal.pipeline import measure
+
+    pictures = source.pictures
+    if pictures is None:
+        return source.measured()
+    say_whether_compiling(session)
+    with session.progress() as progress:
+        measurements = measure(pictures, target, workers=arguments.workers, progress=progress)
+    detections, refused = dots_found(measurements)
+    for words in refused:
+        session.warn(words)
+    return detections
+
+
+def refuse_idle_workers(arguments: Namespace) -> None:
+    """Raise where ``--workers`` is given and no dots are to be found.
+
+    Raises
+    ------
+    InputError
+        It is.
+    """
+    if Path(arguments.source).is_file() or getattr(arguments, "detections", None) is not None:
+        refuse_option(arguments, "workers", "is for finding dots in pictures; a table holds them")

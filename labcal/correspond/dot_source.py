@@ -1,0 +1,135 @@
+"""Dots as they are given, told once what they are: a table, or a shoot whose dots are measured or not yet."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from labcal.correspond.detections import Detections, read_detections
+from labcal.correspond.measure import Measurement, detections_of, measure_pictures, refusals
+from labcal.correspond.picture_set import PictureSet, open_pictures, target_shown
+from labcal.correspond.refused_pictures import shared_reasons
+from labcal.correspond.sources import shoot_sources
+from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
+from labcal.run.executor import open_executor
+from labcal.run.progress import Progress
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
+from labcal.targets.catalogue import AnyTarget
+
+
+@dataclass(frozen=True)
+class DotSource:
+    """Dots to work with.
+
+    Attributes
+    ----------
+    shoot : Shoot or None
+        The shoot that they are of; None where a table is given alone.
+    table : Detections or None
+        The dots that are measured already; None where they are yet to be found in the shoot's pictures.
+    """
+
+    shoot: Shoot | None
+    table: Detections | None
+
+    @property
+    def pictures(self) -> PictureSet | None:
+        """Where dots are yet to be found; None where they are measured."""
+        return open_pictures(self.shoot) if self.table is None and self.shoot is not None else None
+
+    def measured(self) -> Detections:
+        """Return the dots that are measured already.
+
+        Raises
+        ------
+        InputError
+            They are yet to be found.
+        """
+        if self.table is None:
+            raise InputError("The dots of this shoot are not measured yet. Find them in its `pictures`.")
+        return self.table
+
+    def target(self, given: str | AnyTarget | None = None) -> AnyTarget:
+        """Return the target that is given, by itself or by name, or else that of the shoot.
+
+        Raises
+        ------
+        UnknownNameError, InputError
+            As of :func:`~labcal.correspond.picture_set.target_shown`.
+        """
+        return target_shown(given, self.shoot)
+
+    def showing(self, target: AnyTarget) -> Shoot | AnyTarget:
+        """Return the shoot, where there is one, with the target that it is said to show; else the target."""
+        if self.shoot is None:
+            return target
+        return self.shoot if self.shoot.target == target else self.shoot.showing(target)
+
+
+def open_dots(source: AnyPath | Shoot, detections: AnyPath | Detections | None = None) -> DotSource:
+    """Return the dots that a table holds, or a shoot.
+
+    Parameters
+    ----------
+    source : path or Shoot
+        A shoot or its folder, or a table of dots.
+    detections : path or Detections, optional
+        The dots of the shoot, measured already.
+
+    Raises
+    ------
+    InputError
+        There is no such shoot or table, it cannot be read, or `detections` is given beside a table.
+    """
+    if not isinstance(source, Shoot):
+        shoot = shoot_or_none(source)
+        if shoot is None:
+            if detections is not None:
+                raise InputError("`detections` goes with the folder of a shoot. Give the table alone.")
+            return DotSource(None, read_detections(as_path(source)))
+        source = shoot
+    if detections is None or isinstance(detections, Detections):
+        return DotSource(source, detections)
+    return DotSource(source, read_detections(as_path(detections)))
+
+
+def shoot_or_none(source: AnyPath) -> Shoot | None:
+    """Return the shoot that a source is; None where it is a file.
+
+    Raises
+    ------
+    InputError
+        It is neither.
+    """
+    path = as_path(source)
+    if is_shoot(path):
+        return open_shoot(path)
+    if not path.is_file():
+        there = "is not a shoot" if path.exists() else "does not exist"
+        raise InputError(
+            f"{source} {there}. Give a shoot's folder, or the table that 'labcal detect' writes of pictures."
+        )
+    return None
+
+
+def dots_found(measurements: Sequence[Measurement]) -> tuple[Detections, tuple[str, ...]]:
+    """Return the dots of measured pictures, and why others have none, for people.
+
+    Raises
+    ------
+    InputError
+        No picture could be read at all.
+    """
+    told = tuple(shared.words for shared in shared_reasons(refusals(measurements)))
+    return detections_of(measurements), told
+
+
+def dots_of_shoot(shoot: Shoot, workers: int, progress: Progress) -> Detections:
+    """Return the dots of a shoot, found by its own target.
+
+    Raises
+    ------
+    InputError
+        No picture could be read at all.
+    """
+    with open_executor(workers) as executor:
+        return detections_of(measure_pictures(shoot_sources(shoot), shoot.target, executor, progress))

@@ -1,0 +1,158 @@
+"""Conversion of detections between labcal's table and mrcal's ``corners.vnl``."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from labcal.cameras.interop.conversion import Conversion, ConvertSettings
+from labcal.correspond import detections as labcal_table
+from labcal.correspond.detections import detections_csv, read_detections
+from labcal.correspond.interop import corners_vnl
+from labcal.correspond.interop.corners_vnl import corners_text, read_corners
+from labcal.correspond.sources import parse_camera_endings
+from labcal.errors import InputError
+from labcal.run.claims import FileOutput, claim_outputs
+from labcal.run.outputs import write_file
+from labcal.shoot.pictures import read_picture
+from labcal.targets.catalogue import AnyTarget, load_target
+from labcal.wording import counted
+
+TABLE, CORNERS = ".csv", ".vnl"
+"""Endings of files that hold detections."""
+_SMALL_MM = 0.01
+"""A dot whose centroid is its centre."""
+
+
+def is_of_detections(paths: Iterable[Path]) -> bool:
+    """Tell whether files hold detections, by their endings."""
+    return bool({path.suffix.lower() for path in paths} & {TABLE, CORNERS})
+
+
+def convert_detections(
+    inputs: Sequence[Path], output: Path, settings: ConvertSettings, read: Iterable[Path], *, force: bool
+) -> Conversion:
+    """Write one ``detections.csv`` as a ``corners.vnl``, or the other way round.
+
+    Parameters
+    ----------
+    inputs : sequence of Path
+        One file.
+    output : Path
+    settings : ConvertSettings
+        `target` is needed.
+    read : iterable of Path
+        All files that are read, none of which is replaced.
+    force : bool
+        Replace what labcal wrote there.
+
+    Raises
+    ------
+    InputError
+        The files are not one of each kind, the detections cannot be read or hold no measurement, the target
+        is not named, or a setting would be dropped.
+    OutputError
+        The output may not be written.
+    """
+    ends = [path.suffix.lower() for path in (*inputs, output)]
+    if sorted(ends) != [TABLE, CORNERS]:
+        raise InputError(
+            "Detections are converted from one detections.csv to a corners.vnl, or back. Name both with "
+            "these endings."
+        )
+    settings.refuse(("from_format", "to_format", "unit", "lens"), "goes with cameras, not with detections")
+    beside = ("cameras", "size") if ends[0] == TABLE else ("only",)
+    settings.refuse(beside, f"does not apply to {ends[0]} as input")
+    if settings.target is None:
+        raise InputError("Say whose dots these are: `target='NAME'` ('labcal target list' shows the names).")
+    target = load_target(settings.target)
+    kind = labcal_table.KIND if ends[0] == CORNERS else corners_vnl.KIND
+    claim_outputs([FileOutput(output, kind)], read, force=force)
+    if ends[0] == CORNERS:
+        return _read(inputs[0], output, target, settings, force=force)
+    return _write(inputs[0], output, target, settings, force=force)
+
+
+def _read(
+    path: Path, output: Path, target: AnyTarget, settings: ConvertSettings, *, force: bool
+) -> Conversion:
+    """Write the table of a ``corners.vnl``."""
+    endings = parse_camera_endings(settings.cameras) if settings.cameras else {}
+    corners = read_corners(path, target, endings, lambda image: settings.size or _size_on_disk(image))
+    detections = corners.detections
+    ok = int(detections.ok.sum())
+    _require_points(ok, path)
+    write_file(output, detections_csv(detections), kind=labcal_table.KIND, force=force)
+    notes = [*corners.notes, *_taken_for_centroids(target)]
+    return _converted(("mrcal", "labcal"), output, detections.cameras, ok, notes)
+
+
+def _write(
+    path: Path, output: Path, target: AnyTarget, settings: ConvertSettings, *, force: bool
+) -> Conversion:
+    """Write the ``corners.vnl`` of a table."""
+    detections = read_detections(path)
+    if settings.only:
+        detections = detections.where(_of_cameras(detections.camera.tolist(), list(settings.only)))
+    found = corners_text(detections, target)
+    _require_points(found.points, path)
+    write_file(output, found.text, kind=corners_vnl.KIND, force=force)
+    spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
+    told = (
+        f"For mrcal-calibrate-cameras: --corners-cache-has-weights --object-spacing {spacing_m!r} "
+        f"--object-width-n {target.cols} --object-height-n {target.rows}. It takes the centroids of dots for "
+        "images of their centres."
+    )
+    notes = [told]
+    if found.left_out:
+        alone = found.left_out == 1
+        stand = "that is no measurement of the grid stands" if alone else "that are none of the grid stand"
+        notes.append(f"{counted(found.left_out, 'dot')} {stand} as missing.")
+    return _converted(("labcal", "mrcal"), output, detections.cameras, found.points, notes)
+
+
+def _converted(
+    formats: tuple[str, str], output: Path, cameras: tuple[str, ...], points: int, notes: list[str]
+) -> Conversion:
+    """Return what became of detections; `formats` are those that were read and written."""
+    source, wanted = formats
+    return Conversion(source, wanted, [str(output)], list(cameras), points, None, None, notes, [])
+
+
+def _taken_for_centroids(target: AnyTarget) -> list[str]:
+    """Return a note where dots are so large that the centroids of their images are off their centres."""
+    largest = float(target.outer_diameters_mm().max())
+    if largest < _SMALL_MM:
+        return []
+    told = (
+        f"x and y are taken for centroids of the dots of '{target.name}', {largest:g} mm wide. If they are "
+        "corners of a chessboard, name a target with a dot_diameter_mm of 0.001."
+    )
+    return [told]
+
+
+def _require_points(count: int, path: Path) -> None:
+    """Raise where no point is a measurement."""
+    if count == 0:
+        raise InputError(f"None of the points in {path} is a measurement, so there is nothing to convert.")
+
+
+def _of_cameras(cameras: list[str], wanted: list[str]) -> np.ndarray:
+    """Return which lines are of the cameras that are wanted."""
+    for name in wanted:
+        if name not in cameras:
+            raise InputError(
+                f"The detections have no camera '{name}', only {', '.join(dict.fromkeys(cameras))}."
+            )
+    return np.isin(cameras, wanted)
+
+
+def _size_on_disk(image: Path) -> tuple[int, int]:
+    """Return the size of a picture that is at hand."""
+    if not image.is_file():
+        raise InputError(
+            f"The picture {image} is not at hand, so its size is not known. Say it: `size='1280x960'`, or go "
+            "to the folder that the names start from."
+        )
+    height, width = read_picture(image).shape[:2]
+    return (width, height)

@@ -1,0 +1,131 @@
+"""Pictures as they are given, told once what they are: those of a shoot, or loose ones."""
+
+import os.path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.correspond.pictures_left_out import left_out_words
+from labcal.correspond.sources import Source, find_sources, parse_camera_endings, shoot_sources
+from labcal.errors import InputError
+from labcal.paths import AnyPath
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
+from labcal.targets.catalogue import AnyTarget, load_target
+
+
+@dataclass(frozen=True)
+class PictureSet:
+    """Pictures to measure.
+
+    Attributes
+    ----------
+    sources : tuple of Source
+        Each picture with its view and its camera.
+    shoot : Shoot or None
+        The shoot that they are of; None for loose pictures.
+    name : str
+        Of the folder or file that was given first.
+    given : tuple of str
+        Paths as they were given.
+    warnings : tuple of str
+        Files in the folders that are left out, for people.
+    """
+
+    sources: tuple[Source, ...]
+    shoot: Shoot | None
+    name: str
+    given: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def roles(self) -> dict[str, str]:
+        """``train`` or ``test`` of each view of a shoot; empty for loose pictures."""
+        return {} if self.shoot is None else {view.name: view.role.value for view in self.shoot.views()}
+
+    def target(self, given: "str | AnyTarget | None" = None) -> AnyTarget:
+        """Return the target that is given, by itself or by name, or else that of the shoot.
+
+        Raises
+        ------
+        UnknownNameError
+            There is no target of that name.
+        InputError
+            None is given, and the pictures are no shoot.
+        """
+        return target_shown(given, self.shoot)
+
+
+AnyPictures = PictureSet | Shoot | AnyPath | Sequence[AnyPath]
+"""Pictures as public functions take them: a shoot, or paths of pictures and folders."""
+
+
+def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None = None) -> PictureSet:
+    """Return the pictures of a shoot, or loose ones, with the cameras that took them.
+
+    Parameters
+    ----------
+    pictures : PictureSet, Shoot, path, or sequence of paths
+        A shoot or its folder; or pictures and folders of pictures.
+    cameras : mapping of str to str, or str, optional
+        Cameras of loose pictures by the end of the name, or by a pattern: ``"_0=left,_1=right"``; see
+        :func:`~labcal.correspond.sources.parse_camera_endings`.
+
+    Raises
+    ------
+    InputError
+        There are no such pictures, their names do not tell which camera took them, or `cameras` is given
+        for a shoot.
+    """
+    if isinstance(pictures, PictureSet):
+        return pictures
+    shoot = _shoot(pictures)
+    if shoot is not None:
+        if cameras is not None:
+            raise InputError(
+                "`cameras` is for loose pictures; a shoot says which camera took which. Leave it out."
+            )
+        return PictureSet(tuple(shoot_sources(shoot)), shoot, _name(shoot.folder), (str(shoot.folder),))
+    paths = _texts(pictures)
+    if not paths:
+        raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
+    endings = parse_camera_endings(cameras) if isinstance(cameras, str) else dict(cameras or {})
+    left_out = tuple(left_out_words(paths))
+    return PictureSet(tuple(find_sources(paths, endings)), None, _name(paths[0]), tuple(paths), left_out)
+
+
+def target_shown(given: "str | AnyTarget | None", shoot: Shoot | None) -> AnyTarget:
+    """Return the target that is given, by itself or by name, or else that of the shoot.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no target of that name.
+    InputError
+        None is given, and there is no shoot.
+    """
+    if given is not None:
+        return load_target(given) if isinstance(given, str | os.PathLike) else given
+    if shoot is None:
+        raise InputError(
+            "Say which target the pictures show: `target='NAME'` ('labcal target list' shows the names)."
+        )
+    return shoot.target
+
+
+def _shoot(pictures: AnyPictures) -> Shoot | None:
+    """Return the shoot that is given, alone; None for loose pictures."""
+    if isinstance(pictures, Shoot):
+        return pictures
+    paths = _texts(pictures)
+    return open_shoot(Path(paths[0])) if len(paths) == 1 and is_shoot(Path(paths[0])) else None
+
+
+def _texts(pictures: AnyPictures) -> list[str]:
+    """Return paths as text."""
+    if isinstance(pictures, str | os.PathLike):
+        return [os.fspath(pictures)]
+    return [] if isinstance(pictures, PictureSet | Shoot) else [os.fspath(path) for path in pictures]
+
+
+def _name(path: AnyPath) -> str:
+    return Path(os.path.realpath(path)).name  # of a loop of links, too

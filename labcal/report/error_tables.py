@@ -1,0 +1,47 @@
+"""Errors of points for people."""
+
+from math import isnan
+
+from rich.table import Table
+
+from labcal.evaluate.against_truth import TruthErrors
+from labcal.evaluate.own_lengths import LengthErrors
+from labcal.evaluate.scored_views import scored_words
+from labcal.wording import counted
+
+
+def error_table(errors: TruthErrors | LengthErrors) -> Table:
+    """Return the errors of points, against the truth or of lengths."""
+    return _against_truth(errors) if isinstance(errors, TruthErrors) else _of_lengths(errors)
+
+
+def _against_truth(errors: TruthErrors) -> Table:
+    x, y, z = errors.mean_signed_mm
+    caption = (
+        f"scored: {errors.scored}, {counted(errors.not_scored, 'other')} not; alignment: {errors.alignment}\n"
+        f"{scored_words(len(errors.views_scored), errors.views_calibrated_on)}"
+    )
+    table = Table("error against truth", "mm", caption=caption)
+    table.add_row("points", str(errors.n))
+    table.add_row("mean, with sign (x, y, z)", f"{x:+.4f}, {y:+.4f}, {z:+.4f}")
+    for name, value in (
+        ("mean length", errors.mae_mm),
+        ("RMS", errors.rmse_mm),
+        ("95th percentile", errors.p95_mm),
+        ("greatest", errors.max_mm),
+        ("limit of triangulation from two pictures alone (RMS)", errors.limit_mm),
+    ):
+        if not isnan(value):  # the limit, without detections
+            table.add_row(name, f"{value:.4f}")
+    if not isnan(errors.coverage95):
+        table.add_row("within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f} %")
+    return table
+
+
+def _of_lengths(errors: LengthErrors) -> Table:
+    told = scored_words(len(errors.views_scored), errors.views_calibrated_on)
+    table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {told}")
+    table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
+    table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
+    table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")
+    return table

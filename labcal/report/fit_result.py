@@ -1,0 +1,194 @@
+"""What ``labcal fit`` tells: the JSON document, and the same for people."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich.table import Table
+
+from labcal.calibrate.centre_bias import CentreBias
+from labcal.cameras.blind_pixels import blind_pixels
+from labcal.correspond.training import TrainingData
+from labcal.errors import InputError
+from labcal.estimators.camera_estimator import CameraEstimator
+from labcal.estimators.model import Model
+from labcal.estimators.rehearsed import Rehearsed
+from labcal.estimators.taught import Training
+from labcal.evaluate.statistics import error_statistics
+from labcal.paths import AnyPath
+from labcal.report.handheld_result import HandheldResult, handheld_result
+
+
+@dataclass(frozen=True)
+class MethodResult:
+    """One method in the JSON document of ``labcal fit``."""
+
+    method: str
+    file: str | None
+    n: int
+    training_rmse_mm: float
+    epochs: int | None
+    stop_reason: str | None
+    lenses: tuple[str, ...] | None
+    """Lens models by camera, of methods that have cameras."""
+    share_without_rays: tuple[float, ...] | None
+    """Of each camera's picture, where its lens folds."""
+    expected: Rehearsed | None
+    """What to expect between the trained dots, by a rehearsal with cameras like these; null where the dots
+    determine none."""
+    misfit: bool
+    """Whether points will carry the flag ``model-misfit``."""
+    error: str | None
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """The JSON document of ``labcal fit``."""
+
+    models: list[MethodResult]
+    centre_bias_px: CentreBias | None
+    """Centroid minus centre, which was taken off the training dots; null where it was not."""
+    centre_bias_kept: str | None
+    """Why it was not."""
+    handheld: HandheldResult | None
+    """How the target was placed; null where a stage told."""
+    warnings: list[str]
+    """What was not as it should be with the dots that were taught."""
+    calibrated_on: list[str]
+    """Views that the methods were taught."""
+    held_out: list[str]
+    """Views that they were not, since they are to be scored."""
+
+
+@dataclass(frozen=True)
+class FitOutcome:
+    """What one method learned, or why it could not, and where its model is to be."""
+
+    method: str
+    file: AnyPath
+    model: Model | InputError
+
+
+def fit_result(training: Training, outcomes: Sequence[FitOutcome]) -> FitResult:
+    """Return the JSON document."""
+    centred = training.centred
+    models = [
+        _refused(one.method, str(one.model))
+        if isinstance(one.model, InputError)
+        else _fitted(one.model, centred.data, one.file)
+        for one in outcomes
+    ]
+    return FitResult(
+        models=models,
+        centre_bias_px=centred.bias,
+        centre_bias_kept=centred.reason,
+        handheld=handheld_result(training),
+        warnings=list(training.warnings),
+        calibrated_on=list(training.calibrated_on),
+        held_out=list(training.held_out),
+    )
+
+
+def fit_warnings(outcomes: Sequence[FitOutcome]) -> list[str]:
+    """Return what is not as it should be with each method, for people."""
+    told = []
+    for one in outcomes:
+        reasons = [str(one.model)] if isinstance(one.model, InputError) else _blind(one.model)
+        told += [_named(one.method, reason) for reason in reasons]
+    return told
+
+
+def _refused(method: str, reason: str) -> MethodResult:
+    return MethodResult(
+        method, None, 0, float("nan"), None, None, None, None, expected=None, misfit=False, error=reason
+    )
+
+
+def _fitted(model: Model, data: TrainingData, file: AnyPath) -> MethodResult:
+    estimator = model.estimator
+    cameras = estimator.cameras_ if isinstance(estimator, CameraEstimator) else None
+    return MethodResult(
+        method=estimator.method,
+        file=str(file),
+        n=len(data.X),
+        training_rmse_mm=error_statistics(estimator.predict(data.X), data.Y).rmse_mm,
+        epochs=getattr(estimator, "n_iter_", None),
+        stop_reason=getattr(estimator, "stop_reason_", None),
+        lenses=None if cameras is None else tuple(camera.lens for camera in cameras),
+        share_without_rays=None if cameras is None else tuple(one.share_without_rays for one in cameras),
+        expected=model.rehearsed,
+        misfit=model.misfit,
+        error=None,
+    )
+
+
+def _blind(model: Model) -> list[str]:
+    """Return what pixels of a method's cameras see no direction, for people."""
+    if not isinstance(model.estimator, CameraEstimator):
+        return []
+    told = map(blind_pixels, model.cameras, model.estimator.cameras_)
+    return [note for note in told if note is not None]
+
+
+def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
+    """Return the document for people; `rehearsed` tells whether the expected error was looked for."""
+    captions = []
+    limits = {model.expected.limit_mm for model in result.models if model.expected is not None}
+    if limits:
+        captions.append(
+            "to expect: RMS error between the trained dots, rehearsed with cameras like these; what pixels "
+            f"scatter leaves {min(limits):.4f} mm"
+        )
+        if result.handheld is not None:
+            captions.append("on top of that comes what the adjustment that placed the target is off")
+    elif not rehearsed:
+        captions.append("not rehearsed, so that no error to expect is told")
+    else:
+        captions.append("no error to expect is told: the dots, all on one plane perhaps, determine no camera")
+    if result.centre_bias_px is not None:
+        bias = result.centre_bias_px
+        captions.append(f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
+    if result.handheld is not None:
+        captions.append(result.handheld.words())
+    table = Table(
+        "method",
+        "dots",
+        "RMS on the trained dots [mm]",
+        "to expect [mm]",
+        "epochs",
+        "model",
+        caption="\n".join(captions),
+        caption_justify="left",
+    )
+    table.columns[-1].overflow = "fold"  # the next command needs the whole name
+    for model in result.models:
+        if model.error is not None:
+            table.add_row(model.method, "", "", "", "", "refused")
+            continue
+        epochs = "" if model.epochs is None else f"{model.epochs} ({model.stop_reason})"
+        table.add_row(
+            model.method,
+            str(model.n),
+            f"{model.training_rmse_mm:.4f}",
+            _expectation(model),
+            epochs,
+            str(model.file),
+        )
+    return table
+
+
+def _expectation(model: MethodResult) -> str:
+    """Return what to expect, and why points are flagged where they are."""
+    expected = model.expected
+    if expected is None:
+        return ""
+    told = f"{expected.rmse_mm:.4f}"
+    if not model.misfit:
+        return told
+    if expected.too_large:
+        return f"{told} model-misfit: {expected.rmse_mm / expected.limit_mm:.1f} times what pixels leave"
+    return f"{told} model-misfit: 95% ellipsoids hold {100.0 * expected.coverage95:.0f}%"
+
+
+def _named(method: str, reason: str) -> str:
+    """Return a reason that begins with the method, once."""
+    return reason if reason.startswith(f"{method}:") else f"{method}: {reason}"

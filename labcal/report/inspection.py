@@ -1,0 +1,192 @@
+"""A shoot at a glance: exposure, sharpness and dots of every picture, drawn on one contact sheet."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich.table import Table
+
+from labcal.correspond.coverage import coverage
+from labcal.correspond.measure import Measurement, detections_of
+from labcal.correspond.picture_set import PictureSet
+from labcal.correspond.refused_pictures import shared_reasons
+from labcal.paths import AnyPath, as_path
+from labcal.report.columns import name_column
+from labcal.report.contact_sheet import SheetCoverage, SheetLayout, SheetTile, contact_sheet, plan_layout
+from labcal.report.marked_thumbnail import marked_thumbnail
+from labcal.run.progress import Progress
+from labcal.shoot.pictures import write_single_picture
+from labcal.shoot.quality import picture_quality
+from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
+
+
+@dataclass(frozen=True)
+class InspectedPicture:
+    """One picture."""
+
+    image: str
+    view: str
+    camera: str
+    role: str | None
+    """``train`` or ``test``; null for a loose picture."""
+    median_level: float | None
+    """Share of full scale; null where the picture cannot be read, as the next two."""
+    saturated_share: float | None
+    """Share of pixels with a channel at full scale."""
+    sharpness: float | None
+    """Contrast of strong edges per pixel, 1/px (see ``labcal.shoot.quality``); null where there are none."""
+    dots: int
+    reason: str | None
+    """Why the picture has no ids; null where it has."""
+
+
+@dataclass(frozen=True)
+class InspectedCamera:
+    """One camera."""
+
+    coverage: float
+    """Share of the cells of a grid of 8 x 6 over the picture that hold a dot in some view."""
+    dots: int
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What pictures look like, and where in them dots were found.
+
+    Attributes
+    ----------
+    pictures : tuple of InspectedPicture
+    cameras : dict of str to InspectedCamera
+        By name.
+    sheet : array of uint8, shape (height, width, 3)
+        The contact sheet, RGB.
+    warnings : tuple of str
+        Files that were left out, for people.
+    """
+
+    pictures: tuple[InspectedPicture, ...]
+    cameras: dict[str, InspectedCamera]
+    sheet: np.ndarray
+    warnings: tuple[str, ...] = ()
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write the contact sheet.
+
+        Raises
+        ------
+        OutputError
+            The picture may not be written.
+        """
+        write_single_picture(as_path(path), self.sheet, force=force)
+
+    def document(self, sheet: AnyPath) -> "InspectResult":
+        """Return the JSON document; `sheet` is where the contact sheet is."""
+        return InspectResult(str(sheet), list(self.pictures), self.cameras)
+
+
+@dataclass(frozen=True)
+class InspectResult:
+    """The JSON document of ``labcal inspect``."""
+
+    sheet: str
+    pictures: list[InspectedPicture]
+    cameras: dict[str, InspectedCamera]
+
+
+def inspection(
+    pictures: PictureSet, measurements: Sequence[Measurement], target: AnyTarget, progress: Progress
+) -> Inspection:
+    """Return a shoot at a glance, from what was measured in its pictures.
+
+    Raises
+    ------
+    InputError
+        No picture could be read at all.
+    """
+    detections = detections_of(measurements)
+    # Of cameras without a single dot, too.
+    sizes = {found.source.camera: found.dots.size for found in measurements if found.dots is not None}
+    sizes |= {name: detections.picture_size(name) for name in detections.cameras}
+    aspect = max(height / width for width, height in sizes.values())
+    layout = plan_layout(len(measurements), len(sizes), aspect)
+    progress.start("drawing", len(measurements))
+    inspected, tiles = [], []
+    for found in measurements:  # one picture in memory at a time
+        picture, tile = _inspect(found, pictures.roles.get(found.source.view), target.count, layout)
+        inspected.append(picture)
+        tiles.append(tile)
+        progress.advance()
+    coverages, cameras = [], {}
+    for name, size in sizes.items():
+        cells = coverage(detections, name, size)
+        share = float((cells > 0).mean())
+        cameras[name] = InspectedCamera(share, int(cells.sum()))
+        title = f"{name}: dots in {share:.0%} of the picture, all views"
+        coverages.append(SheetCoverage(title, size, cells))
+    views = len({found.source.view for found in measurements})
+    heading = f"{pictures.name}: {target.name}, {counted(views, 'view')}, {counted(len(tiles), 'picture')}"
+    sheet = contact_sheet(heading, layout, tiles, coverages)
+    return Inspection(tuple(inspected), cameras, sheet, pictures.warnings)
+
+
+def _inspect(
+    found: Measurement, role: str | None, expected: int, layout: SheetLayout
+) -> tuple[InspectedPicture, SheetTile]:
+    """Return what there is to say of one picture, and its tile."""
+    source = found.source
+    count = 0 if found.dots is None else int(found.dots.ok.sum())
+    first = f"{source.view}  {source.camera}" + (f"  ({role})" if role else "")
+    if found.dots is None:
+        unread = InspectedPicture(
+            source.image, source.view, source.camera, role, None, None, None, 0, found.reason
+        )
+        return unread, SheetTile(None, (first, found.reason or ""), refused=True)
+    picture = source.read()
+    quality = picture_quality(picture)
+    inspected = InspectedPicture(
+        image=source.image,
+        view=source.view,
+        camera=source.camera,
+        role=role,
+        median_level=quality.median_level,
+        saturated_share=quality.saturated_share,
+        sharpness=quality.sharpness,
+        dots=count,
+        reason=found.reason,
+    )
+    exposure = f"median {quality.median_level:.0%}, at full scale {quality.saturated_share:.2%}"
+    dots = f"{count} of {expected} dots, edges {quality.edge_width_px:.1f} px wide"
+    last = dots if found.reason is None else found.reason
+    thumbnail = marked_thumbnail(picture, found.dots, layout.box)
+    return inspected, SheetTile(thumbnail, (first, exposure, last), refused=not found.indexed)
+
+
+def inspection_table(result: InspectResult, expected: int) -> Table:
+    """Return the document for people; `expected` is how many dots the target has."""
+    shared = shared_reasons([(one.image, one.reason) for one in result.pictures if one.reason is not None])
+    told = [reason.words for reason in shared]
+    cameras = "; ".join(f"{name}: {camera.coverage:.0%}" for name, camera in result.cameras.items())
+    caption = f"{result.sheet}\nshare of the picture where dots were found: {cameras}"
+    table = Table(
+        name_column("view"),
+        name_column("camera"),
+        "role",
+        "median",
+        "full scale",
+        "sharpness, 1/px",
+        "dots",
+        caption="\n".join([*told, caption]),
+        caption_justify="left",
+    )
+    for picture in result.pictures:
+        exposure = ("-", "-", "-")
+        if None not in (picture.median_level, picture.saturated_share, picture.sharpness):
+            exposure = (
+                f"{picture.median_level:.0%}",
+                f"{picture.saturated_share:.2%}",
+                f"{picture.sharpness:.3f}",
+            )
+        dots = f"{picture.dots} of {expected}" if picture.reason is None else "refused, see below"
+        table.add_row(picture.view, picture.camera, picture.role or "-", *exposure, dots)
+    return table
