@@ -1,3 +1,4 @@
+from . import examples as examples
 from . import pipeline as pipeline
 from .calibrate.calibration import Calibration as Calibration
 from .cameras.camera import Camera as Camera
@@ -6,8 +7,10 @@ from .cameras.rig import read_rig as read_rig
 from .cameras.rig import write_rig as write_rig
 from .correspond.detections import Detections as Detections
 from .correspond.detections import read_detections as read_detections
+from .correspond.detections import write_detections as write_detections
 from .correspond.points import Points as Points
 from .correspond.points import read_points as read_points
+from .correspond.points import write_points as write_points
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model
