@@ -16,6 +16,9 @@ from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model
 from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
+from .evaluate.against_truth import TruthErrors as TruthErrors
+from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .reconstruct.reconstruction import Reconstruction as Reconstruction
 from .shoot.dataset import Shoot as Shoot
 from .shoot.dataset import open_shoot as open_shoot
 from .targets.catalogue import load_target as load_target
