@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
 from labcal.targets.catalogue import AnyTarget
+
+if TYPE_CHECKING:
+    import matplotlib.figure
 
 MANIFEST = "shoot.json"
 
@@ -29,6 +33,18 @@ class Shoot(PublicObject):
     def load(cls, folder: AnyPath) -> "Shoot":
         """Open a shoot; as :func:`open_shoot`, where errors are told."""
         return open_shoot(folder)
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw the pictures, small, of up to twelve views spread evenly over the shoot.
+
+        Raises
+        ------
+        InputError
+            A picture cannot be read.
+        """
+        from labcal.shoot.shoot_figure import shoot_figure  # noqa: PLC0415 -- imports matplotlib
+
+        return shoot_figure(self)
 
     def _summary(self) -> Mapping[str, object]:
         told: dict[str, object] = {"folder": self.folder.as_posix(), "target": self.target.name}

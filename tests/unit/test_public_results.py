@@ -11,6 +11,8 @@ from labcal import examples, pipeline
 from labcal.errors import InputError, OutputError
 from labcal.estimators.affine import Affine
 from labcal.estimators.model import Model, TrainingBox
+from labcal.shoot.manifest import Manifest
+from labcal.shoot.pictures import write_single_picture
 
 SIZES = ((640, 480), (640, 480))
 
@@ -59,6 +61,33 @@ def test_a_reconstruction_says_how_many_points_it_has() -> None:
     assert repr(found).startswith("Reconstruction(points=704, ok=704, median_residual=0.0")
     assert found == pipeline.reconstruct(examples.rig(), examples.detections(), target)
     assert found != replace(found, miss_px=1.0)
+
+
+def test_a_shoot_is_compared_shown_and_drawn(tmp_path: Path) -> None:
+    view = {
+        "name": "a",
+        "images": {"left": "images/a_left.png"},
+        "role": "train",
+        "T_world_target_nominal": None,
+    }
+    manifest = {
+        "target": labcal.load_target(examples.TARGET).model_dump(),
+        "cameras": {"left": {"size": (40, 30)}, "right": {"size": (40, 30)}},
+        "views": [view],
+    }
+    (tmp_path / "shoot.json").write_text(Manifest.model_validate(manifest).model_dump_json())
+    (tmp_path / "images").mkdir()
+    picture = np.zeros((30, 40), dtype=np.uint8)
+    picture[3, 4] = 9
+    write_single_picture(tmp_path / "images" / "a_left.png", picture)
+    shoot = labcal.Shoot.load(str(tmp_path))
+    assert shoot == labcal.open_shoot(tmp_path)
+    assert shoot != shoot.showing(labcal.load_target("paper-13x10"))
+    assert "target=plain-11x8, cameras=['left', 'right'], train=1, test=0" in repr(shoot)
+    left, right = shoot.plot().axes
+    drawn = np.asarray(left.images[0].get_array())
+    assert np.unravel_index(drawn.argmax(), drawn.shape) == (3, 4)
+    assert [text.get_text() for text in right.texts] == ["no picture"]
 
 
 def test_a_shoot_is_opened_by_a_path_of_text_too(tmp_path: Path) -> None:
