@@ -195,7 +195,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         if left_open:
             warnings.append(
                 f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
-                "where dots were, but not these numbers, or let --lens auto choose"
+                "where dots were, but not these numbers, or let `lens='auto'` choose"
             )
         groups = found.fits[name].two_lenses
         if groups is not None:
@@ -203,7 +203,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         elif found.freed is None and found.fits[name].uneven:
             warnings.append(
                 f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; --free-dots estimates where each dot is on the print"
+                "an uneven print or another lens; `free_dots=True` estimates where each dot is on the print"
             )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
@@ -216,8 +216,8 @@ def two_lenses_words(name: str, found: TwoLenses, lens: str) -> str:
     return (
         f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "
         "are of neither. The likely causes, in order: the pictures of two cameras were taken for one (tell "
-        "them apart with 'labcal detect --cameras'); the camera was refocused or zoomed in between; the lens "
-        f"model '{lens}' does not suit (try --lens auto)"
+        "them apart with `cameras` of 'detect'); the camera was refocused or zoomed in between; the lens "
+        f"model '{lens}' does not suit (try `lens='auto'`)"
     )
 
 

@@ -89,7 +89,7 @@ def choose_lens(
         if len(pictures) < MIN_VIEWS:
             raise InputError(
                 f"Camera '{name}' has {counted(len(pictures), 'usable view')}, but to choose a lens model "
-                f"needs {MIN_VIEWS}. Take more views, or name the model with --lens."
+                f"needs {MIN_VIEWS}. Take more views, or name the model with `lens`."
             )
     plenty = min(map(len, cameras)) >= PLENTY
     lenses = [lens for lens in OF_VIEWS if plenty or lens != LARGE]

@@ -119,7 +119,7 @@ def camera_as_lens(known: Camera, lens: str, name: str) -> Camera:
     if old.opencv is None or old.opencv is not new.opencv or lost:
         raise InputError(
             f"Camera '{name}' of the rig to start from has the lens '{known.lens}', from which '{lens}' "
-            "cannot start. Leave --start out, or name a lens with at least its coefficients."
+            "cannot start. Leave `start` out, or name a lens with at least its coefficients."
         )
     values = to_order(old.opencv, old.names, tuple(held.values()))
     dist = np.zeros(max(LENGTH, new.coefficients))

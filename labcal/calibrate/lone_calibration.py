@@ -111,7 +111,7 @@ def _lens_start(
     if settings.start is None:
         if settings.lenses is Lenses.FIXED:
             raise InputError(
-                "Intrinsics can be kept only where a rig to start from gives them. Add --start rig.json."
+                "Intrinsics can be kept only where a rig to start from gives them. Add `start='rig.json'`."
             )
         return start_from_pictures(pictures, target, lens)
     known = settings.start.camera(name)

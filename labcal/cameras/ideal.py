@@ -70,7 +70,7 @@ def rectified_pair(first: Camera, second: Camera) -> tuple[Camera, Camera]:
     ):
         raise InputError(
             "These two cameras cannot be rectified: they are at one place, or one is ahead of the other and "
-            "not beside it. Undistort them without --rectify."
+            "not beside it. Undistort them without `rectify=True`."
         )
     x = baseline / length
     if x @ (axes[0][0] + axes[1][0]) < 0.0:
@@ -95,7 +95,7 @@ def _field(camera: Camera, R_new_world: Matrix3) -> _Field:
     if len(near) == 0:
         raise InputError(
             f"A camera sees nothing within {WIDEST_DEG:g} degrees of the axis of its ideal one. Undistort it "
-            "without --rectify."
+            "without `rectify=True`."
         )
     seen = near[:, :2] / near[:, 2:]
     return _Field(seen.min(axis=0), seen.max(axis=0))
@@ -117,7 +117,7 @@ def _placed(cameras: Sequence[Camera], R: Matrix3, focal: float, fields: Sequenc
     if width * height > _MOST_PIXELS:
         raise InputError(
             f"The ideal picture would have {width} x {height} pixels, more than any picture may have. "
-            "Undistort smaller pictures, or leave out --whole and --rectify."
+            "Undistort smaller pictures, or leave out `whole` and `rectify`."
         )
     placed = []
     for camera, field in zip(cameras, fields, strict=True):

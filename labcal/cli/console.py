@@ -8,6 +8,7 @@ from rich.segment import Segment
 from rich.table import Column
 from rich.text import Text
 
+from labcal.cli.option_words import in_options
 from labcal.cli.streams import Stream
 from labcal.wording import printable
 
@@ -28,7 +29,7 @@ class PlainConsole(Console):
 
     def render_str(self, text: str, **how: Any) -> Text:  # noqa: ANN401 -- rich's own options
         """Return a text, such as a cell, so that its width is that of what is shown."""
-        return super().render_str(printable(text), **how)
+        return super().render_str(printable(in_options(text)), **how)
 
 
 def console_for(stream: Stream) -> Console:
@@ -50,6 +51,6 @@ def rendered(content: object, stream: Stream) -> str:
     console = console_for(stream)
     with console.capture() as captured:
         # Before rich breaks it into lines, since it drops some control characters by itself.
-        text = printable(content) if isinstance(content, str) else content
+        text = printable(in_options(content)) if isinstance(content, str) else content
         console.print(text, soft_wrap=isinstance(content, str))
     return captured.get()

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from labcal.cli.option_words import document_in_options, in_options
 from labcal.cli.streams import Stream
 from labcal.run.progress import NoProgress, Progress
 
@@ -55,11 +56,11 @@ class Session:
 
     def warn(self, message: str) -> None:
         """Tell a person what should not be missed."""
-        _tell(f"warning: {_in_one_line(message)}")
+        _tell(f"warning: {_in_one_line(in_options(message))}")
 
     def fail(self, message: str, document: object) -> None:
         """Tell of an error; the document is left out where a result has been given already."""
-        _tell(f"error: {_in_one_line(message)}")
+        _tell(f"error: {_in_one_line(in_options(message))}")
         if self.json and not self._emitted:
             self._write_json(document)
 
@@ -76,9 +77,9 @@ class Session:
             yield bar
 
     def _write_json(self, document: object) -> None:
-        from labcal.run.json_text import to_json
+        from labcal.run.json_text import plain_data, to_json
 
-        self._write(to_json(document))
+        self._write(to_json(document_in_options(plain_data(document))))
 
     def _write(self, text: str) -> None:
         """Write to stdout so that a full disk or a reader gone shows now, not when the interpreter ends."""

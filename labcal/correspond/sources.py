@@ -68,7 +68,7 @@ def parse_camera_endings(text: str) -> dict[str, str]:
         ending, equals, camera = part.partition("=")
         if not (ending and equals and is_name(camera)) or ending in endings:
             raise InputError(
-                "--cameras takes endings of file names or patterns, each once, and names of letters, digits "
+                "`cameras` takes endings of file names or patterns, each once, and names of letters, digits "
                 f"and hyphens, as in '_0=left,_1=right' or 'left*=left,right*=right', but got '{text}'."
             )
         endings[ending] = camera
@@ -111,7 +111,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
         if twin is not source:
             raise InputError(
                 f"{twin.image} and {source.image} are both view '{source.view}' of camera '{source.camera}'. "
-                "Give them different names, or tell the cameras apart with --cameras '_0=left,_1=right'."
+                "Give them different names, or tell the cameras apart with `cameras='_0=left,_1=right'`."
             )
     if not sources:
         raise InputError(f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}.")

@@ -25,7 +25,7 @@ def parse_hold_out(text: str, views: Sequence[str]) -> HoldOut:
         return int(text)
     unknown = next(name for name in names if name not in views)
     raise InputError(
-        f"--hold-out takes a number of views or their names, but '{unknown}' is neither. There are "
+        f"`hold_out` takes a number of views or their names, but '{unknown}' is neither. There are "
         f"{', '.join(views[:12])}{' ...' if len(views) > 12 else ''}."  # noqa: PLR2004 -- enough to see them
     )
 

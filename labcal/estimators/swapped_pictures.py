@@ -124,5 +124,5 @@ def _refuse(view: str, cameras: Sequence[str], given: float, exchanged: float) -
         raise InputError(
             f"In view '{view}' the pictures of '{cameras[0]}' and '{cameras[1]}' seem to be swapped: "
             f"exchanged, dots are off by {exchanged:.3g} px, {as_given}. Say which picture is whose: "
-            "labcal detect --cameras."
+            "`cameras` of 'detect'."
         )

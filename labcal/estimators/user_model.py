@@ -42,8 +42,8 @@ def estimator_to_fill(path: Path, header: ModelHeader, method: object | None) ->
         if SEPARATOR in name:
             raise InputError(
                 f"The model {path} was fitted with '{clipped(name)}', which is none of labcal's methods, and "
-                "code that a file names is never run by itself. If you know that method, name it: --method "
-                f"{clipped(name)} (in Python 'method=', a name, a class or an estimator)."
+                "code that a file names is never run by itself. If you know that method, name it: "
+                f"`method='{clipped(name)}'` (in Python also a class or an estimator)."
             )
         return make_estimator(name)
     estimator = estimator_of(method)

@@ -110,7 +110,7 @@ def scored_words(scored: int, calibrated_on: int | None) -> str:
     """Return which views are scored, for people: how many, and how many of these were learned from."""
     views = counted(scored, "view")
     if calibrated_on is None:
-        return f"{views}; not known whether the cameras were calibrated from them (--rig RIG-or-MODEL tells)"
+        return f"{views}; not known whether the cameras were calibrated from them (`rig` or the model tells)"
     if calibrated_on:
         return f"{views}, all of them calibrated from: circular, no check of how right the points are"
     return f"{views} held out from the calibration"
@@ -123,7 +123,7 @@ def scored_warnings(n_ok: int, calibrated_on: int | None) -> tuple[str, ...]:
         warnings.append(
             "these figures are circular: by their names, all views that are scored are views that the "
             "cameras were calibrated from. They tell how well the calibration repeats itself, not how right "
-            "it is. Score other views: '--hold-out 2' of 'labcal calibrate' or 'fit' keeps two."
+            "it is. Score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two."
         )
     if n_ok == 0:
         warnings.append("not one of the points that are scored is flagged 'ok'")

@@ -27,7 +27,7 @@ def reconstruction_warnings(
     if found.bias is None and target_known is None and (isinstance(model, Rig) or model.resected is not None):
         warnings.append(
             "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
-            "--target NAME"
+            "`target='NAME'`"
         )
     if isinstance(model, Model) and model.misfit:
         warnings.append(

@@ -150,8 +150,8 @@ def _fall_off(camera: Camera, pupil: Pupil | None) -> tuple[float, ...]:
     if not isinstance(model, PrescribedLens):
         if model.fall_off not in _FALL_OFFS:
             raise InputError(
-                f"How light falls off behind the lens '{camera.lens}' is not known. Render without: --set "
-                "photometry.fall_off=false, or choose another lens."
+                f"How light falls off behind the lens '{camera.lens}' is not known. Render without: "
+                "`overrides='photometry.fall_off=false'`, or choose another lens."
             )
         return _FALL_OFFS[model.fall_off]
     if pupil is not None:

@@ -30,7 +30,7 @@ from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
 from labcal.shoot.truth import FOLDER, Truth, write_truth
 
-_ADVICE = "Free memory, render smaller pictures (or fewer at a time: --workers), or leave those views out."
+_ADVICE = "Free memory, render smaller pictures (or fewer at a time: `workers`), or leave those views out."
 PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headless")
 
 

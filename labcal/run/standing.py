@@ -187,7 +187,7 @@ def _require_plain(path: Path, status: os.stat_result) -> None:
 def _require_leave(path: Path, status: os.stat_result, *, force: bool) -> None:
     """Raise unless the user has said that it may be replaced, and has not protected it."""
     if not force:
-        raise OutputError(f"{path} exists already. Choose another name, or add --force to replace it.")
+        raise OutputError(f"{path} exists already. Choose another name, or add `force=True` to replace it.")
     if not status.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):
         raise OutputError(
             f"{path} is write-protected, so it is not replaced. Choose another name, or lift the protection."

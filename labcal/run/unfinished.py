@@ -116,7 +116,7 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
     if not force:
         raise OutputError(
             f"{working} is the unfinished output of another command. Repeat that command to finish it, "
-            "or add --force to discard it."
+            "or add `force=True` to discard it."
         )
     require_elsewhere(working)
     require_nothing_foreign(working)

@@ -188,7 +188,7 @@ def _resolution(sheet: Sheet, dpi: int | None) -> int:
         size = f"{sheet.paper.width:.0f} mm x {sheet.paper.height:.0f} mm"
         raise InputError(
             f"A picture of {size} at {wanted} dpi does not fit into the memory of this machine. "
-            f"Give at most --dpi {largest}, or export SVG or PDF, which have no pixels."
+            f"Give at most `dpi={largest}`, or export SVG or PDF, which have no pixels."
         )
     return wanted
 

@@ -59,14 +59,14 @@ def adjust_dots(
     if target.lookalikes(target.indices()[:1]):
         raise InputError(
             f"The target '{target.name}' looks the same when turned, so views may number its dots "
-            "differently. Free the dots of a target with rings, or leave --free-dots out."
+            "differently. Free the dots of a target with rings, or leave `free_dots` out."
         )
     pictures = np.bincount(observations.dot, minlength=target.count)
     movable = pictures >= MIN_PICTURES
     if movable.sum() < _FEWEST_DOTS:
         raise InputError(
             f"Only {counted(int(movable.sum()), 'dot')} measured in at least {MIN_PICTURES} pictures, too "
-            "few to free them. Take more pictures that show the same dots, or leave --free-dots out."
+            "few to free them. Take more pictures that show the same dots, or leave `free_dots` out."
         )
     entering = observations.where(movable[observations.dot])
     hold = _hold(flat, entering, movable, lenses)

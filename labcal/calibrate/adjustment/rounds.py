@@ -106,7 +106,7 @@ def adjust_in_rounds(
     if not np.isfinite(start.residuals(observations)).all():
         raise InputError(
             "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
-            "is the one in the pictures, choose a lens model that suits the lens, or give a rig with --start."
+            "is the one in the pictures, choose a lens model that suits the lens, or give a rig with `start`."
         )
     rounds = _Rounds(start, observations, freedom, radii, bias_rounds)
     wide = rounds.adjusted(PriorWidth.WIDE)

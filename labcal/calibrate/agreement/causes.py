@@ -131,7 +131,7 @@ def _target_moved(pair: PairAgreement, telling: tuple[str, ...], *, in_no_order:
 
 def _lens_misfit(found: Calibrated, pair: PairAgreement, telling: tuple[str, ...]) -> Cause:
     """Return the cause that what each camera is calibrated with does not suit."""
-    advice = "Try --lens auto." if found.free_dots else "Try --lens auto or --free-dots."
+    advice = "Try `lens='auto'`." if found.free_dots else "Try `lens='auto'` or `free_dots=True`."
     return Cause(
         CauseName.LENS_MISFIT,
         f"the lens model or the flat board does not suit, which each camera alone shows, too. {advice}",
@@ -163,7 +163,7 @@ def _exchanged(found: Calibrated, pair: PairAgreement) -> Cause | None:
         CauseName.SWAPPED_CAMERAS,
         f"pictures of '{names[0]}' and '{names[1]}' are exchanged in {len(views)} of {len(of_views)} views, "
         f"or in all others: exchanged back, {left:.2%} of the contradiction is left. Say which picture is "
-        "whose: labcal detect --cameras.",
+        "whose: `cameras` of 'detect'.",
         names,
         views,
     )

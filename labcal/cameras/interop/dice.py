@@ -83,7 +83,7 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
         poses = [poses[0], *(T @ poses[0] for T in poses[1:])]
     records = [_camera(camera, T, path) for camera, T in zip(cameras, poses, strict=True)]
     if any(given.size not in (None, record.size) for record in records):
-        raise InputError(f"{path} states another size of the pictures than --size. Leave --size out.")
+        raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
     names = [_values(camera).get("CAMERA_ID") or str(camera.get("name")) for camera in cameras]
     return ReadRig(rig_of(names, records), tuple(note for _, mended in found for note in mended))
 
@@ -99,7 +99,7 @@ def write_dice(rig: Rig, _suffix: str) -> RigTexts:
     if len(rig.cameras) > _MOST_CAMERAS:
         raise InputError(
             f"DICe takes {_MOST_CAMERAS} cameras at most, and this rig has {len(rig.cameras)}. Choose some: "
-            f"--only {','.join(list(rig.cameras)[:2])}."
+            f"`only='{','.join(list(rig.cameras)[:2])}'`."
         )
     root = ET.Element(_LIST)
     _add(root, "string", *_FORMAT)

@@ -124,7 +124,7 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
         if a != b:
             raise InputError(
                 f"OpenCV's stereo file holds one {what} for both cameras, but '{left}' and '{right}' differ "
-                f"in it. Write each camera alone: --only {left}."
+                f"in it. Write each camera alone: `only='{left}'`."
             )
     (_, T_right_left), notes = poses_from_first(rig)
     content: Content = {

@@ -92,15 +92,15 @@ def _lens(
     said, told = _said_to_be_fisheye(storage), _given_fisheye(given)
     if said is not None and told is not None and said != told:
         raise InputError(
-            f"{path} says that its lens is {'a' if said else 'no'} fisheye, but --lens {given.lens} says "
-            "otherwise. Leave --lens out."
+            f"{path} says that its lens is {'a' if said else 'no'} fisheye, but `lens='{given.lens}'` says "
+            "otherwise. Leave that out."
         )
     fisheye = told if said is None else said
     if fisheye is None and len(coefficients) == _AMBIGUOUS:
         raise InputError(
             f"{path} has four coefficients, which are k1 k2 p1 p2 of Brown's model (cv2.calibrateCamera) or "
-            "k1 to k4 of the fisheye's (cv2.fisheye.calibrate), and does not say which. Say it: --lens "
-            f"brown5 or --lens {FISHEYE}."
+            "k1 to k4 of the fisheye's (cv2.fisheye.calibrate), and does not say which. Say it: "
+            f"`lens='brown5'` or `lens='{FISHEYE}'`."
         )
     if not fisheye:
         return perspective_lens(coefficients)
@@ -124,7 +124,7 @@ def _given_fisheye(given: ReadOptions) -> bool | None:
     """Return whether the lens that was named is the fisheye; None where none was."""
     if given.lens not in (None, BROWN, FISHEYE):
         raise InputError(
-            f"--lens {given.lens} does not tell whose coefficients these are. Say {BROWN}, for those of "
+            f"`lens='{given.lens}'` does not tell whose coefficients these are. Say {BROWN}, for those of "
             f"cv2.calibrateCamera, or {FISHEYE}."
         )
     return None if given.lens is None else given.lens == FISHEYE
@@ -137,13 +137,13 @@ def _size(storage: Storage, given: ReadOptions) -> tuple[int, int]:
         if given.size is not None:
             return picture_size(given.size, storage.path)
         raise InputError(
-            f"{storage.path} does not say how large the pictures are. Say it: --size 1280x960. Or add "
+            f"{storage.path} does not say how large the pictures are. Say it: `size='1280x960'`. Or add "
             "the keys image_width and image_height."
         )
     size = picture_size(listed if width is None and height is None else [width, height], storage.path)
     if given.size not in (None, size):
         raise InputError(
-            f"{storage.path} states a picture size of {size[0]}x{size[1]}, which --size contradicts. Leave "
-            "--size out."
+            f"{storage.path} states a picture size of {size[0]}x{size[1]}, which `size` contradicts. Leave "
+            "that out."
         )
     return size

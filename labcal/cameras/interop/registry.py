@@ -40,12 +40,12 @@ def format_to_write(path: Path) -> RigFormat:
         one for one in FORMATS.values() if one.home is Home.FILE and path.suffix.lower() in one.suffixes
     ]
     if LABCAL in fitting:
-        return LABCAL  # others that end so are named with --to
+        return LABCAL  # others that end so are named with `to_format`
     if len(fitting) == 1:
         return fitting[0]
     names = ", ".join(one.name for one in fitting or FORMATS.values())
     raise InputError(
-        f"The name {path} does not tell the format to write. Say it: --to FORMAT, one of {names}."
+        f"The name {path} does not tell the format to write. Say it: `to_format='FORMAT'`, one of {names}."
     )
 
 
@@ -61,6 +61,6 @@ def recognised_format(source: SourceText) -> RigFormat | None:
     if len(fitting) > 1:
         raise InputError(
             f"{source.path} could be of several formats: {', '.join(one.name for one in fitting)}. Say "
-            "which: --from FORMAT."
+            "which: `from_format='FORMAT'`."
         )
     return fitting[0] if fitting else None

@@ -76,11 +76,13 @@ def read_rig_files(
     if strange and not (in_folder and known):
         raise InputError(
             f"{strange[0]} is of no format that is read here ({', '.join(FORMATS)}). If it should be, name "
-            f"it: --from FORMAT."
+            f"it: `from_format='FORMAT'`."
         )
     kinds = {one.name: one for _, one in known}
     if len(kinds) != 1:
-        raise InputError(f"These files are of several formats: {', '.join(kinds)}. Name one: --from FORMAT.")
+        raise InputError(
+            f"These files are of several formats: {', '.join(kinds)}. Name one: `from_format='FORMAT'`."
+        )
     (chosen,) = kinds.values()
     if chosen.home is not Home.FOLDER:
         sources = [source for source, _ in known]
@@ -109,7 +111,7 @@ def _require_options(chosen: RigFormat, given: ReadOptions) -> None:
     for name in given.named:
         if name not in chosen.options:
             raise InputError(
-                f"--{name} does not apply to files of the format '{chosen.name}', which say it themselves. "
+                f"`{name}` does not apply to files of the format '{chosen.name}', which say it themselves. "
                 "Leave it out."
             )
 
@@ -138,7 +140,8 @@ def _in_unit(rig: Rig, chosen: RigFormat, given: ReadOptions) -> Rig:
         if not low <= baseline <= high:
             raise InputError(
                 f"The first two cameras would be {baseline:.4g} mm apart, if lengths are in {unit.value} as "
-                f"in most files of the format '{chosen.name}'. Say what they are in: --unit mm or --unit m."
+                f"in most files of the format '{chosen.name}'. Say what they are in: `unit='mm'` or "
+                "`unit='m'`."
             )
     return rig
 

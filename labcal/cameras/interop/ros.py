@@ -113,7 +113,7 @@ def write_ros(rig: Rig, _suffix: str) -> RigTexts:
         names = list(rig.cameras)
         raise InputError(
             f"ROS files hold the poses of a pair at most, and this rig has {len(names)} cameras. Choose two "
-            f"of them: --only {','.join(names[:2])}."
+            f"of them: `only='{','.join(names[:2])}'`."
         )
     poses, notes = poses_from_first(rig)
     held = {name: _distortion(name, record) for name, record in rig.cameras.items()}

@@ -39,11 +39,11 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
     if mask is None and stated is None:
         raise InputError(
             f"{path} does not say how large the pictures are: the project has no area of interest. Draw one, "
-            "save, and convert again, or say it: --size 1280x960."
+            "save, and convert again, or say it: `size='1280x960'`."
         )
     size = picture_size(stated if mask is None else [mask.get("width"), mask.get("height")], path)
     if stated not in (None, size):
-        raise InputError(f"{path} states another size of the pictures than --size. Leave --size out.")
+        raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
     from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
 
     names: list[str] = []

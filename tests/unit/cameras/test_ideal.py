@@ -91,7 +91,7 @@ def test_rays_that_do_not_meet_need_a_distance() -> None:
     window = FlatWindow(kind="flat", distance_mm=50.0, thickness_mm=10.0, glass_index=1.5, behind_index=1.333)
     camera = Camera(first.K, first.lens, first.dist, WORLD, first.size, window=window)
     ideal = ideal_camera(camera)
-    with pytest.raises(InputError, match="--distance-mm"):
+    with pytest.raises(InputError, match="`distance_mm`"):
         source_pixels(camera, ideal)
     found = source_pixels(camera, ideal, 800.0)
     pixel = np.array([400.0, 300.0])

@@ -50,7 +50,7 @@ def test_a_pinhole_is_padded_to_five_coefficients() -> None:
 
 def test_a_rig_is_not_replaced_unasked(tmp_path: Path) -> None:
     write_rig(tmp_path / "rig.json", RIG)
-    with pytest.raises(OutputError, match="--force"):
+    with pytest.raises(OutputError, match="`force=True`"):
         write_rig(tmp_path / "rig.json", RIG)
     write_rig(tmp_path / "rig.json", RIG, force=True)
 

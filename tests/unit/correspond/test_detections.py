@@ -148,7 +148,7 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
 
 def test_pictures_of_two_sizes_are_two_cameras(exact: Detections) -> None:
     sizes = np.where((exact.view == "pose-1")[:, None], [[320, 240]], exact.size)
-    with pytest.raises(InputError, match=r"320 x 240, 640 x 480.*--cameras"):
+    with pytest.raises(InputError, match=r"320 x 240, 640 x 480.*`cameras`"):
         replace(exact, size=sizes).picture_size("right")
 
 

@@ -75,7 +75,7 @@ def test_pictures_of_several_cameras_are_not_taken_for_one(names: str) -> None:
     told = named_cameras(images)
     assert told is not None
     assert told.option == option
-    assert f"--cameras '{option}'" in told.words()
+    assert f"`cameras='{option}'`" in told.words()
     endings = parse_camera_endings(option)
     sources = [loose_source(image, endings) for image in images]  # what is said to be typed works
     assert len({source.camera for source in sources}) == len(endings)
@@ -112,7 +112,7 @@ def test_loose_pictures_are_refused_until_somebody_says(tmp_path: Path) -> None:
         (home / image).write_bytes(b"x")
     for given in ([home], [home / "LEFT", home / "RIGHT"]):
         paths = [str(path) for path in given]
-        with pytest.raises(InputError, match=r"2 cameras .*--cameras 'LEFT/\*=left,RIGHT/\*=right'"):
+        with pytest.raises(InputError, match=r"2 cameras .*`cameras='LEFT/\*=left,RIGHT/\*=right'"):
             loose_sources(paths, {})
         found = loose_sources(paths, {"LEFT/*": "left", "RIGHT/*": "right"})
         assert [(source.view, source.camera) for source in found[:2]] == [("00", "left"), ("00", "right")]

@@ -50,7 +50,7 @@ def test_what_names_no_picture_is_refused(folder: Path) -> None:
     (folder / "empty").mkdir()
     with pytest.raises(InputError, match=r"There are no pictures \(\.bmp"):
         loose_sources([str(folder / "empty")], {})
-    with pytest.raises(InputError, match=r"both view 'b' of camera 'left'.*--cameras"):
+    with pytest.raises(InputError, match=r"both view 'b' of camera 'left'.*`cameras="):
         loose_sources([str(folder)], {"_0": "left", "_1": "left"})
 
 

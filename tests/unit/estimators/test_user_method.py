@@ -278,7 +278,7 @@ def test_a_file_alone_makes_nothing_be_imported(
     path = tmp_path / "m"
     save_model(path, model(estimator, stereo(volume), volume), force=False)
     del sys.modules[own_module]
-    with pytest.raises(InputError, match=f"is never run by itself.*--method {own_module}:made"):
+    with pytest.raises(InputError, match=f"is never run by itself.*`method='{own_module}:made'`"):
         load_model(path)
     assert own_module not in sys.modules
     assert views_taught(path) == ("a", "b")

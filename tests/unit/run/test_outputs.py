@@ -29,7 +29,7 @@ def test_a_file_is_written_with_the_rights_of_any_other(tmp_path: Path) -> None:
 def test_an_existing_file_is_kept_without_force(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_text("old")
-    with pytest.raises(OutputError, match="--force"):
+    with pytest.raises(OutputError, match="`force=True`"):
         write_file(path, "new", force=False)
     assert path.read_text() == "old"
     write_file(path, "new", force=True)

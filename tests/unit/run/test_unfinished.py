@@ -190,17 +190,17 @@ def test_a_run_killed_at_any_moment_goes_on(tmp_path: Path) -> None:
         ]  # fmt: skip
     assert entries(target) == [MADE, "a.txt", "images"]
     (target / COMMAND).write_text("render")  # killed when all was done but for removing the mark
-    refuse(target, "--force", "other", force=False)
+    refuse(target, "`force=True`", "other", force=False)
     with unfinished_folder(target, "render", force=False) as again:
         assert again == working
         assert not target.exists()
     assert entries(target) == [MADE, "a.txt", "images"]
-    refuse(target, "--force", force=False)
+    refuse(target, "`force=True`", force=False)
 
 
 def test_a_folder_that_labcal_made_is_kept_until_its_successor_is_whole(tmp_path: Path) -> None:
     target = made(tmp_path / "shoot", "old")
-    refuse(target, "--force", force=False)
+    refuse(target, "`force=True`", force=False)
     with unfinished_folder(target, "render", force=True) as working:
         write_file(working / "new.txt", "new", force=True)
         assert entries(target) == [MADE, "a.txt", "images"]

@@ -39,7 +39,7 @@ def test_what_is_no_exr_is_refused(tmp_path: Path) -> None:
 
 def test_an_existing_file_is_kept(tmp_path: Path) -> None:
     write_exr(tmp_path / "a.exr", LIGHT, {})
-    with pytest.raises(OutputError, match="--force"):
+    with pytest.raises(OutputError, match="`force=True`"):
         write_exr(tmp_path / "a.exr", LIGHT[..., 0], {})
     write_exr(tmp_path / "a.exr", LIGHT[..., 0], {}, force=True)
     assert read_exr(tmp_path / "a.exr").ndim == 2

@@ -69,7 +69,7 @@ def test_what_is_no_picture_is_refused(tmp_path: Path) -> None:
 
 def test_pictures_are_not_replaced_unasked_nor_written_in_unknown_forms(tmp_path: Path) -> None:
     write_picture(tmp_path / "a.png", GREY)
-    with pytest.raises(OutputError, match="--force"):
+    with pytest.raises(OutputError, match="`force=True`"):
         write_picture(tmp_path / "a.png", GREY)
     write_picture(tmp_path / "a.png", COLOUR, force=True)
     with pytest.raises(OutputError, match=r"ends in \.png, \.jpg or \.tif"):

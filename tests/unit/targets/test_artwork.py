@@ -195,7 +195,7 @@ def test_export_refuses_what_it_cannot_do(tmp_path: Path, grid: DotGrid) -> None
         export_artwork(grid, tmp_path / "x.svg", dpi=300)
     with pytest.raises(InputError, match="at least 1"):
         export_artwork(grid, tmp_path / "x.png", dpi=0)
-    with pytest.raises(InputError, match=r"Give at most --dpi \d+"):
+    with pytest.raises(InputError, match=r"Give at most `dpi=\d+`"):
         export_artwork(grid, tmp_path / "x.png", dpi=100_000)
     with pytest.raises(OutputError, match="nowhere"):
         export_artwork(grid, tmp_path / "nowhere" / "x.svg")

@@ -131,11 +131,11 @@ def test_projects_that_cannot_be_read(old: str, new: str, said: str) -> None:
 def test_the_size_of_a_project_without_an_area_of_interest_can_be_given() -> None:
     text = re.sub(" <projectaois>.*</projectaois>\n", "", PROJECT)
     source = SourceText(Path("cal.xml"), text)
-    with pytest.raises(InputError, match="--size 1280x960"):
+    with pytest.raises(InputError, match="`size='1280x960'`"):
         read_dice([source])
     (record, _) = read_dice([source], ReadOptions(size=(1280, 800))).rig.cameras.values()
     assert record.size == (1280, 800)
-    with pytest.raises(InputError, match="another size of the pictures than --size"):
+    with pytest.raises(InputError, match="another size of the pictures than `size`"):
         read_dice([SourceText(Path("cal.xml"), PROJECT)], ReadOptions(size=(640, 480)))
-    with pytest.raises(InputError, match="another size of the pictures than --size"):
+    with pytest.raises(InputError, match="another size of the pictures than `size`"):
         read_dice([SourceText(Path("cal.xml"), SYSTEM)], ReadOptions(size=(640, 480)))

@@ -130,9 +130,9 @@ def test_names_and_endings() -> None:
     with pytest.raises(UnknownNameError, match="Did you mean 'kalibr'"):
         read_rig_files([SOURCE], "kalibra")
     assert format_to_write(Path("a.cameramodel")).name == "mrcal"
-    with pytest.raises(InputError, match="--to FORMAT, one of opencv, kalibr, ros"):
+    with pytest.raises(InputError, match="`to_format='FORMAT'`, one of opencv, kalibr, ros"):
         format_to_write(Path("a.yaml"))
-    with pytest.raises(InputError, match="--to FORMAT, one of opencv, dice"):
+    with pytest.raises(InputError, match="`to_format='FORMAT'`, one of opencv, dice"):
         format_to_write(Path("a.xml"))
 
 

@@ -74,7 +74,7 @@ def test_a_camera_without_its_picture_size_or_with_skew_is_refused() -> None:
     )
     size = "image_width: 640\nimage_height: 480\n"
     source = Path("a.yml")
-    with pytest.raises(InputError, match=r"--size 1280x960\. Or add the keys image_width and image_height"):
+    with pytest.raises(InputError, match=r"`size='1280x960'`\. Or add the keys image_width and image_height"):
         read_opencv([SourceText(source, text)])
     with pytest.raises(InputError, match=r"has a skew of 0\.5"):
         read_opencv([SourceText(source, text.replace("700., 0., 320.", "700., 0.5, 320.") + size)])

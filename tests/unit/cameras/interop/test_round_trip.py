@@ -103,5 +103,5 @@ def test_a_lens_that_a_format_does_not_have_is_refused_by_name(
 
 
 def test_three_cameras_are_too_many_for_ros(make_rig: MakeRig) -> None:
-    with pytest.raises(InputError, match="--only left,right-2"):
+    with pytest.raises(InputError, match="`only='left,right-2'`"):
         FORMATS["ros"].write(make_rig("pinhole", count=3), ".yaml")

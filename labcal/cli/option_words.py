@@ -1,0 +1,61 @@
+"""Messages of the library in the words of the command line.
+
+The library speaks of arguments, as a notebook has them, between backticks: ```force=True```,
+```lens='auto'```, ```size```. A person at a terminal has options: ``--force``, ``--lens auto``, ``--size``.
+"""
+
+import re
+
+OPTIONS = {
+    name: "--" + name.replace("_", "-")
+    for name in (
+        "alignment", "cameras", "detections", "distance_mm", "dots", "dpi", "fix_intrinsics", "force",
+        "free_dots", "hold_out", "lens", "method", "only", "overlay", "quick", "rectify", "rig", "seed",
+        "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
+    )
+} | {"overrides": "--set", "from_format": "--from", "to_format": "--to"}  # fmt: skip
+"""Options by the names of the arguments that they stand for."""
+
+_ARGUMENT = re.compile(r"`([a-z_]+)(?:=(True|'[^'`]*'|[\w.]+))?`")
+_PLAIN = re.compile(r"[\w.,:/-]+")
+WORDS = frozenset(
+    (
+        "message", "reason", "warnings", "notes", "error", "skipped", "why", "left_out", "centre_bias_kept",
+        "inconsistent", "causes", "refused",
+    )
+)  # fmt: skip
+"""Keys of JSON documents that hold messages; under others stand data, which are never changed."""
+
+
+def in_options(message: str) -> str:
+    """Return a message that speaks of options in place of arguments."""
+    return _ARGUMENT.sub(_option, message)
+
+
+def _option(found: re.Match[str]) -> str:
+    name, value = found.groups()
+    if name not in OPTIONS:
+        return found[0]
+    if value in (None, "True"):
+        return OPTIONS[name]
+    text = value.strip("'")
+    return f"{OPTIONS[name]} {text if _PLAIN.fullmatch(text) else value}"
+
+
+def document_in_options(tree: object, *, words: bool = False) -> object:
+    """Return plain data of a JSON document whose messages speak of options.
+
+    Parameters
+    ----------
+    tree : object
+        As :func:`labcal.run.json_text.plain_data` makes it.
+    words : bool
+        It stands under a key that holds messages.
+    """
+    if isinstance(tree, str):
+        return in_options(tree) if words else tree
+    if isinstance(tree, list):
+        return [document_in_options(item, words=words) for item in tree]
+    if isinstance(tree, dict):
+        return {key: document_in_options(item, words=key in WORDS) for key, item in tree.items()}
+    return tree
