@@ -1,3 +1,4 @@
+from . import examples as examples
 from . import pipeline as pipeline
 from .calibrate.calibration import Calibration as Calibration
 from .cameras.camera import Camera as Camera
@@ -6,13 +7,18 @@ from .cameras.rig import read_rig as read_rig
 from .cameras.rig import write_rig as write_rig
 from .correspond.detections import Detections as Detections
 from .correspond.detections import read_detections as read_detections
+from .correspond.detections import write_detections as write_detections
 from .correspond.points import Points as Points
 from .correspond.points import read_points as read_points
+from .correspond.points import write_points as write_points
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model
 from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
+from .evaluate.against_truth import TruthErrors as TruthErrors
+from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .reconstruct.reconstruction import Reconstruction as Reconstruction
 from .shoot.dataset import Shoot as Shoot
 from .shoot.dataset import open_shoot as open_shoot
 from .targets.catalogue import load_target as load_target

@@ -1,6 +1,8 @@
 """A calibration as it is made and told: a lens chosen, views held out, and what is not as it should be."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +20,18 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
 from labcal.errors import InputError
 from labcal.optim.solution import StopReason
+from labcal.paths import AnyPath
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.progress import NoProgress, Progress
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 
+if TYPE_CHECKING:
+    import pandas
 
-@dataclass(frozen=True)
-class Calibration:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(PublicObject):
     """A rig, and how it came to be.
 
     Attributes
@@ -40,6 +47,13 @@ class Calibration:
         Views that it comes from; those of a rig whose lenses were kept among them.
     warnings : tuple of str
         What is not as it should be, for people.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+    >>> made
+    Calibration(cameras=['left', 'right'], lens=brown5, views=8, rms=0.0281 px, warnings=0)
     """
 
     found: HandheldCalibration
@@ -48,6 +62,51 @@ class Calibration:
     held_out: tuple[str, ...]
     calibrated_on: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write the rig as ``rig.json``, which :meth:`Rig.load` reads; how it came to be is in no file.
+
+        Raises
+        ------
+        OutputError
+            The file exists and `force` is not set, or it cannot be written.
+        """
+        self.rig.save(path, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the table of :meth:`Rig.to_pandas` with views, dots and RMS of each camera.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+        """
+        fits = [self.found.fits[name] for name in self.found.rig.cameras]
+        return self.rig.to_pandas().assign(
+            views=[len(fit.views) for fit in fits],
+            dots=[fit.dots for fit in fits],
+            rms_px=[fit.rms_px for fit in fits],
+            rms_in_rig_px=[fit.rms_in_rig_px for fit in fits],
+        )
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "cameras": list(self.found.rig.cameras),
+            "lens": self.lens,
+            "views": len(self.found.views),
+            "rms": f"{self.found.rms_px:.3g} px",
+            "warnings": len(self.warnings),
+        }
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        rows = [
+            [name, str(len(fit.views)), str(fit.dots), f"{fit.rms_px:.4f}", f"{fit.rms_in_rig_px:.4f}"]
+            for name, fit in self.found.fits.items()
+        ]
+        return [
+            HtmlTable(("camera", "views", "dots", "RMS alone (px)", "RMS in the rig (px)"), rows),
+            HtmlTable(("warnings",), [[warning] for warning in self.warnings]),
+        ]
 
     @property
     def rig(self) -> Rig:

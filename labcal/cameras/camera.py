@@ -1,11 +1,23 @@
 """A camera: pixels to rays and points to pixels, in the world's frame."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labcal.arrays import Mask, Matrix3, Pixels, PointJacobians, Pose, Vectors3
+from labcal.arrays import (
+    AnyArray,
+    Mask,
+    Matrix3,
+    Pixels,
+    PointJacobians,
+    Pose,
+    Vectors3,
+    float_array,
+    whole_array,
+)
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.lens import LENGTH, MOST_COEFFICIENTS, PRESCRIPTION, Lens, lens_by_name
 from labcal.cameras.mathematics import NUMPY, Number, NumpyMathematics
@@ -15,6 +27,10 @@ from labcal.cameras.prescription import Prescription
 from labcal.cameras.window import FlatWindow, WavyWindow
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse, require_rigid, transform
+from labcal.public_object import PublicObject
+
+if TYPE_CHECKING:
+    import matplotlib.figure
 
 _LATTICE = 65
 
@@ -36,19 +52,22 @@ class Projection:
     ok: Mask
 
 
-@dataclass(frozen=True)
-class Camera:
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Camera(PublicObject):
     """A camera with a lens model, at its place in the world.
+
+    Two cameras are equal where all their parameters are. A camera has no file of its own: a
+    :class:`~labcal.cameras.rig.Rig` of one has.
 
     Parameters
     ----------
-    K : ndarray, shape (3, 3)
+    K : array_like, shape (3, 3)
         Camera matrix in pixels, without skew; pixel (0, 0) is the centre of the top-left pixel.
     lens : str
         Name of a lens model, or ``prescription``.
-    dist : ndarray, shape (k,)
+    dist : array_like, shape (k,)
         Its coefficients in OpenCV's order, padded with zeros to at least 5.
-    T_cam_world : ndarray, shape (4, 4)
+    T_cam_world : array_like, shape (4, 4)
         World to camera (x right, y down, z forward), mm.
     size : (int, int)
         Width and height of the picture, px.
@@ -62,8 +81,20 @@ class Camera:
     InputError
         A matrix is malformed, there are more coefficients than the model has, the size is not positive, or a
         prescription is missing or out of place.
+    InputTypeError
+        What should be an array of numbers is none.
     UnknownNameError
         There is no such lens model.
+
+    Examples
+    --------
+    >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+    >>> camera = Camera(K, "brown5", [-0.1, 0, 0, 0, 0], np.eye(4), (640, 480))
+    >>> camera
+    Camera(lens=brown5, size=640 x 480 px, focal_length=800.0, 800.0 px, field=44.3 x 33.7 deg)
+    >>> camera.project([[0, 0, 1000], [100, 0, 1000]]).q.round(3)
+    array([[319.5 , 239.5 ],
+           [399.42, 239.5 ]])
     """
 
     K: Matrix3
@@ -74,7 +105,32 @@ class Camera:
     prescription: Prescription | None = None
     window: FlatWindow | WavyWindow | None = None
 
-    def __post_init__(self) -> None:
+    def __init__(  # noqa: PLR0913, PLR0917 -- as many as fields
+        self,
+        K: AnyArray,
+        lens: str,
+        dist: AnyArray,
+        T_cam_world: AnyArray,
+        size: AnyArray,
+        prescription: Prescription | None = None,
+        window: FlatWindow | WavyWindow | None = None,
+    ) -> None:
+        width, height = whole_array(size, (2,), "size").tolist()
+        parts: dict[str, object] = {
+            "K": float_array(K, (3, 3), "K"),
+            "lens": lens,
+            "dist": float_array(dist, ("k",), "dist"),
+            "T_cam_world": float_array(T_cam_world, (4, 4), "T_cam_world"),
+            "size": (width, height),
+            "prescription": prescription,
+            "window": window,
+        }
+        for name, part in parts.items():
+            object.__setattr__(self, name, part)
+        self._require_sense()
+
+    def _require_sense(self) -> None:
+        """Raise where the parts are no possible camera."""
         if (self.lens == PRESCRIPTION) != (self.prescription is not None):
             raise InputError(
                 f"A camera has a prescription if its lens is '{PRESCRIPTION}', and only then; here the lens "
@@ -87,7 +143,7 @@ class Camera:
             raise InputError(
                 "K must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths in pixels."
             )
-        if self.dist.ndim != 1 or len(self.dist) < LENGTH or not np.isfinite(self.dist).all():
+        if len(self.dist) < LENGTH or not np.isfinite(self.dist).all():
             raise InputError(f"dist must hold at least {LENGTH} finite coefficients; pad it with zeros.")
         if np.any(self.dist[model.coefficients :] != 0.0):
             raise InputError(
@@ -99,6 +155,52 @@ class Camera:
         if min(self.size) < 1:
             raise InputError(f"The picture size must be positive, but is {self.size[0]} x {self.size[1]}.")
         require_rigid(self.T_cam_world, "T_cam_world")
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw how far the lens displaces its picture, in px, with the field of view's border.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To show in a notebook, or to save with ``savefig``.
+
+        Examples
+        --------
+        >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+        >>> figure = Camera(K, "brown5", [-0.1, 0, 0, 0, 0], np.eye(4), (640, 480)).plot()
+        >>> figure.axes[0].get_xlabel()
+        'u (px)'
+        """
+        from labcal.cameras.camera_figure import camera_figure  # noqa: PLC0415 -- imports matplotlib
+
+        return camera_figure(self)
+
+    def _summary(self) -> Mapping[str, object]:
+        return self.described
+
+    @property
+    def described(self) -> Mapping[str, str]:
+        """Lens, picture size, focal length and angle of view, for people."""
+        fx, fy, _, _ = self.intrinsics
+        width, height = self.size
+        across, down = self.field_deg
+        return {
+            "lens": self.lens,
+            "size": f"{width} x {height} px",
+            "focal_length": f"{fx:.1f}, {fy:.1f} px",
+            "field": f"{across:.1f} x {down:.1f} deg",
+        }
+
+    @cached_property
+    def field_deg(self) -> tuple[float, float]:
+        """Angles of view from edge to edge through the picture's middle, across and down, degrees."""
+        width, height = self.size
+        u, v = 0.5 * (width - 1), 0.5 * (height - 1)
+        edges = self.rays([[-0.5, v], [width - 0.5, v], [u, -0.5], [u, height - 0.5]]).direction
+        x, y, z = self.T_cam_world[:3, :3] @ edges.T
+        left, right = np.degrees(np.arctan2(x[:2], z[:2])).tolist()
+        top, bottom = np.degrees(np.arctan2(y[2:], z[2:])).tolist()
+        return right - left, bottom - top
 
     @property
     def intrinsics(self) -> tuple[float, float, float, float]:
@@ -152,19 +254,32 @@ class Camera:
                     return steps
         return NUMPY.newton_steps
 
-    def rays(self, q: Pixels) -> Rays:
+    def rays(self, q: AnyArray) -> Rays:
         """Return the rays of pixels, in the world.
 
         Parameters
         ----------
-        q : ndarray, shape (..., 2)
+        q : array_like, shape (..., 2)
             Pixels; they may lie outside the picture.
 
         Returns
         -------
         Rays
             Points in mm and unit directions; NaN and not ok where the lens formula has no inverse.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            `q` has another shape, or is not made of numbers.
+
+        Examples
+        --------
+        >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+        >>> camera = Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))
+        >>> camera.rays([319.5, 239.5]).direction
+        array([0., 0., 1.])
         """
+        q = float_array(q, (..., 2), "q")
         with np.errstate(invalid="ignore", over="ignore"):
             traced = self.optics.trace(NUMPY, self.numbers, q[..., 0], q[..., 1])
             T_world_cam = inverse(self.T_cam_world)
@@ -173,12 +288,12 @@ class Camera:
         ok = np.asarray(traced.ok)
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
-    def project(self, p: Vectors3) -> Projection:
+    def project(self, p: AnyArray) -> Projection:
         """Return where world points are imaged.
 
         Parameters
         ----------
-        p : ndarray, shape (..., 3)
+        p : array_like, shape (..., 3)
             World points, mm.
 
         Returns
@@ -186,26 +301,39 @@ class Camera:
         Projection
             Pixels, also outside the picture; NaN and not ok behind the camera, beyond the fold of the lens
             model and for NaN.
-        """
-        return self.image(transform(self.T_cam_world, p))
 
-    def image(self, p_cam: Vectors3) -> Projection:
+        Raises
+        ------
+        InputError, InputTypeError
+            `p` has another shape, or is not made of numbers.
+
+        Examples
+        --------
+        >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+        >>> camera = Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))
+        >>> camera.project([[0, 10, 1000], [0, 10, -1000]])
+        Projection(q=array([[319.5, 247.5],
+               [  nan,   nan]]), ok=array([ True, False]))
+        """
+        return self.image(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+
+    def image(self, p_cam: AnyArray) -> Projection:
         """Return where points of the camera's frame are imaged, as :meth:`project` does.
 
         Parameters
         ----------
-        p_cam : ndarray, shape (..., 3)
+        p_cam : array_like, shape (..., 3)
             Points, mm.
         """
-        X, Y, Z = np.moveaxis(p_cam, -1, 0)
+        X, Y, Z = np.moveaxis(float_array(p_cam, (..., 3), "p_cam"), -1, 0)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             found = self.optics.project(NUMPY, self.forward_numbers, (X, Y, Z))
         ok = np.asarray(found.ok)
         return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
-    def point_jacobian(self, p: Vectors3) -> PointJacobians:
+    def point_jacobian(self, p: AnyArray) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
-        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        X, Y, Z = np.moveaxis(transform(self.T_cam_world, float_array(p, (..., 3), "p")), -1, 0)
         numbers = constants(self.forward_numbers, 3)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x, y, z = variables(X, Y, Z)
@@ -214,10 +342,10 @@ class Camera:
         jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
         return jacobian
 
-    def intrinsic_jacobian(self, p: Vectors3) -> np.ndarray:
+    def intrinsic_jacobian(self, p: AnyArray) -> np.ndarray:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""
         free = self.model.coefficients
-        X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
+        X, Y, Z = np.moveaxis(transform(self.T_cam_world, float_array(p, (..., 3), "p")), -1, 0)
         varied = variables(*self.intrinsics, *self.padded_dist[:free])
         directions = INTRINSICS + free
         fixed = constants(self.padded_dist[free:], directions)
@@ -237,9 +365,10 @@ class Camera:
         rest = constants(self._forward_lens_numbers[len(formula) :], directions)
         return (*intrinsics, *constants(self._window_numbers, directions), *formula, *rest)
 
-    def in_picture(self, q: Pixels) -> Mask:
+    def in_picture(self, q: AnyArray) -> Mask:
         """Return whether pixels lie on the picture, which reaches half a pixel beyond the outer centres."""
         width, height = self.size
+        q = float_array(q, (..., 2), "q")
         inside = np.abs(q - 0.5 * np.array([width - 1, height - 1])) <= 0.5 * np.array([width, height])
         return np.asarray(inside.all(axis=-1))
 

@@ -1,18 +1,26 @@
 """A rig: cameras by name in one world, and its file ``rig.json``."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Annotated, Literal
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.documents import read_document
 from labcal.run.file_kinds import beginning_with
 from labcal.run.names import Name, differ_in_case
 from labcal.run.outputs import write_file
+from labcal.wording import counted
+
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import pandas
+    import xarray
 
 KIND = beginning_with("a rig.json", b'{\n  "format": "labcal-rig"')
 Pixel = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -32,8 +40,20 @@ class CalibrationRecord(BaseModel):
     """Why the views contradict each other, the likeliest cause first; empty where they do not."""
 
 
-class Rig(BaseModel):
-    """Cameras by name. In a rig from a hand-held target the world is the first camera's frame."""
+class Rig(PublicObject, BaseModel):
+    """Cameras by name. In a rig from a hand-held target the world is the first camera's frame.
+
+    Two rigs are equal where their cameras are, and what is known of their calibration.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> rig = examples.rig()
+    >>> rig
+    Rig(cameras=['left', 'right'], lens=brown5, baseline=200.0 mm)
+    >>> rig.camera("left").size
+    (640, 480)
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -51,7 +71,14 @@ class Rig(BaseModel):
 
     @classmethod
     def of(cls, cameras: dict[str, Camera]) -> "Rig":
-        """Return the rig of these cameras, in their order."""
+        """Return the rig of these cameras, in their order.
+
+        Examples
+        --------
+        >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+        >>> Rig.of({"only": Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))})
+        Rig(cameras=['only'], lens=pinhole)
+        """
         return cls(cameras={name: CameraRecord.of(camera) for name, camera in cameras.items()})
 
     def camera(self, name: str) -> Camera:
@@ -66,6 +93,112 @@ class Rig(BaseModel):
             raise InputError(f"The rig has no camera '{name}', only {', '.join(self.cameras)}.")
         return self.cameras[name].camera()
 
+    def baseline_mm(self, first: str, second: str) -> float:
+        """Return the distance of two cameras' centres of projection, mm.
+
+        Raises
+        ------
+        InputError
+            The rig has no camera of one of the names.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> round(examples.rig().baseline_mm("left", "right"), 3)
+        200.0
+        """
+        return float(np.linalg.norm(self.camera(second).centre - self.camera(first).centre))
+
+    @classmethod
+    def load(cls, path: AnyPath) -> "Rig":
+        """Read ``rig.json``; as :func:`read_rig`, where errors are told."""
+        return read_rig(path)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write ``rig.json``; as :func:`write_rig`, where errors are told.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from labcal import examples
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     examples.rig().save(f"{folder}/rig.json")
+        ...     Rig.load(f"{folder}/rig.json") == examples.rig()
+        True
+        """
+        write_rig(path, self, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a table with a line a camera: lens, size, intrinsics and centre of projection.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> examples.rig().to_pandas()["fx_px"].tolist()
+        [800.0, 805.0]
+        """
+        from labcal.cameras.rig_tables import rig_frame  # noqa: PLC0415 -- pandas is optional
+
+        return rig_frame(self)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return camera matrices, coefficients and poses as arrays with named dimensions.
+
+        Raises
+        ------
+        DeviceError
+            xarray is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> dict(examples.rig().to_xarray()["T_cam_world"].sizes)
+        {'camera': 2, 'row4': 4, 'column4': 4}
+        """
+        from labcal.cameras.rig_tables import rig_dataset  # noqa: PLC0415 -- xarray is optional
+
+        return rig_dataset(self)
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw the cameras in space: centres of projection, fields of view and baselines, mm.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> len(examples.rig().plot().axes)
+        1
+        """
+        from labcal.cameras.rig_figure import rig_figure  # noqa: PLC0415 -- imports matplotlib
+
+        return rig_figure(self)
+
+    def _summary(self) -> Mapping[str, object]:
+        names = list(self.cameras)
+        told: dict[str, object] = {
+            "cameras": names,
+            "lens": ", ".join(dict.fromkeys(record.lens for record in self.cameras.values())),
+        }
+        if len(names) == 2:  # noqa: PLR2004 -- a pair
+            told["baseline"] = f"{self.baseline_mm(*names):.1f} mm"
+        if self.calibrated_on:
+            told["calibrated_on"] = counted(len(self.calibrated_on), "view")
+        if self.calibration is not None and self.calibration.triangulation_rms_px is not None:
+            told["triangulation_rms"] = f"{self.calibration.triangulation_rms_px:.3f} px"
+        return told
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        rows = []
+        for name in self.cameras:
+            camera = self.camera(name)
+            x, y, z = camera.centre.tolist()
+            rows.append([name, *map(str, camera.described.values()), f"{x:.1f}, {y:.1f}, {z:.1f}"])
+        return [HtmlTable(("camera", "lens", "size", "focal length", "field", "centre (mm)"), rows)]
+
 
 def contradiction_note(rig: Rig) -> str | None:
     """Return what to tell where the views that a rig was calibrated from contradict each other; else None."""
@@ -77,7 +210,7 @@ def contradiction_note(rig: Rig) -> str | None:
     )
 
 
-def write_rig(path: Path, rig: Rig, *, force: bool = False) -> None:
+def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
     """Write ``rig.json``.
 
     Raises
@@ -85,10 +218,10 @@ def write_rig(path: Path, rig: Rig, *, force: bool = False) -> None:
     OutputError
         The file exists and `force` is not set, or it cannot be written.
     """
-    write_file(path, rig.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
+    write_file(as_path(path), rig.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
 
-def read_rig(path: Path) -> Rig:
+def read_rig(path: AnyPath) -> Rig:
     """Read ``rig.json``.
 
     Raises
@@ -96,7 +229,7 @@ def read_rig(path: Path) -> Rig:
     InputError
         The file cannot be read, is no rig, comes from a newer version, or a camera in it is impossible.
     """
-    return checked_rig(read_document(Rig, "rig", path), str(path))
+    return checked_rig(read_document(Rig, "rig", as_path(path)), str(path))
 
 
 def checked_rig(rig: Rig, source: str) -> Rig:

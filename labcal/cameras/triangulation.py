@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Pixels, PointCovariances, Vectors3
+from labcal.arrays import AnyArray, Mask, Pixels, PointCovariances, Vectors3, float_array
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import Imaged, imaged
 from labcal.geometry.covariances import positive_definite
@@ -48,27 +48,38 @@ class TriangulatedPoints:
     """(n,)"""
 
 
-def triangulate(
-    cameras: Sequence[Camera],
-    q: Float64[np.ndarray, "n cameras 2"],
-    covariance: Float64[np.ndarray, "n cameras 2 2"],
-) -> TriangulatedPoints:
+def triangulate(cameras: Sequence[Camera], q: AnyArray, covariance: AnyArray) -> TriangulatedPoints:
     """Return the points whose images lie nearest to the given pixels, weighted by their covariances.
 
     Parameters
     ----------
     cameras : sequence of Camera
         At least two, in the order of `q`.
-    q : ndarray, shape (n, cameras, 2)
+    q : array_like, shape (n, cameras, 2)
         Pixels of the same points.
-    covariance : ndarray, shape (n, cameras, 2, 2)
+    covariance : array_like, shape (n, cameras, 2, 2)
         Their covariances, px squared.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        An array has another shape, or is not made of numbers.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> pair = [examples.rig().camera(name) for name in ("left", "right")]
+    >>> q = [[camera.project([20, 10, 500]).q for camera in pair]]
+    >>> triangulate(pair, q, [[np.eye(2), np.eye(2)]]).point.round(6)
+    array([[ 20.,  10., 500.]])
 
     Notes
     -----
     Gauss-Newton on the reprojection error from the point nearest to all rays; with normal pixel noise this is
     the maximum-likelihood point, and the inverse normal matrix its covariance.
     """
+    q = float_array(q, ("n", len(cameras), 2), "q")
+    covariance = float_array(covariance, (len(q), len(cameras), 2, 2), "covariance")
     return refined([KnownCamera(camera) for camera in cameras], nearest_points(cameras, q), q, covariance)
 
 

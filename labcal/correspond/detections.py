@@ -1,34 +1,55 @@
 """``detections.csv``: the dots of many pictures in one table."""
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.bounds import MOST_INDEX
-from labcal.correspond.sense import PicturesOfLines, covaries_soundly, near_picture
+from labcal.arrays import AnyArray, float_array, text_array, truth_array, whole_array
+from labcal.correspond.detection_lines import HEADER, read_columns
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.file_kinds import beginning_with
-from labcal.run.table_columns import TableLines, table_parts
-from labcal.run.tables import refuse_twice, table_text
+from labcal.run.outputs import write_file
+from labcal.run.tables import table_text
 
-HEADER = (
-    "view", "camera", "image", "width_px", "height_px", "col", "row",
-    "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
-)  # fmt: skip
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import pandas
+    import xarray
 
 KIND = beginning_with("a table of detections", f"{','.join(HEADER)}\n".encode())
 
 
-@dataclass(frozen=True)
-class Detections:
-    """Dots of many pictures, a line each, in columns of equal length."""
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Detections(PublicObject):
+    """Dots of many pictures, a line each, in columns of equal length.
+
+    Columns may be given as anything that NumPy takes. Two tables are equal where all their lines are, in
+    their order.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A column has another length or shape than its lines need, or elements of another type.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> table = examples.detections()
+    >>> table
+    Detections(views=8, cameras=['left', 'right'], dots=1408, ok=1408)
+    >>> table.where(table.view == "hand-0").picture_size("left")
+    (640, 480)
+    """
 
     view: np.ndarray
     """(n,) of str"""
@@ -47,6 +68,31 @@ class Detections:
     """Of `position`, px squared."""
     flag: np.ndarray
     """(n,) of str, a :class:`DotFlag`."""
+
+    def __init__(  # noqa: PLR0913, PLR0917 -- as many as columns
+        self,
+        view: AnyArray,
+        camera: AnyArray,
+        image: AnyArray,
+        size: AnyArray,
+        index: AnyArray,
+        has_id: AnyArray,
+        position: AnyArray,
+        covariance: AnyArray,
+        flag: AnyArray,
+    ) -> None:
+        n = np.shape(np.asarray(view))[:1]
+        texts = {"view": view, "camera": camera, "image": image, "flag": flag}
+        whole = {"size": size, "index": index}
+        columns = {
+            **{name: text_array(given, n, name) for name, given in texts.items()},
+            **{name: whole_array(given, (*n, 2), name) for name, given in whole.items()},
+            "has_id": truth_array(has_id, n, "has_id"),
+            "position": float_array(position, (*n, 2), "position"),
+            "covariance": float_array(covariance, (*n, 2, 2), "covariance"),
+        }
+        for name, column in columns.items():
+            object.__setattr__(self, name, column)
 
     def __len__(self) -> int:
         return len(self.view)
@@ -111,6 +157,109 @@ class Detections:
                 f"{usable.words(int(twice))} is listed twice. Keep one line for each dot of a picture."
             )
         return usable
+
+    @classmethod
+    def load(cls, path: AnyPath) -> "Detections":
+        """Read ``detections.csv``; as :func:`read_detections`, where errors are told."""
+        return read_detections(path)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write ``detections.csv``; as :func:`write_detections`, where errors are told.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from labcal import examples
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     examples.detections().save(f"{folder}/detections.csv")
+        ...     Detections.load(f"{folder}/detections.csv") == examples.detections()
+        True
+        """
+        write_detections(path, self, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the table with the columns of ``detections.csv``; col and row are ``NA`` without an id.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> examples.detections().to_pandas().groupby("camera")["x_px"].count().tolist()
+        [704, 704]
+        """
+        from labcal.correspond.detection_tables import detections_frame  # noqa: PLC0415 -- pandas is optional
+
+        return detections_frame(self)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the dots that have an id as arrays of dimensions view, camera, dot and coordinate.
+
+        Elements without a line of the table are NaN, with an empty flag. How many dots have no id, and are
+        therefore left out, is the attribute ``dots_without_id``.
+
+        Raises
+        ------
+        InputError
+            A dot is listed twice for a picture.
+        DeviceError
+            xarray is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> dict(examples.detections().to_xarray()["position"].sizes)
+        {'view': 8, 'camera': 2, 'dot': 88, 'coordinate': 2}
+        """
+        from labcal.correspond.detection_tables import (  # noqa: PLC0415 -- xarray is optional
+            detections_dataset,
+        )
+
+        return detections_dataset(self)
+
+    def plot(self, view: str | None = None, camera: str | None = None) -> "matplotlib.figure.Figure":
+        """Draw where the dots are in the pictures, coloured by flag.
+
+        Parameters
+        ----------
+        view, camera : str, optional
+            Of this view, or camera, only. Of one picture the 95% confidence ellipses are drawn too, enlarged
+            by the factor that the figure states; of several, how they are covered.
+
+        Raises
+        ------
+        InputError
+            There is no such picture.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> figure = examples.detections().plot("hand-0", "left")
+        >>> figure.axes[0].get_xlabel()
+        'x (px)'
+        """
+        from labcal.correspond.detections_figure import (  # noqa: PLC0415 -- imports matplotlib
+            detections_figure,
+        )
+
+        return detections_figure(self, view, camera)
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "views": len(self.views),
+            "cameras": list(self.cameras),
+            "dots": len(self),
+            "ok": int(self.ok.sum()),
+        }
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        flags = list(dict.fromkeys(self.flag.tolist()))
+        counts = Counter(zip(self.camera.tolist(), self.flag.tolist(), strict=True))
+        rows = [[name, *(str(counts[name, flag]) for flag in flags)] for name in self.cameras]
+        return [HtmlTable(("camera", *flags), rows)]
 
     def words(self, line: int) -> str:
         """Return which dot a line is, for people."""
@@ -179,7 +328,7 @@ def detections_csv(table: Detections) -> str:
     return table_text(HEADER, lines)
 
 
-def read_detections(path: Path) -> Detections:
+def read_detections(path: AnyPath) -> Detections:
     """Read ``detections.csv``.
 
     Raises
@@ -188,54 +337,15 @@ def read_detections(path: Path) -> Detections:
         It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
         picture, or a picture has two names or sizes; the line is named.
     """
-    pictures = PicturesOfLines(path)
-    read = [_columns(part, pictures) for part in table_parts(HEADER, "detections", path)]
-    if read:
-        picture, index, has_id, figures, flag = (np.concatenate(column) for column in zip(*read, strict=True))
-    else:
-        picture, index, has_id, figures, flag = _NO_LINES
-    keys = np.column_stack([np.where(has_id, picture, -1), index + MOST_INDEX])
-    refuse_twice(path, keys, "dot of a picture")
-    return Detections(
-        view=pictures.column("view", picture),
-        camera=pictures.column("camera", picture),
-        image=pictures.column("image", picture),
-        size=pictures.sizes(picture),
-        index=index,
-        has_id=has_id,
-        position=figures[:, :2],
-        covariance=figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
-        flag=flag,
-    )
+    return Detections(*read_columns(as_path(path)))
 
 
-_NO_LINES = (
-    np.empty(0, dtype=np.int64),
-    np.empty((0, 2), dtype=np.int64),
-    np.empty(0, dtype=bool),
-    np.empty((0, 5)),
-    np.empty(0, dtype=np.str_),
-)
+def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -> None:
+    """Write ``detections.csv``.
 
-
-def _columns(
-    part: TableLines, pictures: PicturesOfLines
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return picture, (col, row), whether there is one, figures and flag of lines; raise at a damaged one."""
-    picture = pictures.numbers(part)
-    size = pictures.sizes(picture)
-    index = part.whole(("col", "row"), empty="0")
-    has_id = np.array([line[5] != "" and line[6] != "" for line in part.lines])
-    figures = part.figures(HEADER[7:12])
-    flag = np.array(part.column("flag"), dtype=object)  # of any length until it is known
-    ok, missing = flag == DotFlag.OK.value, np.isnan(figures).all(axis=1)
-    part.require(np.isin(flag, list(_FLAGS)), f"its flag should be one of {', '.join(sorted(_FLAGS))}")
-    part.require((np.abs(index) <= MOST_INDEX).all(axis=1), f"col and row are at most {MOST_INDEX}")
-    part.require(missing | near_picture(size, figures[:, :2]), "it is far outside of its picture")
-    part.require(missing | covaries_soundly(size, figures[:, 2:]), "its covariance is none")
-    part.require(~ok | (has_id & ~missing), "what is flagged 'ok' has a column, a row and a position")
-    part.refuse()
-    return picture, index, has_id, figures, flag.astype(np.str_)
-
-
-_FLAGS = frozenset(flag.value for flag in DotFlag)
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+    """
+    write_file(as_path(path), detections_csv(table), kind=KIND, force=force)

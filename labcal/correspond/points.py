@@ -1,45 +1,49 @@
 """``points.csv``: reconstructed points, a line a dot."""
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
-from itertools import islice
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import PointCovariances, Vectors3
-from labcal.bounds import MOST_INDEX, MOST_MM
-from labcal.geometry.covariances import stated_soundly
+from labcal.arrays import AnyArray, PointCovariances, Vectors3, float_array, text_array, whole_array
+from labcal.correspond.point_lines import HEADER, UPPER, PointFlag, read_columns
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.file_kinds import beginning_with
-from labcal.run.table_columns import TableLines, names_of_lines, table_parts
-from labcal.run.tables import refuse_twice, table_text
-from labcal.wording import has_control
+from labcal.run.outputs import write_file
+from labcal.run.tables import table_text
 
-HEADER = (
-    "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
-    "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz", "flag",
-)  # fmt: skip
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import pandas
+    import xarray
+
+__all__ = ["KIND", "PointFlag", "Points", "points_csv", "read_points", "write_points"]
+
 KIND = beginning_with("a table of points", f"{','.join(HEADER)}\n".encode())
-_UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 
 
-class PointFlag(StrEnum):
-    """What to think of a point."""
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Points(PublicObject):
+    """Points in columns of equal length, in the frame of the model.
 
-    OK = "ok"
-    """Reconstructed."""
-    EXTRAPOLATED = "extrapolated"
-    """Outside the volume that the method was trained in."""
-    MODEL_MISFIT = "model-misfit"
-    """The method is known to err by far more than the noise leaves, or by more than its covariances say."""
-    NO_SOLUTION = "no-solution"
-    """The pixels determine no point."""
+    Columns may be given as anything that NumPy takes. Two tables are equal where all their lines are, in
+    their order.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A column has another length or shape than its lines need, or elements of another type.
 
-@dataclass(frozen=True)
-class Points:
-    """Points in columns of equal length, in the frame of the model."""
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> examples.points()
+    Points(views=8, points=704, ok=704, median_sigma=0.076 mm)
+    """
 
     view: np.ndarray
     """(n,) of str"""
@@ -48,18 +52,144 @@ class Points:
     point: Vectors3
     """(n, 3), mm; NaN where there is none."""
     covariance: PointCovariances
-    """(n, 3, 3), mm squared; NaN where the method states none."""
+    """(n, 3, 3), mm squared; NaN where none is stated. Of what is given, upper triangles count."""
     flag: np.ndarray
     """(n,) of str, a :class:`PointFlag`."""
 
+    def __init__(
+        self,
+        view: AnyArray,
+        index: AnyArray,
+        point: AnyArray,
+        covariance: AnyArray,
+        flag: AnyArray,
+    ) -> None:
+        n = np.shape(np.asarray(view))[:1]
+        columns = {
+            "view": text_array(view, n, "view"),
+            "index": whole_array(index, (*n, 2), "index"),
+            "point": float_array(point, (*n, 3), "point"),
+            "covariance": _symmetric(float_array(covariance, (*n, 3, 3), "covariance")),
+            "flag": text_array(flag, n, "flag"),
+        }
+        for name, column in columns.items():
+            object.__setattr__(self, name, column)
+
     def __len__(self) -> int:
         return len(self.view)
+
+    @property
+    def ok(self) -> Bool[np.ndarray, " n"]:
+        """The points that are flagged ``ok``."""
+        return np.asarray(self.flag == PointFlag.OK.value)
+
+    @property
+    def sigma_mm(self) -> Float64[np.ndarray, " n"]:
+        """Standard deviation of each point, mm: root of its covariance's trace; NaN where none is stated."""
+        return np.asarray(np.sqrt(np.trace(self.covariance, axis1=1, axis2=2)))
 
     def where(self, mask: np.ndarray) -> "Points":
         """Return the lines where the mask holds."""
         return Points(
             self.view[mask], self.index[mask], self.point[mask], self.covariance[mask], self.flag[mask]
         )
+
+    @classmethod
+    def load(cls, path: AnyPath) -> "Points":
+        """Read ``points.csv``; as :func:`read_points`, where errors are told."""
+        return read_points(path)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write ``points.csv``; as :func:`write_points`, where errors are told.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from labcal import examples
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     examples.points().save(f"{folder}/points.csv")
+        ...     Points.load(f"{folder}/points.csv") == examples.points()
+        True
+        """
+        write_points(path, self, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the table with the columns of ``points.csv``.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> examples.points().to_pandas().columns[:6].tolist()
+        ['view', 'col', 'row', 'X_mm', 'Y_mm', 'Z_mm']
+        """
+        from labcal.correspond.point_tables import points_frame  # noqa: PLC0415 -- pandas is optional
+
+        return points_frame(self)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return points and covariances as arrays of dimensions view, dot and coordinate.
+
+        Elements without a line of the table are NaN, with an empty flag.
+
+        Raises
+        ------
+        InputError
+            A dot is listed twice for a view.
+        DeviceError
+            xarray is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> dict(examples.points().to_xarray()["point"].sizes)
+        {'view': 8, 'dot': 88, 'coordinate': 3}
+        """
+        from labcal.correspond.point_tables import points_dataset  # noqa: PLC0415 -- xarray is optional
+
+        return points_dataset(self)
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw the points in space, coloured by their standard deviations, mm.
+
+        Points whose method states no covariance are grey. A solution that is missing is not drawn; the title
+        says how many are.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> examples.points().plot().axes[0].get_xlabel()
+        'X (mm)'
+        """
+        from labcal.correspond.points_figure import points_figure  # noqa: PLC0415 -- imports matplotlib
+
+        return points_figure(self)
+
+    def _summary(self) -> Mapping[str, object]:
+        stated = self.sigma_mm[np.isfinite(self.sigma_mm)]
+        told: dict[str, object] = {
+            "views": len(dict.fromkeys(self.view.tolist())),
+            "points": len(self),
+            "ok": int(self.ok.sum()),
+        }
+        if len(stated):
+            told["median_sigma"] = f"{np.median(stated):.3g} mm"
+        return told
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        return [HtmlTable(("flag", "points"), [[k, str(n)] for k, n in Counter(self.flag.tolist()).items()])]
+
+
+def _symmetric(covariance: PointCovariances) -> PointCovariances:
+    """Return matrices with the upper triangles of these: the file holds no more, and both must agree."""
+    lower = np.swapaxes(covariance, -1, -2)
+    if np.array_equal(covariance, lower, equal_nan=True):
+        return covariance
+    return np.where(np.tri(covariance.shape[-1], k=-1, dtype=bool), lower, covariance)
 
 
 def points_csv(points: Points) -> str:
@@ -68,13 +198,13 @@ def points_csv(points: Points) -> str:
         HEADER,
         (
             [points.view[i], *points.index[i].tolist(), *points.point[i].tolist(),
-             *points.covariance[i][_UPPER].tolist(), points.flag[i]]
+             *points.covariance[i][UPPER].tolist(), points.flag[i]]
             for i in range(len(points))
         ),
     )  # fmt: skip
 
 
-def read_points(path: Path) -> Points:
+def read_points(path: AnyPath) -> Points:
     """Read ``points.csv``.
 
     Raises
@@ -83,56 +213,15 @@ def read_points(path: Path) -> Points:
         It cannot be read, has other columns, a line in it is damaged, or two are of the same dot of a view;
         the line is named.
     """
-    views: dict[str, int] = {}
-    read = [_columns(part, views) for part in table_parts(HEADER, "points", path)]
-    view, index, figures, flag = (
-        (np.concatenate(column) for column in zip(*read, strict=True)) if read else _NO_LINES
-    )
-    refuse_twice(path, np.column_stack([view, index + MOST_INDEX]), "dot of a view")
-    return Points(
-        view=names_of_lines(path, list(views), view),
-        index=index,
-        point=figures[:, :3],
-        covariance=_matrices(figures[:, 3:]),
-        flag=flag,
-    )
+    return Points(*read_columns(as_path(path)))
 
 
-_NO_LINES = (
-    np.empty(0, dtype=np.int64),
-    np.empty((0, 2), dtype=np.int64),
-    np.empty((0, 9)),
-    np.empty(0, dtype=np.str_),
-)
+def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
+    """Write ``points.csv``.
 
-
-def _columns(
-    part: TableLines, views: dict[str, int]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return number of the view, (col, row), figures and flag of lines; raise at a damaged one."""
-    names = part.column("view")
-    known = len(views)
-    view = np.array([views.setdefault(name, len(views)) for name in names], dtype=np.int64)
-    hidden = [number for number, name in enumerate(islice(views, known, None), known) if has_control(name)]
-    index, figures = part.whole(("col", "row")), part.figures(HEADER[3:12])
-    flag = np.array(part.column("flag"), dtype=object)  # of any length until it is known
-    part.require(~np.isin(view, hidden), "the view's name has control characters")
-    part.require(np.isin(flag, list(_FLAGS)), f"its flag should be one of {', '.join(sorted(_FLAGS))}")
-    part.require((np.abs(index) <= MOST_INDEX).all(axis=1), f"col and row are at most {MOST_INDEX}")
-    missing = (flag == PointFlag.NO_SOLUTION.value) & np.isnan(figures[:, :3]).all(axis=1)
-    near = (np.abs(figures[:, :3]) <= MOST_MM).all(axis=1)
-    part.require(missing | near, f"coordinates are numbers of at most {MOST_MM:g} mm")
-    part.require(stated_soundly(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
-    part.refuse()
-    return view, index, figures, flag.astype(np.str_)
-
-
-def _matrices(upper: Float64[np.ndarray, "n 6"]) -> Float64[np.ndarray, "n 3 3"]:
-    """Return symmetric matrices from their upper triangles."""
-    covariance = np.empty((len(upper), 3, 3))
-    covariance[:, _UPPER[0], _UPPER[1]] = upper
-    covariance[:, _UPPER[1], _UPPER[0]] = upper
-    return covariance
-
-
-_FLAGS = frozenset(flag.value for flag in PointFlag)
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+    """
+    write_file(as_path(path), points_csv(points), kind=KIND, force=force)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from labcal.arrays import AnyArray, float_array
 from labcal.errors import InputError, InputTypeError
 from labcal.estimators.pushed_noise import pushed_noise
 
@@ -103,7 +104,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         return points[:, 0] if self.single_output_ else points
 
     def predict_with_covariance(
-        self, X: ArrayLike, pixel_covariance: Float64[np.ndarray, "n cameras 2 2"]
+        self, X: ArrayLike, pixel_covariance: AnyArray
     ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
         """Return the points that belong to pixels, and how uncertain they are.
 
@@ -114,7 +115,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         ----------
         X : array, (n, 2 x cameras)
             As for `predict`.
-        pixel_covariance : float64 array, (n, cameras, 2, 2)
+        pixel_covariance : array_like, (n, cameras, 2, 2)
             Covariances of the pixels, px squared.
 
         Returns
@@ -133,6 +134,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         """
         check_is_fitted(self, "n_outputs_")
         pixels = self._inputs(X)
+        pixel_covariance = float_array(pixel_covariance, (...,), "pixel_covariance")
         expected = (len(pixels), pixels.shape[1] // 2, 2, 2)
         if pixel_covariance.shape != expected or pixels.shape[1] % 2:
             raise InputError(

@@ -1,5 +1,6 @@
 """A fitted method together with what it was fitted to: cameras, picture sizes, the trained volume."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.errors import InputError
 from labcal.estimators.rehearsed import Rehearsed
+from labcal.paths import AnyPath
+from labcal.public_object import PublicObject
 from labcal.wording import counted
 
 if TYPE_CHECKING:
@@ -50,9 +53,12 @@ class TrainingBox:
         return np.asarray(inside.all(axis=1))
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, eq=False, repr=False)
+class Model(PublicObject):
     """A fitted estimator and its data's frame.
+
+    Two models are equal where what their files would hold is: a model that was saved is equal to itself
+    loaded, but for a method of one's own, which is fitted again.
 
     Attributes
     ----------
@@ -98,6 +104,57 @@ class Model:
     def misfit(self) -> bool:
         """Whether the method is known to err by far more than the noise leaves, or by more than it says."""
         return self.rehearsed is not None and self.rehearsed.misfit
+
+    @classmethod
+    def load(cls, path: AnyPath, method: object | None = None) -> "Model":
+        """Read a fitted model; as :func:`~labcal.estimators.model_file.load_model`, where errors are told."""
+        from labcal.estimators.model_file import load_model  # noqa: PLC0415 -- it imports this file
+
+        return load_model(path, method)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write the model; as :func:`~labcal.estimators.model_file.save_model`, where errors are told.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from labcal.estimators.affine import Affine
+        >>> rng = np.random.default_rng(1)
+        >>> X, Y = rng.uniform(0, 480, (20, 4)), rng.uniform(0, 100, (20, 3))
+        >>> sizes = ((640, 480), (640, 480))
+        >>> model = Model(Affine().fit(X, Y), ("left", "right"), sizes, TrainingBox.of(X, Y))
+        >>> model
+        Model(method=affine, cameras=['left', 'right'], outputs=3)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     model.save(f"{folder}/model")
+        ...     Model.load(f"{folder}/model") == model
+        True
+        """
+        from labcal.estimators.model_file import save_model  # noqa: PLC0415 -- it imports this file
+
+        save_model(path, self, force=force)
+
+    def _summary(self) -> Mapping[str, object]:
+        told: dict[str, object] = {
+            "method": self.estimator.method,
+            "cameras": list(self.cameras),
+            "outputs": self.estimator.n_outputs_,
+        }
+        if self.calibrated_on:
+            told["calibrated_on"] = counted(len(self.calibrated_on), "view")
+        if self.rehearsed is not None:
+            told["expected_rmse"] = f"{self.rehearsed.rmse_mm:.3g} mm"
+        if self.misfit:
+            told["misfit"] = True
+        return told
+
+    def _compared(self) -> object:
+        estimator = self.estimator
+        arrays = {one.attribute: getattr(estimator, one.attribute) for one in estimator.stored_arrays()}
+        facts = {name: getattr(estimator, name) for name in estimator.fitted_facts}
+        kept = (self.cameras, self.image_sizes, self.box, self.resected, self.rehearsed)
+        learned = (self.calibration, self.calibrated_on, self.held_out)
+        return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, learned)
 
     def __post_init__(self) -> None:
         """Refuse parts that do not belong together."""

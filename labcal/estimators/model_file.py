@@ -15,6 +15,7 @@ from labcal.errors import InputError, LabcalError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
 from labcal.estimators.rehearsed import Rehearsed
+from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import told_by
 from labcal.run.file_reading import require_file
 from labcal.run.outputs import write_file
@@ -43,12 +44,12 @@ class ModelKind(StrEnum):
     RIG = "rig"
 
 
-def model_kind(path: Path) -> ModelKind:
+def model_kind(path: AnyPath) -> ModelKind:
     """Return whether a file holds a fitted model or JSON, which only a rig can be.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
         The file; its name does not matter.
 
     Raises
@@ -56,6 +57,7 @@ def model_kind(path: Path) -> ModelKind:
     InputError
         The file cannot be read, or begins like neither.
     """
+    path = as_path(path)
     require_file(path, "model", _MOST_BYTES)
     with path.open("rb") as handle:
         begin = handle.read(64)
@@ -67,12 +69,12 @@ def model_kind(path: Path) -> ModelKind:
     raise InputError(f"{path} is neither a model from `labcal fit` nor a rig.json from `labcal calibrate`.")
 
 
-def save_model(path: Path, model: Model, *, force: bool) -> None:
+def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     """Write a fitted model.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
         The file to appear.
     model : Model
         What to write.
@@ -109,15 +111,15 @@ def save_model(path: Path, model: Model, *, force: bool) -> None:
         held_out=model.held_out or None,
     ).signed(arrays)
     content = safetensors.numpy.save(arrays, {METADATA_KEY: header.text()})
-    write_file(path, content, kind=KIND, force=force)
+    write_file(as_path(path), content, kind=KIND, force=force)
 
 
-def load_model(path: Path, method: object | None = None) -> Model:
+def load_model(path: AnyPath, method: object | None = None) -> Model:
     """Read a fitted model; its predictions are the same bytes as before it was saved.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
         A file that :func:`save_model` wrote.
     method : str, type or object, optional
         The method of one's own that it was fitted with, as for :func:`labcal.pipeline.fit`; none of a method
@@ -136,6 +138,7 @@ def load_model(path: Path, method: object | None = None) -> Model:
     UnknownNameError
         The method is not known here.
     """
+    path = as_path(path)
     header, arrays = _content(path)
     box = _box(path, header, arrays)
     estimator = _estimator(path, header, arrays, method)
@@ -157,7 +160,7 @@ def load_model(path: Path, method: object | None = None) -> Model:
     )
 
 
-def views_taught(path: Path) -> tuple[str, ...]:
+def views_taught(path: AnyPath) -> tuple[str, ...]:
     """Return the names of the views that a model was taught, whatever its method; empty where not known.
 
     Raises
@@ -165,7 +168,7 @@ def views_taught(path: Path) -> tuple[str, ...]:
     InputError
         The file is no whole model.
     """
-    return _content(path)[0].calibrated_on or ()
+    return _content(as_path(path))[0].calibrated_on or ()
 
 
 def _content(path: Path) -> tuple[ModelHeader, dict[str, np.ndarray]]:

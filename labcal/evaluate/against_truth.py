@@ -1,8 +1,8 @@
 """Errors of reconstructed points against the truth of a rendered shoot."""
 
-from collections.abc import Collection
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -10,25 +10,29 @@ from labcal.arrays import Mask, Vectors3
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
-from labcal.correspond.points import PointFlag, Points
+from labcal.correspond.points import Points
 from labcal.errors import InputError
-from labcal.evaluate.scored_views import ScoredViews, scored_warnings
+from labcal.evaluate.scored_views import OfScoredViews, ScoredPart, ScoredViews
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.hull import inside_hull
 from labcal.geometry.poses import rigid_alignment, transform
+from labcal.run.json_text import IN_JSON, InJson
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.truth import Truth, read_true_dots, read_truth
 from labcal.wording import counted, listed
+
+if TYPE_CHECKING:
+    import matplotlib.figure
 
 _HULL_TOLERANCE_MM = 1e-3
 
 Alignment = Literal["none", "rigid"]
 
 
-@dataclass(frozen=True)
-class TruthErrors(ErrorStatistics):
+@dataclass(frozen=True, eq=False, repr=False)
+class TruthErrors(OfScoredViews, ErrorStatistics):
     """The JSON document of ``labcal evaluate`` where the truth is known."""
 
     limit_mm: float
@@ -44,16 +48,37 @@ class TruthErrors(ErrorStatistics):
     """Which points count, in words."""
     not_scored: int
     """Reconstructed points that do not count: trained on, outside the trained hull, or without a solution."""
-    n_ok: int
-    """How many of those that count are flagged ``ok``."""
-    views_scored: tuple[str, ...]
-    views_calibrated_on: int | None
-    """How many of these were learned from, so that errors in them are no check; None where not known."""
+    scored_views: ScoredPart = field(metadata={IN_JSON: InJson.FLAT})
+    """Which views are scored; its fields are also those of the errors."""
+    error: Vectors3 = field(metadata={IN_JSON: InJson.ABSENT})
+    """Predicted minus true of each point that counts, mm; not in the JSON document."""
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is not as it should be, for people."""
-        return scored_warnings(self.n_ok, self.views_calibrated_on)
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw a histogram of the lengths of the errors, with their RMS and the limit of triangulation, mm.
+
+        Examples
+        --------
+        >>> part = ScoredPart(2, ("a",), 0)
+        >>> error = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.2]])
+        >>> figures = (2, (0.05, 0.0, 0.1), 0.15, 0.158, 0.195, 0.2, 0.1, 0.5)
+        >>> errors = TruthErrors(*figures, "none", "all points", 0, part, error)
+        >>> errors.plot().axes[0].get_xlabel()
+        'length of the error (mm)'
+        """
+        from labcal.evaluate.error_figure import error_figure  # noqa: PLC0415 -- imports matplotlib
+
+        marks = {"RMS": self.rmse_mm, "limit of triangulation (RMS)": self.limit_mm}
+        length = np.linalg.norm(self.error, axis=1)
+        return error_figure(length, "length of the error (mm)", "points", marks)
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "n": self.n,
+            "rmse": f"{self.rmse_mm:.3g} mm",
+            "limit": f"{self.limit_mm:.3g} mm",
+            "max": f"{self.max_mm:.3g} mm",
+            "alignment": self.alignment,
+        }
 
 
 def errors_against_truth(
@@ -121,9 +146,8 @@ def errors_against_truth(
         alignment=alignment,
         scored=scored,
         not_scored=int((~counts).sum()),
-        n_ok=int((kept.flag == PointFlag.OK.value).sum()),
-        views_scored=tuple(dict.fromkeys(kept.view.tolist())),
-        views_calibrated_on=views.calibrated_on,
+        scored_views=ScoredPart.of(kept, views),
+        error=predicted - true,
     )
 
 

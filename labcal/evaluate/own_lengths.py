@@ -1,17 +1,23 @@
 """Errors of reconstructed points against the target's own lengths, for shoots without a truth."""
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.distance import pdist
 
+from labcal.arrays import Lengths
 from labcal.correspond.matching import rows_by_name
-from labcal.correspond.points import PointFlag, Points
+from labcal.correspond.points import Points
 from labcal.errors import InputError
-from labcal.evaluate.scored_views import ScoredViews, scored_warnings
+from labcal.evaluate.scored_views import OfScoredViews, ScoredPart, ScoredViews
+from labcal.run.json_text import IN_JSON, InJson
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
+
+if TYPE_CHECKING:
+    import matplotlib.figure
 
 
 @dataclass(frozen=True)
@@ -24,8 +30,8 @@ class LengthError:
     """Root mean square."""
 
 
-@dataclass(frozen=True)
-class LengthErrors:
+@dataclass(frozen=True, eq=False, repr=False)
+class LengthErrors(OfScoredViews):
     """The JSON document of ``labcal evaluate`` where the truth is not known."""
 
     n: int
@@ -35,16 +41,35 @@ class LengthErrors:
     """NaN: points alone do not tell it; ``labcal calibrate`` does."""
     scale_ppm: float
     """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
-    n_ok: int
-    """How many of the points that count are flagged ``ok``."""
-    views_scored: tuple[str, ...]
-    views_calibrated_on: int | None
-    """How many of these were learned from, so that errors in them are no check; None where not known."""
+    scored_views: ScoredPart = field(metadata={IN_JSON: InJson.FLAT})
+    """Which views are scored; its fields are also those of the errors."""
+    error: Lengths = field(metadata={IN_JSON: InJson.ABSENT})
+    """Measured minus nominal of each length, mm; not in the JSON document."""
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is not as it should be, for people."""
-        return scored_warnings(self.n_ok, self.views_calibrated_on)
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw a histogram of the errors of lengths, with their RMS to both sides, mm.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target
+        >>> errors = errors_of_lengths(examples.points(), load_target(examples.TARGET))
+        >>> errors.plot().axes[0].get_xlabel()
+        'measured minus nominal length (mm)'
+        """
+        from labcal.evaluate.error_figure import error_figure  # noqa: PLC0415 -- imports matplotlib
+
+        rms = self.length_error_mm.rms
+        return error_figure(
+            self.error, "measured minus nominal length (mm)", "lengths", {"RMS": rms, "minus RMS": -rms}
+        )
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "n": self.n,
+            "rms": f"{self.length_error_mm.rms:.3g} mm",
+            "max": f"{self.length_error_mm.max:.3g} mm",
+            "scale": f"{self.scale_ppm:+.1f} ppm",
+        }
 
 
 def errors_of_lengths(
@@ -96,9 +121,8 @@ def errors_of_lengths(
         length_error_mm=LengthError(max=float(np.abs(error).max()), rms=float(np.sqrt((error**2).mean()))),
         epipolar_rms_px=float("nan"),
         scale_ppm=float(1e6 * ((lengths @ expected) / (expected @ expected) - 1.0)),
-        n_ok=int((points.flag[counted] == PointFlag.OK.value).sum()),
-        views_scored=tuple(dict.fromkeys(points.view[counted].tolist())),
-        views_calibrated_on=scored.calibrated_on,
+        scored_views=ScoredPart.of(points.where(counted), scored),
+        error=error,
     )
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import Mask
+from labcal.correspond.points import Points
+from labcal.public_object import PublicObject
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.wording import counted
@@ -60,6 +62,48 @@ class ScoredViews:
     def holds(self, view: np.ndarray) -> Mask:
         """Return which points are in views that count."""
         return np.isin(view, self.views)
+
+
+@dataclass(frozen=True)
+class ScoredPart:
+    """The part of errors that says which views they are of."""
+
+    n_ok: int
+    """How many of the points that count are flagged ``ok``."""
+    views_scored: tuple[str, ...]
+    views_calibrated_on: int | None
+    """How many of these were learned from, so that errors in them are no check; None where not known."""
+
+    @classmethod
+    def of(cls, points: Points, views: ScoredViews) -> "ScoredPart":
+        """Return the part for the points that count."""
+        return cls(int(points.ok.sum()), tuple(dict.fromkeys(points.view.tolist())), views.calibrated_on)
+
+
+class OfScoredViews(PublicObject):
+    """Errors that have a :class:`ScoredPart`, whose fields are theirs, and keys of their JSON document."""
+
+    scored_views: ScoredPart
+
+    @property
+    def n_ok(self) -> int:
+        """How many of the points that count are flagged ``ok``."""
+        return self.scored_views.n_ok
+
+    @property
+    def views_scored(self) -> tuple[str, ...]:
+        """Names of the views of the points that count."""
+        return self.scored_views.views_scored
+
+    @property
+    def views_calibrated_on(self) -> int | None:
+        """How many of these were learned from, so that errors are no check; None where not known."""
+        return self.scored_views.views_calibrated_on
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is not as it should be, for people."""
+        return scored_warnings(self.n_ok, self.views_calibrated_on)
 
 
 def scored_words(scored: int, calibrated_on: int | None) -> str:

@@ -1,7 +1,7 @@
 """Points in space from matched dots, by a fitted method or by a rig."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -18,15 +18,17 @@ from labcal.estimators.model import Model
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, views_taught
 from labcal.estimators.sound_points import predicted, within_sense
 from labcal.estimators.swapped_pictures import refuse_swapped
+from labcal.paths import AnyPath
+from labcal.public_object import PublicObject
 from labcal.targets.target import Target
 
 
-def load_reconstructor(path: Path, method: object | None = None) -> Model | Rig:
+def load_reconstructor(path: AnyPath, method: object | None = None) -> Model | Rig:
     """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
     method : str, type or object, optional
         The method of one's own that a model was fitted with; see
         :func:`~labcal.estimators.model_file.load_model`.
@@ -43,7 +45,7 @@ def load_reconstructor(path: Path, method: object | None = None) -> Model | Rig:
     return read_rig(path)
 
 
-def views_learned(path: Path) -> tuple[str, ...]:
+def views_learned(path: AnyPath) -> tuple[str, ...]:
     """Return the names of the views that a MODEL comes from; empty where that is not known.
 
     Raises
@@ -54,9 +56,18 @@ def views_learned(path: Path) -> tuple[str, ...]:
     return read_rig(path).calibrated_on if model_kind(path) is ModelKind.RIG else views_taught(path)
 
 
-@dataclass(frozen=True)
-class Reconstruction:
-    """Points, and what was taken off the centroids that they come from."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Reconstruction(PublicObject):
+    """Points, and what was taken off the centroids that they come from.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> target = load_target(examples.TARGET)
+    >>> found = pipeline.reconstruct(examples.rig(), examples.detections(), target)
+    >>> found
+    Reconstruction(points=704, ok=704, median_residual=0.00933 px, warnings=0)
+    """
 
     points: Points
     bias: CentreBias | None
@@ -68,6 +79,12 @@ class Reconstruction:
     """Whether that is more than the calibration lets expect; None where the model has no cameras."""
     warnings: tuple[str, ...] = ()
     """What is not as it should be, for people."""
+
+    def _summary(self) -> Mapping[str, object]:
+        told: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
+        if self.miss_px is not None:
+            told["median_residual"] = f"{self.miss_px:.3g} px"
+        return {**told, "warnings": len(self.warnings)}
 
 
 def reconstruct_points(model: Model | Rig, detections: Detections, target: Target | None = None) -> Points:

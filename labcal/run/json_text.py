@@ -13,6 +13,16 @@ from pydantic import BaseModel
 from labcal.errors import InputError, InputTypeError
 from labcal.wording import json_escaped
 
+IN_JSON = "labcal.in_json"
+"""Key of the metadata of a dataclass's field, whose value is an :class:`InJson`."""
+
+
+class InJson(Enum):
+    """Places of a field of a dataclass in JSON, other than under its own name."""
+
+    FLAT = "its own keys stand in the place of the field"
+    ABSENT = "it is left out"
+
 
 def to_json(document: object) -> str:
     """Return a document as JSON, indented, with a line feed at the end.
@@ -59,7 +69,14 @@ def _members(value: object, where: str) -> list[tuple[str, Any]]:
         fields = type(value).model_fields.items()
         return [(field.serialization_alias or name, getattr(value, name)) for name, field in fields]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return [(field.name, getattr(value, field.name)) for field in dataclasses.fields(value)]
+        members = []
+        for field in dataclasses.fields(value):
+            item, place = getattr(value, field.name), field.metadata.get(IN_JSON)
+            if place is InJson.FLAT:
+                members += _members(item, f"{where}.{field.name}")
+            elif place is not InJson.ABSENT:
+                members.append((field.name, item))
+        return members
     if isinstance(value, dict):
         return [(_key(key, where), item) for key, item in value.items()]
     raise InputTypeError(f"{where} is of type {type(value).__name__}, which JSON does not know.")

@@ -1,26 +1,55 @@
 """A shoot on disk: pictures, and a manifest that says what they show."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labcal.arrays import Pose
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import PublicObject
 from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
 from labcal.targets.catalogue import AnyTarget
 
+if TYPE_CHECKING:
+    import matplotlib.figure
+
 MANIFEST = "shoot.json"
 
 
-@dataclass(frozen=True)
-class Shoot:
-    """A shoot's folder and its manifest."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Shoot(PublicObject):
+    """A shoot's folder and its manifest. Two are equal where both are; pictures are not compared."""
 
     folder: Path
     manifest: Manifest
+
+    @classmethod
+    def load(cls, folder: AnyPath) -> "Shoot":
+        """Open a shoot; as :func:`open_shoot`, where errors are told."""
+        return open_shoot(folder)
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw the pictures, small, of up to twelve views spread evenly over the shoot.
+
+        Raises
+        ------
+        InputError
+            A picture cannot be read.
+        """
+        from labcal.shoot.shoot_figure import shoot_figure  # noqa: PLC0415 -- imports matplotlib
+
+        return shoot_figure(self)
+
+    def _summary(self) -> Mapping[str, object]:
+        told: dict[str, object] = {"folder": self.folder.as_posix(), "target": self.target.name}
+        told["cameras"] = list(self.cameras)
+        return {**told, "train": len(self.views(Role.TRAIN)), "test": len(self.views(Role.TEST))}
 
     @property
     def target(self) -> AnyTarget:
@@ -49,12 +78,12 @@ class Shoot:
         }
 
 
-def is_shoot(folder: Path) -> bool:
+def is_shoot(folder: AnyPath) -> bool:
     """Return whether a folder holds a manifest."""
-    return (folder / MANIFEST).is_file()
+    return (as_path(folder) / MANIFEST).is_file()
 
 
-def open_shoot(folder: Path) -> Shoot:
+def open_shoot(folder: AnyPath) -> Shoot:
     """Open a shoot.
 
     Raises
@@ -62,6 +91,7 @@ def open_shoot(folder: Path) -> Shoot:
     InputError
         There is no manifest, it is not one that this version reads, or the shoot has no pictures.
     """
+    folder = as_path(folder)
     if not is_shoot(folder):
         raise InputError(
             f"{folder} is not a shoot: it has no {MANIFEST}. Give the folder that 'labcal render' made."

@@ -1,7 +1,6 @@
 """Where the dots of one copy of a target really are: the file of ``labcal calibrate --free-dots``."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_valid
 from labcal.arrays import Vectors3
 from labcal.bounds import MOST_MM, Millimetres
 from labcal.geometry.covariances import stated_soundly
+from labcal.paths import AnyPath, as_path
 from labcal.run.documents import read_document
 from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
@@ -105,7 +105,7 @@ class DotPlaces(BaseModel):
         return np.array([dot.freed for dot in self.dots], dtype=bool)
 
 
-def write_places(path: Path, places: DotPlaces, *, force: bool = False) -> None:
+def write_places(path: AnyPath, places: DotPlaces, *, force: bool = False) -> None:
     """Write the file.
 
     Raises
@@ -113,10 +113,10 @@ def write_places(path: Path, places: DotPlaces, *, force: bool = False) -> None:
     OutputError
         It exists and `force` is not set, or it cannot be written.
     """
-    write_file(path, places.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
+    write_file(as_path(path), places.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
 
-def read_places(path: Path) -> DotPlaces:
+def read_places(path: AnyPath) -> DotPlaces:
     """Read the file.
 
     Raises
@@ -124,4 +124,4 @@ def read_places(path: Path) -> DotPlaces:
     InputError
         It cannot be read, is no such file, or comes from a newer version.
     """
-    return read_document(DotPlaces, "places of dots", path)
+    return read_document(DotPlaces, "places of dots", as_path(path))

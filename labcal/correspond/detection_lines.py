@@ -1,0 +1,78 @@
+"""The lines of ``detections.csv``, checked one by one."""
+
+from pathlib import Path
+
+import numpy as np
+
+from labcal.bounds import MOST_INDEX
+from labcal.correspond.sense import PicturesOfLines, covaries_soundly, near_picture
+from labcal.detect.flags import DotFlag
+from labcal.run.table_columns import TableLines, table_parts
+from labcal.run.tables import refuse_twice
+
+HEADER = (
+    "view", "camera", "image", "width_px", "height_px", "col", "row",
+    "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
+)  # fmt: skip
+
+
+def read_columns(path: Path) -> tuple[np.ndarray, ...]:
+    """Read the columns of ``detections.csv``, in the order of `Detections`.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
+        picture, or a picture has two names or sizes; the line is named.
+    """
+    pictures = PicturesOfLines(path)
+    read = [_columns(part, pictures) for part in table_parts(HEADER, "detections", path)]
+    if read:
+        picture, index, has_id, figures, flag = (np.concatenate(column) for column in zip(*read, strict=True))
+    else:
+        picture, index, has_id, figures, flag = _NO_LINES
+    keys = np.column_stack([np.where(has_id, picture, -1), index + MOST_INDEX])
+    refuse_twice(path, keys, "dot of a picture")
+    return (
+        pictures.column("view", picture),
+        pictures.column("camera", picture),
+        pictures.column("image", picture),
+        pictures.sizes(picture),
+        index,
+        has_id,
+        figures[:, :2],
+        figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
+        flag,
+    )
+
+
+_NO_LINES = (
+    np.empty(0, dtype=np.int64),
+    np.empty((0, 2), dtype=np.int64),
+    np.empty(0, dtype=bool),
+    np.empty((0, 5)),
+    np.empty(0, dtype=np.str_),
+)
+
+
+def _columns(
+    part: TableLines, pictures: PicturesOfLines
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return picture, (col, row), whether there is one, figures and flag of lines; raise at a damaged one."""
+    picture = pictures.numbers(part)
+    size = pictures.sizes(picture)
+    index = part.whole(("col", "row"), empty="0")
+    has_id = np.array([line[5] != "" and line[6] != "" for line in part.lines])
+    figures = part.figures(HEADER[7:12])
+    flag = np.array(part.column("flag"), dtype=object)  # of any length until it is known
+    ok, missing = flag == DotFlag.OK.value, np.isnan(figures).all(axis=1)
+    part.require(np.isin(flag, list(_FLAGS)), f"its flag should be one of {', '.join(sorted(_FLAGS))}")
+    part.require((np.abs(index) <= MOST_INDEX).all(axis=1), f"col and row are at most {MOST_INDEX}")
+    part.require(missing | near_picture(size, figures[:, :2]), "it is far outside of its picture")
+    part.require(missing | covaries_soundly(size, figures[:, 2:]), "its covariance is none")
+    part.require(~ok | (has_id & ~missing), "what is flagged 'ok' has a column, a row and a position")
+    part.refuse()
+    return picture, index, has_id, figures, flag.astype(np.str_)
+
+
+_FLAGS = frozenset(flag.value for flag in DotFlag)
