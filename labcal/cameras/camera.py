@@ -43,7 +43,8 @@ class Camera:
     Parameters
     ----------
     K : ndarray, shape (3, 3)
-        Camera matrix in pixels, without skew; pixel (0, 0) is the centre of the top-left pixel.
+        Camera matrix in pixels, without skew; pixel (0, 0) is the centre of the top-left pixel. `fx` and `fy`
+        of a lens with parallel rays are px/mm.
     lens : str
         Name of a lens model, or ``prescription``.
     dist : ndarray, shape (k,)
@@ -60,8 +61,8 @@ class Camera:
     Raises
     ------
     InputError
-        A matrix is malformed, there are more coefficients than the model has, the size is not positive, or a
-        prescription is missing or out of place.
+        A matrix is malformed, there are more coefficients than the model has, the size is not positive, a
+        prescription is missing or out of place, or a flat window is in front of a lens with parallel rays.
     UnknownNameError
         There is no such lens model.
     """
@@ -96,6 +97,11 @@ class Camera:
             )
         if self.prescription is not None and fx != fy:
             raise InputError("A lens prescription images round things round: fx and fy must be equal.")
+        if model.parallel and isinstance(self.window, FlatWindow):
+            raise InputError(
+                f"A flat window leaves the rays of the lens '{self.lens}' parallel: it is no more than "
+                "another place of the camera. Leave the window out."
+            )
         if min(self.size) < 1:
             raise InputError(f"The picture size must be positive, but is {self.size[0]} x {self.size[1]}.")
         require_rigid(self.T_cam_world, "T_cam_world")
@@ -109,6 +115,12 @@ class Camera:
     def centre(self) -> Points:
         """The centre of projection in the world, mm, shape (3,)."""
         return inverse(self.T_cam_world)[:3, 3]
+
+    def towards(self, p: Points) -> Points:
+        """Return the directions (of any length) from world points, mm, shape (..., 3), to the camera."""
+        if self.model.parallel:
+            return np.broadcast_to(-self.T_cam_world[2, :3], p.shape)
+        return np.asarray(self.centre - p)
 
     @cached_property
     def model(self) -> Lens:
@@ -132,7 +144,7 @@ class Camera:
 
     @property
     def reach(self) -> float:
-        """Largest radius of the picture on the plane at unit focal length."""
+        """Largest radius of the picture on the plane at unit focal length; of parallel rays, mm."""
         fx, fy, cx, cy = self.intrinsics
         width, height = self.size
         spare = 1.0 + (self.window.largest_px if isinstance(self.window, WavyWindow) else 0.0)
@@ -184,8 +196,8 @@ class Camera:
         Returns
         -------
         Projection
-            Pixels, also outside the picture; NaN and not ok behind the camera, beyond the fold of the lens
-            model and for NaN.
+            Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
+            tell no depth), beyond the fold of the lens model and for NaN.
         """
         return self.image(transform(self.T_cam_world, p))
 

@@ -98,7 +98,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_option(arguments, "whole", "is what --rectify does anyway")
     sources = [_with_camera(source, rig) for source in pictures_given(arguments, session)]
     names = list(dict.fromkeys(source.camera for source in sources))
-    if all(rig.camera(name).optics.central for name in names):
+    if all(rig.camera(name).optics.closed for name in names):
         refuse_option(arguments, "distance_mm", "is for a lens prescription or a flat window; there is none")
     ideals = _ideal_cameras(arguments, rig, names)
     how = (arguments.rectify, arguments.whole, arguments.distance_mm)
