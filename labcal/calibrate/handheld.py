@@ -99,7 +99,7 @@ def calibrate_handheld(
         doubt = disagreement(Calibrated(judged, entering, flat))
         if doubt is None:
             raise
-        raise ContradictionError(doubt) from error
+        raise ContradictionError(doubt, _rms_alone(judged)) from error
     if whole.freed is not None:
         found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
@@ -120,6 +120,12 @@ def _whole(
     _refuse_far(whole, entering, target)
     Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # raises beyond bounds of sense
     return whole
+
+
+def _rms_alone(found: list[CameraAlone]) -> float:
+    """Return OpenCV's RMS over cameras that were calibrated alone, px."""
+    residuals = [one.result.adjusted.residual[~one.result.adjusted.outlier] for one in found]
+    return float(np.sqrt((np.concatenate(residuals) ** 2).sum(axis=1).mean()))
 
 
 def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:

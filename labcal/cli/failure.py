@@ -6,6 +6,8 @@ import sys
 import traceback
 from dataclasses import dataclass
 
+from labcal.calibrate.agreement.finding import ContradictionError
+from labcal.cli.inconsistent_result import InconsistentResult, contradiction_result
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.cli.termination import Terminated
@@ -40,6 +42,13 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class ContradictionFailure(Failure):
+    """The same where cameras contradict each other, with the likely causes."""
+
+    inconsistent: InconsistentResult
+
+
+@dataclass(frozen=True)
 class FailureDocument:
     """The JSON document of a command that failed."""
 
@@ -71,6 +80,8 @@ def explain(error: BaseException) -> Failure:
         case _:
             message = f"labcal itself failed ({kind}: {error}). Set {TRACEBACK_VARIABLE}=1 to see where."
             status = ExitStatus.FAILED
+    if isinstance(error, ContradictionError):
+        return ContradictionFailure(kind, shortened(message), status, contradiction_result(error))
     return Failure(kind, shortened(message), status)
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
     from labcal.calibrate.calibration import HandheldCalibration
 
 
@@ -22,7 +23,8 @@ class CauseResult:
 class InconsistentResult:
     """The key ``inconsistent`` in JSON documents."""
 
-    rms_in_rig_px: float
+    rms_in_rig_px: float | None
+    """None where no rig explains the dots at all."""
     rms_alone_px: float
     """Over all cameras, each calibrated alone."""
     times: float
@@ -36,9 +38,16 @@ class InconsistentResult:
 def inconsistent_result(found: "HandheldCalibration") -> InconsistentResult | None:
     """Return the part of a JSON document; None where the cameras agree."""
     doubt = found.disagreement
-    if doubt is None:
-        return None
+    return None if doubt is None else _result(doubt, found.rms_px, found.rms_alone_px)
+
+
+def contradiction_result(error: "ContradictionError") -> InconsistentResult:
+    """Return the same where cameras contradict each other so much that there is no rig."""
+    return _result(error.disagreement, None, error.rms_alone_px)
+
+
+def _result(doubt: "Disagreement", in_rig_px: float | None, alone_px: float) -> InconsistentResult:
     causes = [
         CauseResult(one.cause.value, one.why, list(one.cameras), list(one.views)) for one in doubt.causes
     ]
-    return InconsistentResult(found.rms_px, found.rms_alone_px, doubt.times, causes, list(doubt.views))
+    return InconsistentResult(in_rig_px, alone_px, doubt.times, causes, list(doubt.views))
