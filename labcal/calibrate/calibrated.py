@@ -11,6 +11,7 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.one_lens import TwoLenses
+from labcal.calibrate.parallel_rig import parallel_notes
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -104,7 +105,8 @@ def calibrated(
     found = calibrate_handheld(entering, target, lens, settings)
     kept = settings.start if settings.lenses is Lenses.FIXED else None
     learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
-    warnings = tuple(calibration_warnings(found, lens, target.name))
+    notes = parallel_notes(found.rig, started=settings.start is not None)
+    warnings = (*calibration_warnings(found, lens, target.name), *notes)
     return Calibrated(found, lens, choice, held_out, learned, warnings)
 
 
