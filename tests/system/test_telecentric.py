@@ -7,7 +7,7 @@ import pytest
 
 from tests.system.conftest import Run
 
-SCALE, CX, CY = 0.75, 639.5, 479.5
+SCALE, CX, CY = 0.85, 639.5, 479.5
 DIST = (-1.5e-8, 3e-15, 5e-9, -8e-9, -5e-22)
 
 
@@ -20,13 +20,15 @@ def test_from_the_picture_to_points(labcal: Run, tmp_path: Path) -> None:
         for change in (
             "lens=telecentric",
             f"dist={list(DIST)}",
+            "size=[1280, 960]",
             f"focal_px={SCALE}",
             f"principal_px=[{CX}, {CY}]",
         )
         for word in ("--set", f"cameras.{camera}.{change}")
     ]
+    near = ("--set", "placement.spread_mm=[120, 150, 80]")
     options = ("--views", 14, "--spp", 16, "--workers", 1, "--set", "photometry=machine-vision-5mp")
-    assert labcal("render", "webcam-handheld", "-o", shoot, *changes, *options).status == 0
+    assert labcal("render", "webcam-handheld", "-o", shoot, *changes, *near, *options).status == 0
     assert labcal("detect", shoot, "-o", dots, "--workers", 1).status in (0, 1)
     told = labcal("calibrate", dots, "--target", "paper-13x10", "--lens", "telecentric", "-o", rig)
     assert told.status == 0
