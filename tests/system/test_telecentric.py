@@ -39,5 +39,7 @@ def test_from_the_picture_to_points(labcal: Run, tmp_path: Path) -> None:
         allowed = 3.0 * np.array([sigma["fx"], sigma["fy"], *sigma["dist"]])
         assert (np.abs(found - [SCALE, SCALE, *DIST]) < allowed).all()
     assert labcal("reconstruct", rig, dots, "-o", points).status in (0, 1)
-    errors = labcal("evaluate", points, shoot)
-    assert errors.document["rmse_mm"] < 1.5 * errors.document["limit_mm"]
+    errors = labcal("evaluate", points, shoot).document
+    # 0.0127 px along each axis, 14 degrees apart: 0.09 mm in depth. The mirror image would leave tens.
+    assert (errors["alignment"], errors["n_ok"]) == ("rigid", errors["n"])
+    assert errors["rmse_mm"] < 0.15
