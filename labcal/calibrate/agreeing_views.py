@@ -85,7 +85,7 @@ def of_agreeing_views(
 
 def _contradictions(cameras: list[CameraAlone], target: AnyTarget, *, free_dots: bool) -> list[OddPicture]:
     """Return the pictures of views in which cameras contradict each other."""
-    if len(cameras) == 1:
-        return []
+    if len(cameras) == 1 or any(one.lone.camera.model.parallel for one in cameras):
+        return []  # parallel rays alone tell neither depth nor the sign of a tilt
     gross = contradictions([one.lone for one in cameras], target.points())
     return gross if gross or free_dots else slight_contradictions(cameras)

@@ -13,6 +13,7 @@ from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.one_lens import TwoLenses
+from labcal.calibrate.parallel_rig import parallel_notes
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -164,7 +165,12 @@ def calibrated(
     kept = settings.start if settings.lenses is Lenses.FIXED else None
     learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
     tested = None if held_out else warning_of_test_views(entering)
-    warnings = (*(() if tested is None else (tested,)), *calibration_warnings(found, lens, target.name))
+    notes = parallel_notes(found.rig, started=settings.start is not None)
+    warnings = (
+        *(() if tested is None else (tested,)),
+        *calibration_warnings(found, lens, target.name),
+        *notes,
+    )
     return Calibration(found, lens, choice, held_out, learned, warnings)
 
 

@@ -28,10 +28,12 @@ from labcal.calibrate.lone_calibration import (
 )
 from labcal.calibrate.one_lens import two_lenses
 from labcal.calibrate.outlying_dots import OutlyingDots
+from labcal.calibrate.parallel_rig import told_by_each_other
 from labcal.calibrate.resection.resected import MOST_OFF
 from labcal.calibrate.rig_start import rig_start
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
+from labcal.cameras.lens import lens_by_name
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
@@ -75,6 +77,11 @@ def calibrate_handheld(
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
+    if settings.free_dots and lens_by_name(lens).parallel:
+        raise InputError(
+            f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
+            "tilt are not told apart there. Leave --free-dots out."
+        )
     usable = usable_dots(detections, target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
@@ -99,7 +106,7 @@ def calibrate_handheld(
         doubt = disagreement(Calibrated(judged, entering, flat))
         if doubt is None:
             raise
-        raise ContradictionError(doubt) from error
+        raise ContradictionError(doubt, _rms_alone(judged)) from error
     if whole.freed is not None:
         found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
@@ -115,11 +122,17 @@ def _whole(
     """Adjust the rig; raise where that fails, or ends in what is no rig."""
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
-    start = rig_start([camera.lone for camera in found], target.points())
+    start = rig_start(told_by_each_other([camera.lone for camera in found], settings.start), target.points())
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
     Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # raises beyond bounds of sense
     return whole
+
+
+def _rms_alone(found: list[CameraAlone]) -> float:
+    """Return OpenCV's RMS over cameras that were calibrated alone, px."""
+    residuals = [one.result.adjusted.residual[~one.result.adjusted.outlier] for one in found]
+    return float(np.sqrt((np.concatenate(residuals) ** 2).sum(axis=1).mean()))
 
 
 def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
@@ -162,7 +175,7 @@ def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) ->
 
 def _told_apart(found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings) -> list[CameraAlone]:
     """Return the cameras with the groups of their views that were taken through different lenses."""
-    if settings.lenses is Lenses.FIXED:
+    if settings.lenses is Lenses.FIXED or any(one.lone.camera.model.parallel for one in found):
         return found
     return [
         replace(

@@ -111,4 +111,4 @@ def _border_slopes(camera: Camera) -> Float64[np.ndarray, "n 2 coefficients"]:
     plain = replace(camera, dist=undistorted_dist(camera.model), T_cam_world=np.eye(4), window=None)
     u, v = np.meshgrid([0.0, 0.5 * (width - 1), width - 1.0], [0.0, 0.5 * (height - 1), height - 1.0])
     rays = plain.rays(np.stack([u.ravel(), v.ravel()], axis=-1))
-    return np.asarray(plain.intrinsic_jacobian(rays.direction[rays.ok])[:, :, INTRINSICS:])
+    return np.asarray(plain.intrinsic_jacobian((rays.origin + rays.direction)[rays.ok])[:, :, INTRINSICS:])

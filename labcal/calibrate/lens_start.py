@@ -11,12 +11,13 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, Pose, Vectors3
 from labcal.calibrate.gross_errors import gross_errors
 from labcal.calibrate.resection.lens_choice import camera_of_lens
-from labcal.calibrate.resection.start import camera_with_field
+from labcal.calibrate.resection.start import camera_with_field, depth_held_mm
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
 from labcal.cameras.opencv_model import PERSPECTIVE, from_order, to_order
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
+from labcal.geometry.parallel_pose import affine_map, parallel_plane_pose, plane_scale
 from labcal.geometry.plane_pose import plane_pose
 from labcal.geometry.poses import from_rotation_vector, transform
 from labcal.run.threads import one_opencv_thread
@@ -83,6 +84,8 @@ def start_from_pictures(pictures: list[Detections], target: Target, lens: str) -
     """
     require_adjustable(lens)
     pictures = _without_gross_errors(pictures, target)
+    if lens_by_name(lens).parallel:
+        return _by_affine_maps(pictures, target, lens)
     if lens_by_name(lens).opencv is PERSPECTIVE:
         return _by_opencv(pictures, target, lens)
     return _by_scan(pictures, target, lens)
@@ -169,6 +172,22 @@ def _images_all(camera: Camera, T_cam_target: Pose, dots: Detections, target: Ta
     return bool(camera.project(transform(T_cam_target, target.points(dots.index))).ok.all())
 
 
+def _by_affine_maps(pictures: list[Detections], target: Target, lens: str) -> LensStart:
+    """Start a lens with parallel rays without distortion: every view's affine map tells its scale."""
+    size = pictures[0].picture_size(pictures[0].cameras[0])
+    try:
+        maps = [affine_map(dots.position, target.points(dots.index)[:, :2]) for dots in pictures]
+    except InputError as error:
+        raise InputError(
+            f"The dots of camera '{pictures[0].cameras[0]}' determine no camera ({error}) Every view needs "
+            "dots of several rows and columns, and the views different tilts."
+        ) from error
+    scale = float(np.median([plane_scale(found[:, :2]) for found in maps]))
+    kind = camera_of_lens(lens, size, None)
+    K = np.array([[scale, 0.0, 0.5 * (size[0] - 1)], [0.0, scale, 0.5 * (size[1] - 1)], [0.0, 0.0, 1.0]])
+    return start_from_camera(pictures, target, replace(kind, K=K))
+
+
 def _by_scan(pictures: list[Detections], target: Target, lens: str) -> LensStart:
     """Start any lens without distortion, with the focal length at which flat targets look flat."""
     scanned = pictures[:: -(-len(pictures) // _SCAN_VIEWS)]
@@ -202,6 +221,15 @@ def _miss(camera: Camera, pictures: list[Detections], target: Target) -> float:
 def _poses(camera: Camera, pictures: list[Detections], target: Target) -> Float64[np.ndarray, "views 4 4"]:
     """Return the poses of the target from the rays of its dots, which are traced all at once."""
     rays = camera.rays(np.concatenate([dots.position for dots in pictures]))
+    if camera.model.parallel:
+        depth = depth_held_mm(camera, float(np.sqrt(camera.intrinsics[0] * camera.intrinsics[1])))
+        found, first = [], 0
+        for dots in pictures:
+            seen = slice(first, first + len(dots))
+            ok, first = rays.ok[seen], seen.stop
+            plane = target.points(dots.index)[ok, :2]
+            found.append(parallel_plane_pose(rays.origin[seen][ok, :2], plane, depth))
+        return np.stack(found)
     ends = np.cumsum([len(dots) for dots in pictures])[:-1]
     split = zip(pictures, np.split(rays.direction, ends), np.split(rays.ok, ends), strict=True)
     return np.stack([_pose(dots, directions, ok, target) for dots, directions, ok in split])

@@ -62,7 +62,8 @@ class Camera(PublicObject):
     Parameters
     ----------
     K : array_like, shape (3, 3)
-        Camera matrix in pixels, without skew; pixel (0, 0) is the centre of the top-left pixel.
+        Camera matrix in pixels, without skew; pixel (0, 0) is the centre of the top-left pixel. `fx` and `fy`
+        of a lens with parallel rays are px/mm.
     lens : str
         Name of a lens model, or ``prescription``.
     dist : array_like, shape (k,)
@@ -79,8 +80,8 @@ class Camera(PublicObject):
     Raises
     ------
     InputError
-        A matrix is malformed, there are more coefficients than the model has, the size is not positive, or a
-        prescription is missing or out of place.
+        A matrix is malformed, there are more coefficients than the model has, the size is not positive, a
+        prescription is missing or out of place, or a flat window is in front of a lens with parallel rays.
     InputTypeError
         What should be an array of numbers is none.
     UnknownNameError
@@ -152,6 +153,11 @@ class Camera(PublicObject):
             )
         if self.prescription is not None and fx != fy:
             raise InputError("A lens prescription images round things round: fx and fy must be equal.")
+        if model.parallel and isinstance(self.window, FlatWindow):
+            raise InputError(
+                f"A flat window leaves the rays of the lens '{self.lens}' parallel: it is no more than "
+                "another place of the camera. Leave the window out."
+            )
         if min(self.size) < 1:
             raise InputError(f"The picture size must be positive, but is {self.size[0]} x {self.size[1]}.")
         require_rigid(self.T_cam_world, "T_cam_world")
@@ -212,6 +218,12 @@ class Camera(PublicObject):
         """The centre of projection in the world, mm, shape (3,)."""
         return inverse(self.T_cam_world)[:3, 3]
 
+    def towards(self, p: AnyArray) -> Vectors3:
+        """Return the directions (of any length) from world points, mm, shape (..., 3), to the camera."""
+        if self.model.parallel:
+            return np.broadcast_to(-self.T_cam_world[2, :3], np.shape(p))
+        return np.asarray(self.centre - p)
+
     @cached_property
     def model(self) -> Lens:
         """The lens model."""
@@ -234,7 +246,7 @@ class Camera(PublicObject):
 
     @property
     def reach(self) -> float:
-        """Largest radius of the picture on the plane at unit focal length."""
+        """Largest radius of the picture on the plane at unit focal length; of parallel rays, mm."""
         fx, fy, cx, cy = self.intrinsics
         width, height = self.size
         spare = 1.0 + (self.window.largest_px if isinstance(self.window, WavyWindow) else 0.0)
@@ -299,8 +311,8 @@ class Camera(PublicObject):
         Returns
         -------
         Projection
-            Pixels, also outside the picture; NaN and not ok behind the camera, beyond the fold of the lens
-            model and for NaN.
+            Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
+            tell no depth), beyond the fold of the lens model and for NaN.
 
         Raises
         ------

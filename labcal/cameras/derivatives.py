@@ -102,7 +102,7 @@ def point_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivatives:
 
 def has_field(camera: Camera) -> bool:
     """Tell whether points have their field point by a closed formula, with no glass on the way."""
-    return camera.optics.central and camera.window is None
+    return camera.optics.closed and camera.window is None
 
 
 def _varied(dist: tuple[float, ...], free: int) -> tuple[Dual, ...]:

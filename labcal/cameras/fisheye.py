@@ -40,6 +40,7 @@ class KannalaBrandt:
     name: str
     coefficients = _POWERS
     central = True
+    parallel = False
     names = FISHEYE.order
     opencv = FISHEYE
     undistorted = (0.0,) * _POWERS

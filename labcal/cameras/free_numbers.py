@@ -22,8 +22,9 @@ PLACE = 3
 class FreeNumbers:
     """Which numbers of a camera are free.
 
-    Of a lens formula fx fy cx cy and all coefficients; of a prescription, whose glass is known, f cx cy. Of a
-    flat window its place: both tilts and the distance. A wavy pane is known or not there.
+    Of a lens formula fx fy cx cy and all coefficients, without cx and cy where its rays are parallel; of a
+    prescription, whose glass is known, f cx cy. Of a flat window its place: both tilts and the distance. A
+    wavy pane is known or not there.
     """
 
     camera: Camera
@@ -38,20 +39,20 @@ class FreeNumbers:
         """Where the lens's coefficients stand."""
         if self._prescribed:
             return slice(INTRINSICS - 1, INTRINSICS - 1)
-        return slice(INTRINSICS, INTRINSICS + self.camera.model.coefficients)
+        first = len(self._intrinsics)
+        return slice(first, first + self.camera.model.coefficients)
 
     @property
     def values(self) -> Float64[np.ndarray, " free"]:
         """The numbers: intrinsics (px), coefficients, window."""
         camera = self.camera
-        intrinsics = camera.intrinsics[1:] if self._prescribed else camera.intrinsics
         window = camera.window
         place = (
             (np.radians(window.tilt_x_deg), np.radians(window.tilt_y_deg), window.distance_mm)
             if isinstance(window, FlatWindow)
             else ()
         )
-        return np.array([*intrinsics, *camera.padded_dist[: camera.model.coefficients], *place])
+        return np.array([*self._intrinsics, *camera.padded_dist[: camera.model.coefficients], *place])
 
     @property
     def deviations(self) -> Float64[np.ndarray, " free"]:
@@ -74,6 +75,8 @@ class FreeNumbers:
         values, camera = self.values + step, self.camera
         first = values[0]
         fx, fy, cx, cy = (first, *values[:3]) if self._prescribed else values[:INTRINSICS]
+        if camera.model.parallel:
+            cx, cy = camera.intrinsics[2:]
         dist = camera.dist
         if not self._prescribed:
             dist = np.zeros(max(LENGTH, len(camera.dist)))
@@ -102,7 +105,10 @@ class FreeNumbers:
         """
         camera, m = self.camera, DualMathematics(NUMPY)
         if has_field(camera) and not self._prescribed:
-            return projection_derivatives(camera, p_cam)
+            seen = projection_derivatives(camera, p_cam)
+            if not camera.model.parallel:
+                return seen
+            return replace(seen, by_camera=np.delete(seen.by_camera, (2, 3), axis=2))
         varied = variables(*np.moveaxis(p_cam, -1, 0), *self.values)
         p, free = varied[:POINT], varied[POINT:]
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
@@ -115,12 +121,21 @@ class FreeNumbers:
         """Return ``Camera.forward_numbers`` with the free ones varying."""
         camera = self.camera
         intrinsics = (free[0], *free[:3]) if self._prescribed else free[:INTRINSICS]
+        if camera.model.parallel:
+            intrinsics = (*free[:2], *constants(camera.intrinsics[2:], POINT + self.count))
         rest = constants(camera.padded_dist[camera.model.coefficients :], POINT + self.count)
         numbers = camera.dual_numbers(m, intrinsics, (*free[self.coefficients], *rest))
         if not isinstance(camera.window, FlatWindow):
             return numbers
         pane = camera.window.formula(m, free[-PLACE:])
         return (*intrinsics, *pane, *numbers[camera.optics.lens_at :])
+
+    @property
+    def _intrinsics(self) -> tuple[float, ...]:
+        """The free ones of fx fy cx cy."""
+        if self.camera.model.parallel:
+            return self.camera.intrinsics[:2]
+        return self.camera.intrinsics[1:] if self._prescribed else self.camera.intrinsics
 
     @property
     def _prescribed(self) -> bool:

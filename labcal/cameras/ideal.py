@@ -1,4 +1,7 @@
-"""Ideal pinholes in the place of real cameras: alone, and as a pair whose rows are aligned."""
+"""Ideal cameras in the place of real ones: alone, and as a pair whose rows are aligned.
+
+They are pinholes; in the place of a camera with parallel rays stands one with the same lens, undistorted.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,8 +30,9 @@ class _Field:
 
 
 def ideal_camera(camera: Camera) -> Camera:
-    """Return the pinhole with the camera's place, matrix and picture size; the middle keeps its scale."""
-    return Camera(camera.K, _LENS, np.zeros(LENGTH), camera.T_cam_world, camera.size)
+    """Return the ideal camera with this one's place, matrix and picture size; the middle keeps its scale."""
+    lens = camera.lens if camera.model.parallel else _LENS
+    return Camera(camera.K, lens, np.zeros(LENGTH), camera.T_cam_world, camera.size)
 
 
 def whole_ideal_camera(camera: Camera) -> Camera:
@@ -39,8 +43,9 @@ def whole_ideal_camera(camera: Camera) -> Camera:
     Raises
     ------
     InputError
-        The camera sees nothing there, or the picture would be too large.
+        The camera sees nothing there, its rays are parallel, or the picture would be too large.
     """
+    _refuse_parallel([camera], "--whole")
     R = camera.T_cam_world[:3, :3]
     focal = _mean_focal([camera])
     field = _field(camera, R)
@@ -58,8 +63,10 @@ def rectified_pair(first: Camera, second: Camera) -> tuple[Camera, Camera]:
     Raises
     ------
     InputError
-        Both cameras are at one place, the second lies ahead of the first, or the pictures would be too large.
+        Both cameras are at one place, the second lies ahead of the first, their rays are parallel, or the
+        pictures would be too large.
     """
+    _refuse_parallel([first, second], "--rectify")
     baseline = second.centre - first.centre
     axes = [camera.T_cam_world[:3, :3] for camera in (first, second)]
     forward = axes[0][2] + axes[1][2]
@@ -81,6 +88,16 @@ def rectified_pair(first: Camera, second: Camera) -> tuple[Camera, Camera]:
     cameras = [first, second]
     left, right = _placed(cameras, R, _mean_focal(cameras), [_field(camera, R) for camera in cameras])
     return left, right
+
+
+def _refuse_parallel(cameras: Sequence[Camera], option: str) -> None:
+    """Raise where rays are parallel, in whose place there is no pinhole."""
+    for camera in cameras:
+        if camera.model.parallel:
+            raise InputError(
+                f"The lens '{camera.lens}' has parallel rays, and no pinhole sees what it sees. Undistort "
+                f"without {option}."
+            )
 
 
 def _mean_focal(cameras: Sequence[Camera]) -> float:

@@ -12,6 +12,7 @@ from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.omnidirectional import Omnidirectional
 from labcal.cameras.opencv_model import OpenCVModel
 from labcal.cameras.perspective import Perspective
+from labcal.cameras.telecentric import Telecentric
 from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.run.names import is_name
 from labcal.wording import listed
@@ -24,6 +25,8 @@ FISHEYE = "fisheye-kb4"
 """The lens model that images directions far from its axis."""
 DOUBLE_SPHERE, ENHANCED_UNIFIED, OMNIDIRECTIONAL = "double-sphere", "eucm", "omni-radtan"
 """Lens models of the robotics community, which see more than 180 degrees by closed formulas."""
+TELECENTRIC = "telecentric"
+"""The lens model whose rays are parallel."""
 PRESCRIPTION = "prescription"
 """The lens model whose rays are traced through a prescription; it has no entry of its own in LENSES."""
 _TAKEN = (PRESCRIPTION, "auto")
@@ -80,6 +83,14 @@ class Lens(Protocol):
     def central(self) -> bool:
         """Whether all rays pass the origin of the camera's frame."""
 
+    @property
+    def parallel(self) -> bool:
+        """Whether all rays are parallel to the axis.
+
+        Then :meth:`field` takes a point in mm, `fx` and `fy` are px/mm, and depth is not to be seen. The
+        principal point is only where distortion is counted from, and is not estimated.
+        """
+
     def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
         """Return the leading :meth:`numbers`, all that :meth:`image` takes, from the coefficients."""
 
@@ -126,6 +137,7 @@ LENSES: dict[str, Lens] = {
         DoubleSphere(DOUBLE_SPHERE),
         EnhancedUnified(ENHANCED_UNIFIED),
         Omnidirectional(OMNIDIRECTIONAL),
+        Telecentric(TELECENTRIC, 5),
     )
 }
 

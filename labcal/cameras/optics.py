@@ -36,6 +36,11 @@ class Optics:
         return self.lens.central and not isinstance(self.window, FlatWindow)
 
     @property
+    def closed(self) -> bool:
+        """Whether the lens tells the field point of a point at any depth by a closed formula."""
+        return (self.lens.central or self.lens.parallel) and not isinstance(self.window, FlatWindow)
+
+    @property
     def lens_at(self) -> int:
         """Where the lens's numbers begin."""
         return INTRINSICS + (0 if self.window is None else len(self.window.numbers))
@@ -89,7 +94,7 @@ class Optics:
         """
         fx, fy, cx, cy = numbers[:INTRINSICS]
         lens = numbers[self.lens_at :]
-        found = self.lens.field(m, lens, p) if self.central else self._field_of(m, numbers, p)
+        found = self.lens.field(m, lens, p) if self.closed else self._field_of(m, numbers, p)
         x, y = self.lens.image(m, lens, found.a, found.b)
         u, v = fx * x + cx, fy * y + cy
         if not isinstance(self.window, WavyWindow):

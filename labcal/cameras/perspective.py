@@ -6,6 +6,7 @@ Field coordinates of such a lens are X/Z and Y/Z.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from labcal.cameras.dual import DualMathematics, constants
 from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.newton import solve_two
-from labcal.cameras.opencv_model import PERSPECTIVE
+from labcal.cameras.opencv_model import PERSPECTIVE, OpenCVModel
 from labcal.cameras.radial import LENGTH as GUESS_LENGTH
 from labcal.cameras.radial import field_over_image, guess, inverse_guess, positive_roots
 
@@ -55,7 +56,8 @@ class Perspective:
     name: str
     coefficients: int
     central = True
-    opencv = PERSPECTIVE
+    parallel = False
+    opencv: ClassVar[OpenCVModel | None] = PERSPECTIVE
     ranges = None
     fall_off = FallOff.COS4
     rectilinear = True

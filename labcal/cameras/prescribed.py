@@ -38,6 +38,7 @@ class PrescribedLens:
     name = "prescription"
     coefficients = 0
     central = False
+    parallel = False
     opencv = None
     undistorted = ()
     ranges = None

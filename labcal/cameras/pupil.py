@@ -68,6 +68,31 @@ class ThinPupil:
         return PupilRay(SceneRay((x, y, 0.0 * x), direction, chief.ok & front), 1.0 + 0.0 * x)
 
 
+@dataclass(frozen=True)
+class ParallelPupil:
+    """The aperture of a lens with parallel chief rays: the same cone of light around each of them."""
+
+    radius_mm: float
+    """Of the cone on the plane at depth 0."""
+    focus_mm: float
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """Radius and focus."""
+        return (self.radius_mm, self.focus_mm)
+
+    def ray(
+        self, m: Mathematics, numbers: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
+    ) -> PupilRay:
+        """Return the ray from a point of the disc around the chief ray to where that is in focus."""
+        radius, focus = numbers
+        dx, dy = -radius * at[2], -radius * at[3]
+        length = m.sqrt(dx * dx + dy * dy + focus * focus)
+        X, Y, Z = chief.origin
+        direction = (dx / length, dy / length, focus / length)
+        return PupilRay(SceneRay((X - dx, Y - dy, Z), direction, chief.ok), 1.0 + 0.0 * dx)
+
+
 class TracedPupil:
     """The aperture of a prescription: rays start on the film and are traced out surface by surface.
 

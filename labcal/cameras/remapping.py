@@ -22,7 +22,7 @@ def source_pixels(
     ideal : Camera
         At the same place.
     distance_mm : float, optional
-        How far away, along the ideal camera's rays, the map holds. Rays of a central camera need none.
+        How far away, along the ideal camera's rays, the map holds. Central and parallel rays need none.
 
     Returns
     -------
@@ -34,7 +34,7 @@ def source_pixels(
     InputError
         The camera's rays do not meet in a point, and no distance is given.
     """
-    if distance_mm is None and not camera.optics.central:
+    if distance_mm is None and not camera.optics.closed:
         raise InputError(
             "The rays of a camera with a lens prescription or a flat window do not meet in one point, so no "
             "pinhole sees what it sees at every distance. Say at which one it should: `distance_mm`."

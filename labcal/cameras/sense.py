@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.bounds import (
+    FIELD_MM,
     FOCAL_RATIO,
     FOCAL_SIDES,
     LONGEST_SIDE_PX,
@@ -59,17 +60,19 @@ def require_sensible_numbers(
     if not (np.isfinite(K).all() and np.isfinite(dist).all()):
         raise InputError("K and dist must hold finite numbers.")
     (fx, _, cx), (_, fy, cy) = K[0], K[1]
-    side = float(max(size))
-    least, most = (share * side for share in FOCAL_SIDES)
+    side, parallel = float(max(size)), _is_parallel(lens)
+    what, unit = ("scale", "px/mm") if parallel else ("focal length", "px")
+    shares = (1.0 / FIELD_MM[1], 1.0 / FIELD_MM[0]) if parallel else FOCAL_SIDES
+    least, most = (share * side for share in shares)
     for name, focal in (("fx", fx), ("fy", fy)):
         if not least <= focal <= most:
             raise InputError(
-                f"The focal length {name} is {focal:.6g} px, but should be {least:g} to {most:g} px for a "
+                f"The {what} {name} is {focal:.6g} {unit}, but should be {least:g} to {most:g} {unit} for a "
                 f"picture of {width} x {height}."
             )
     if not max(fx, fy) <= FOCAL_RATIO * min(fx, fy):
         raise InputError(
-            f"The focal lengths {fx:.6g} and {fy:.6g} px differ by more than a factor of {FOCAL_RATIO:g}."
+            f"The {what}s {fx:.6g} and {fy:.6g} {unit} differ by more than a factor of {FOCAL_RATIO:g}."
         )
     farthest = max(abs(cx - 0.5 * (width - 1)), abs(cy - 0.5 * (height - 1)))
     if not farthest <= PRINCIPAL_SIDES * side:
@@ -78,7 +81,13 @@ def require_sensible_numbers(
             f"side away from the middle of a picture of {width} x {height}."
         )
     x, y = max(abs(cx), abs(width - 1 - cx)) / fx, max(abs(cy), abs(height - 1 - cy)) / fy
-    _require_coefficients(lens, dist, min(1.0, max(float(np.hypot(x, y)), 1e-9)))
+    reach = max(float(np.hypot(x, y)), 1e-9)
+    _require_coefficients(lens, dist, reach if parallel else min(1.0, reach))
+
+
+def _is_parallel(lens: str) -> bool:
+    """Return whether a lens has parallel rays; a prescription or an unknown one, which others refuse, no."""
+    return lens in LENSES and LENSES[lens].parallel
 
 
 def _require_coefficients(lens: str, dist: Sequence[float], reach: float) -> None:

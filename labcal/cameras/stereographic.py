@@ -33,6 +33,7 @@ class StereographicField:
 
     name: str
     central = True
+    parallel = False
     opencv = None
     fall_off = FallOff.EVEN
     rectilinear = False

@@ -6,10 +6,12 @@ import sys
 import traceback
 from dataclasses import dataclass
 
+from labcal.calibrate.agreement.finding import ContradictionError
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.cli.termination import Terminated
 from labcal.errors import DeviceError, DiskFullError, LabcalError
+from labcal.report.inconsistent_result import InconsistentResult, contradiction_result
 from labcal.wording import printable, shortened
 
 TRACEBACK_VARIABLE = "LABCAL_TRACEBACK"
@@ -37,6 +39,13 @@ class Failure:
     kind: str
     message: str
     status: int
+
+
+@dataclass(frozen=True)
+class ContradictionFailure(Failure):
+    """The same where cameras contradict each other, with the likely causes."""
+
+    inconsistent: InconsistentResult
 
 
 @dataclass(frozen=True)
@@ -71,6 +80,8 @@ def explain(error: BaseException) -> Failure:
         case _:
             message = f"labcal itself failed ({kind}: {error}). Set {TRACEBACK_VARIABLE}=1 to see where."
             status = ExitStatus.FAILED
+    if isinstance(error, ContradictionError):
+        return ContradictionFailure(kind, shortened(message), status, contradiction_result(error))
     return Failure(kind, shortened(message), status)
 
 

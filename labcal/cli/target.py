@@ -68,18 +68,9 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     targets = [load_target(name) for name in target_names()]
     table = Table(name_column("target"), "dots", "pitch [mm]", "dot [mm]", "what it is")
     for target in targets:
-        table.add_row(target.name, f"{target.cols} x {target.rows}", *_sizes(target), target.description)
+        table.add_row(target.name, f"{target.cols} x {target.rows}", *target.sizes, target.description)
     session.emit(TargetList(targets), table)
     return ExitStatus.DONE
-
-
-def _sizes(target: "AnyTarget") -> tuple[str, str]:
-    """Return pitch and diameter for the table; a corner has none."""
-    from labcal.targets.grid import DotGrid
-
-    if isinstance(target, DotGrid):
-        return f"{target.pitch_x_mm:.6g} x {target.pitch_y_mm:.6g}", f"{target.dot_diameter_mm:g}"
-    return f"{target.square_mm:.6g} x {target.square_mm:.6g}", "corner"
 
 
 def run_show(arguments: Namespace, session: Session) -> ExitStatus:

@@ -89,7 +89,7 @@ def undistort_pictures(
         raise InputError("`whole` is what `rectify` does anyway. Leave it out.")
     sources = [_with_camera(source, rig) for source in pictures.sources]
     names = list(dict.fromkeys(source.camera for source in sources))
-    if settings.distance_mm is not None and all(rig.camera(name).optics.central for name in names):
+    if settings.distance_mm is not None and all(rig.camera(name).optics.closed for name in names):
         raise InputError(
             "`distance_mm` is for a lens prescription or a flat window; there is none. Leave it out."
         )

@@ -19,8 +19,8 @@ from labcal.detect.search import cause, search
 from labcal.detect.shapes import odd_shapes
 from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
+from labcal.targets.registry import function_of, kind_of
 
 # An outline further from its ellipse is not measured: times the usual departure of the picture's dots (a
 # print may be ragged, a renderer's discs are polygons), and of the radius.
@@ -85,14 +85,16 @@ def _hardly_measured(dots: PictureDots) -> bool:
 
 
 def _detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
-    """Find dots or corners, of whatever polarity."""
+    """Find dots or corners with the detector of the target's kind."""
     grey = grey_picture(image)
-    if isinstance(target, CharucoBoard):
-        from labcal.detect.charuco import detect_charuco  # noqa: PLC0415 -- imports SciPy, which dots do not need
-
-        return detect_charuco(grey, target)
     if np.shares_memory(grey, image):
-        grey = grey.copy()  # it is turned into its negative in place, since it may be large
+        grey = grey.copy()  # a detector may work in place, since it may be large
+    found: PictureDots = function_of(kind_of(target).detector)(grey, target)
+    return found
+
+
+def detect_grid_dots(grey: GreyPicture, target: DotGrid) -> PictureDots:
+    """Find the dots of a grid in a picture, which is turned into its negative in place where that helps."""
     black = 0.0
     if target.polarity is Polarity.WHITE_ON_BLACK:
         black = _invert(grey, black)

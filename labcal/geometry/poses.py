@@ -1,5 +1,7 @@
 """Rigid transforms ``T_ab``: coordinates in b to coordinates in a, so ``T_ac = T_ab @ T_bc``."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from labcal.arrays import Matrix3, Pose, Vectors3
@@ -38,6 +40,27 @@ def rotation_vector(T_ab: Pose) -> np.ndarray:
     from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
 
     return np.asarray(Rotation.from_matrix(T_ab[:3, :3]).as_rotvec())
+
+
+def from_quaternion(wxyz: np.ndarray) -> Matrix3:
+    """Return the rotation of a quaternion, its real part first, of any length but 0."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
+
+    return np.asarray(Rotation.from_quat(wxyz[[1, 2, 3, 0]]).as_matrix())
+
+
+def quaternion(R_ab: Matrix3) -> np.ndarray:
+    """Return the unit quaternion of a rotation, its real part first, shape (4,); of its two signs either."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
+
+    return np.asarray(Rotation.from_matrix(R_ab).as_quat()[[3, 0, 1, 2]])
+
+
+def from_fixed_angles_deg(xyz: Sequence[float]) -> Matrix3:
+    """Return the rotation by three angles in degrees, about the fixed axes x, y and z in this order."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
+
+    return np.asarray(Rotation.from_euler("xyz", xyz, degrees=True).as_matrix())
 
 
 def look_at(eye: np.ndarray, focus: np.ndarray, up: np.ndarray) -> Pose:

@@ -7,7 +7,7 @@ import numpy as np
 from labcal.cameras.camera import Camera
 from labcal.cameras.field import FallOff
 from labcal.cameras.prescribed import PrescribedLens
-from labcal.cameras.pupil import Pupil, ThinPupil, TracedPupil
+from labcal.cameras.pupil import ParallelPupil, Pupil, ThinPupil, TracedPupil
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
 from labcal.render.samples import Samples
@@ -133,6 +133,8 @@ def _pupil(camera: Camera, aperture: Aperture) -> Pupil:
     model = camera.model
     if isinstance(model, PrescribedLens):
         return TracedPupil(model, aperture.diameter_mm, camera.reach)
+    if model.parallel:
+        return ParallelPupil(0.5 * aperture.diameter_mm, aperture.focus_mm)
     return ThinPupil(0.5 * aperture.diameter_mm, aperture.focus_mm)
 
 

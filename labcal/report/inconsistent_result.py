@@ -1,8 +1,11 @@
 """What is told where the cameras of a rig do not agree on where the target was."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from labcal.calibrate.handheld_calibration import HandheldCalibration
+if TYPE_CHECKING:  # every failure of the command line comes by here
+    from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
+    from labcal.calibrate.handheld_calibration import HandheldCalibration
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,8 @@ class CauseResult:
 class InconsistentResult:
     """The key ``inconsistent`` in JSON documents."""
 
-    rms_in_rig_px: float
+    rms_in_rig_px: float | None
+    """None where no rig explains the dots at all."""
     rms_alone_px: float
     """Over all cameras, each calibrated alone."""
     times: float
@@ -31,12 +35,19 @@ class InconsistentResult:
     """Those that show the likeliest cause."""
 
 
-def inconsistent_result(found: HandheldCalibration) -> InconsistentResult | None:
+def inconsistent_result(found: "HandheldCalibration") -> InconsistentResult | None:
     """Return the part of a JSON document; None where the cameras agree."""
     doubt = found.disagreement
-    if doubt is None:
-        return None
+    return None if doubt is None else _result(doubt, found.rms_px, found.rms_alone_px)
+
+
+def contradiction_result(error: "ContradictionError") -> InconsistentResult:
+    """Return the same where cameras contradict each other so much that there is no rig."""
+    return _result(error.disagreement, None, error.rms_alone_px)
+
+
+def _result(doubt: "Disagreement", in_rig_px: float | None, alone_px: float) -> InconsistentResult:
     causes = [
         CauseResult(one.cause.value, one.why, list(one.cameras), list(one.views)) for one in doubt.causes
     ]
-    return InconsistentResult(found.rms_px, found.rms_alone_px, doubt.times, causes, list(doubt.views))
+    return InconsistentResult(in_rig_px, alone_px, doubt.times, causes, list(doubt.views))

@@ -64,7 +64,7 @@ def _check_place(scene: Scene, take: Take) -> None:
     points = transform(T_world_target, scene.target.points())
     if (transform(camera.T_cam_world, points)[:, 2] <= 0.0).any():
         raise InputError(f"{where} the target is behind camera '{name}', or beside it. Move one of them.")
-    if float((camera.centre - points[0]) @ T_world_target[:3, 2]) <= 0.0:
+    if float(camera.towards(points[0]) @ T_world_target[:3, 2]) <= 0.0:
         raise InputError(f"{where} camera '{name}' sees the back of the target. Move the camera above it.")
 
 

@@ -144,7 +144,7 @@ def _draw(
 
 def _seen(camera: Camera, T_world_target: Pose, shape: Shape, placement: Handheld) -> Pixels | None:
     """Return the centres of the dots that the camera sees whole; nothing where these are not enough."""
-    if float((camera.centre - T_world_target[:3, 3]) @ T_world_target[:3, 2]) <= 0.0:
+    if float(camera.towards(T_world_target[:3, 3]) @ T_world_target[:3, 2]) <= 0.0:
         return None
     if placement.all_rings and not _inside(camera, T_world_target, shape.key).all():
         return None

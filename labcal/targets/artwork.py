@@ -25,7 +25,6 @@ from labcal.run.machine import memory_bytes
 from labcal.run.outputs import write_file
 from labcal.run.standing import require_file_place
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.grid import DotGrid, Polarity
 from labcal.targets.shapes import printed_outlines
 from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out
 
@@ -197,7 +196,7 @@ def _draw_board(axes: Axes, target: AnyTarget, sheet: Sheet) -> None:
     """Draw the print on its ground, and marks outside the board's corners to cut along."""
     board = sheet.board
     dots = "black"
-    if isinstance(target, DotGrid) and target.polarity is Polarity.WHITE_ON_BLACK:
+    if target.is_white_on_black:
         dots = "white"
         ground = RectanglePatch(
             (board.x_min, board.y_min), board.width, board.height, facecolor="black", linewidth=0, snap=False

@@ -1,26 +1,41 @@
 """Targets by name, or from a YAML file of one's own."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Discriminator, Tag
+from pydantic import PlainSerializer, PlainValidator
 
+from labcal.errors import InputError, UnknownNameError
 from labcal.run.descriptions import description_content, description_names, validate_description
-from labcal.targets.charuco import CharucoBoard
-from labcal.targets.grid import DotGrid
+from labcal.targets.registry import PLAIN, TargetKind, kind_by_name, target_kinds
+from labcal.targets.target import PrintableTarget
 
 FOLDER = "calib_targets"
 
 
-def _kind(value: object) -> str:
-    """Return which kind of target a description or an object is; grids of dots need not say so."""
-    is_charuco = isinstance(value, CharucoBoard) or (isinstance(value, dict) and "kind" in value)
-    return "charuco" if is_charuco else "dots"
+def _kind(content: dict[str, Any]) -> TargetKind:
+    """Return which kind of target a description is of; grids of dots do not say so."""
+    name = content.get("kind", PLAIN)
+    if not isinstance(name, str) or (name == PLAIN and "kind" in content):
+        named = ", ".join(kind for kind in target_kinds() if kind != PLAIN)
+        raise InputError(f"kind: {name!r:.40} should be one of {named}, or left out for a grid of dots")
+    return kind_by_name(name)
 
 
-AnyTarget = Annotated[
-    Annotated[DotGrid, Tag("dots")] | Annotated[CharucoBoard, Tag("charuco")], Discriminator(_kind)
-]
-"""A target as it stands in a file: a ChArUco board has a `kind`, a grid of dots has none."""
+def _described(value: object) -> object:
+    """Return the target of a description in a larger document."""
+    if isinstance(value, PrintableTarget):
+        return value
+    if not isinstance(value, dict):
+        raise ValueError("a target is a mapping of keys to values")  # noqa: TRY004 -- pydantic takes only this
+    return _kind(value).model.model_validate(value)
+
+
+def _by_its_own_model(target: PrintableTarget) -> object:
+    return target
+
+
+AnyTarget = Annotated[PrintableTarget, PlainValidator(_described), PlainSerializer(_by_its_own_model)]
+"""A target of any registered kind as it stands in a file: a grid of dots has no `kind`, all others have."""
 
 
 def target_names() -> list[str]:
@@ -39,11 +54,19 @@ def load_target(name: str) -> AnyTarget:
     Raises
     ------
     UnknownNameError
-        No target has that name, and no file that path; the nearest name is offered.
+        No target has that name, and no file that path; the nearest name is offered. Or there is no such kind
+        of target.
     InputError
         The description cannot be read, or a key or value in it is not allowed.
     """
     content = description_content("target", FOLDER, name)
-    if _kind(content) == "charuco":
-        return validate_description(CharucoBoard, "target", name, content)
-    return validate_description(DotGrid, "target", name, content)
+    try:
+        kind = _kind(content)
+    except UnknownNameError:
+        raise
+    except InputError as error:
+        raise InputError(f"The target '{name}' cannot be used: {error}.") from error
+    found = validate_description(kind.model, "target", name, content)
+    if not isinstance(found, PrintableTarget):  # which registering has made sure of
+        raise InputError(f"The kind '{kind.name}' describes no target.")
+    return found

@@ -128,6 +128,35 @@ class CharucoBoard(BaseModel):
         across, up = ((count - 1) * self.square_mm + self.margin_mm for count in self.squares)
         return (low, low, across, up)
 
+    @property
+    def least_margin_mm(self) -> float:
+        """0: nothing reaches beyond the chessboard."""
+        return 0.0
+
+    @property
+    def place_name(self) -> str:
+        """A corner."""
+        return "corner"
+
+    @property
+    def is_white_on_black(self) -> bool:
+        """False: its black squares and markers are printed."""
+        return False
+
+    @property
+    def captions(self) -> tuple[str, str]:
+        """Squares, markers and pattern; sizes."""
+        pattern = f"{self.dictionary}, {self.pattern} pattern"
+        return (
+            f"{self.name}: {self.squares[0]} x {self.squares[1]} squares, {pattern}",
+            f"squares {self.square_mm:.6g} mm, markers {self.marker_mm:.6g} mm",
+        )
+
+    @property
+    def sizes(self) -> tuple[str, str]:
+        """Sides of a square; a corner has no size."""
+        return f"{self.square_mm:.6g} x {self.square_mm:.6g}", "corner"
+
     def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
         """Return which squares are black, counted from 0 at the lower left; the others carry markers."""
         first = self.squares[1] - 1 if self.pattern is Pattern.CURRENT else 0

@@ -140,6 +140,36 @@ class DotGrid(BaseModel):
         return max(self.dot_diameter_mm, self.ring_outer_diameter_mm or 0.0)
 
     @property
+    def least_margin_mm(self) -> float:
+        """Half a radius of the largest dot around the outermost dots."""
+        return 0.75 * self.largest_diameter_mm
+
+    @property
+    def place_name(self) -> str:
+        """A dot."""
+        return "dot"
+
+    @property
+    def is_white_on_black(self) -> bool:
+        """Whether dots are lighter than the board."""
+        return self.polarity is Polarity.WHITE_ON_BLACK
+
+    @property
+    def captions(self) -> tuple[str, str]:
+        """Dots and polarity; pitch and diameter."""
+        dots = "dots in shifted rows" if self.layout is Layout.ASYMMETRIC else "dots"
+        pitch = f"{self.pitch_x_mm:.6g} mm x {self.pitch_y_mm:.6g} mm"
+        return (
+            f"{self.name}: {self.cols} x {self.rows} {dots}, {self.polarity}",
+            f"pitch {pitch}, dots {self.dot_diameter_mm:.6g} mm",
+        )
+
+    @property
+    def sizes(self) -> tuple[str, str]:
+        """Pitches and diameter."""
+        return f"{self.pitch_x_mm:.6g} x {self.pitch_y_mm:.6g}", f"{self.dot_diameter_mm:g}"
+
+    @property
     def ring_size(self) -> float:
         """Diameter of the rings over that of the dots; 1 where there are no rings."""
         return (self.ring_outer_diameter_mm or self.dot_diameter_mm) / self.dot_diameter_mm

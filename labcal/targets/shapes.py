@@ -7,13 +7,15 @@ from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 from labcal.targets.grid import DotGrid
+from labcal.targets.registry import function_of, kind_of
 
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 
 
 def printed_outlines(target: AnyTarget) -> Outline:
-    """Return the outlines of all that is printed on the bare board: dots, or squares and markers."""
-    return dot_outlines(target) if isinstance(target, DotGrid) else _charuco_outlines(target)
+    """Return the outlines of all that is printed on the bare board, as the target's kind has them."""
+    outlines: Outline = function_of(kind_of(target).outlines)(target)
+    return outlines
 
 
 def dot_outlines(grid: DotGrid) -> Outline:
@@ -35,7 +37,7 @@ def dot_outlines(grid: DotGrid) -> Outline:
     return Outline(circles.reshape(-1, 2), np.tile(np.asarray(circle.codes), len(circles)))
 
 
-def _charuco_outlines(board: CharucoBoard) -> Outline:
+def charuco_outlines(board: CharucoBoard) -> Outline:
     """Return the outlines of the black squares and of the black cells of the markers.
 
     Cells that touch in a row of a marker are one rectangle, so that a viewer draws no hairlines between them.

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.grid import DotGrid, Layout
 
 RULER_MM = 100.0
 """Length of the printed ruler, between the middles of its end lines."""
@@ -94,26 +93,12 @@ def lay_out(target: AnyTarget) -> Sheet:
 
 def _lines(target: AnyTarget) -> tuple[str, str, str]:
     """Return the captions: what it is, how large, and how to print it."""
-    how = "print at 100 %, check the ruler; {} (0, 0) is at the lower left"
-    if isinstance(target, DotGrid):
-        dots = "dots in shifted rows" if target.layout is Layout.ASYMMETRIC else "dots"
-        pitch = f"{target.pitch_x_mm:.6g} mm x {target.pitch_y_mm:.6g} mm"
-        return (
-            f"{target.name}: {target.cols} x {target.rows} {dots}, {target.polarity}",
-            f"pitch {pitch}, dots {target.dot_diameter_mm:.6g} mm",
-            how.format("dot"),
-        )
-    pattern = f"{target.dictionary}, {target.pattern} pattern"
-    return (
-        f"{target.name}: {target.squares[0]} x {target.squares[1]} squares, {pattern}",
-        f"squares {target.square_mm:.6g} mm, markers {target.marker_mm:.6g} mm",
-        how.format("corner"),
-    )
+    how = f"print at 100 %, check the ruler; {target.place_name} (0, 0) is at the lower left"
+    return (*target.captions, how)
 
 
 def _board(target: AnyTarget) -> Rectangle:
     """Return the target's extent, with a rim of half a radius at least around the outermost dots."""
-    rim = 0.75 * target.largest_diameter_mm if isinstance(target, DotGrid) else 0.0
-    grow = max(0.0, rim - target.margin_mm)
+    grow = max(0.0, target.least_margin_mm - target.margin_mm)
     x_min, y_min, x_max, y_max = target.extent_mm
     return Rectangle(x_min - grow, y_min - grow, x_max + grow, y_max + grow)

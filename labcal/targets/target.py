@@ -1,6 +1,6 @@
 """What every target is to those who measure with it: numbered places on a flat board."""
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from labcal.arrays import DotIndices, Lengths, Vectors3
 
@@ -51,3 +51,35 @@ class Target(Protocol):
 
     def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return (col, row) of dots under every turn after which the target looks the same; often nothing."""
+
+
+@runtime_checkable
+class PrintableTarget(Target, Protocol):
+    """A target as its description in a file: what is printed of it, beside where its dots are."""
+
+    @property
+    def margin_mm(self) -> float:
+        """Bare board around what is printed."""
+
+    @property
+    def least_margin_mm(self) -> float:
+        """What the margin has to be for the outermost dots not to be cut."""
+
+    @property
+    def place_name(self) -> str:
+        """What people call one of its places: a dot, or a corner."""
+
+    @property
+    def is_white_on_black(self) -> bool:
+        """Whether what is printed is lighter than the board."""
+
+    @property
+    def captions(self) -> tuple[str, str]:
+        """What it is, and how large: the text beside the print."""
+
+    @property
+    def sizes(self) -> tuple[str, str]:
+        """Its pitch and the size of a dot in mm, for a table."""
+
+    def model_dump(self, *, mode: Literal["json", "python"] | str = "python") -> dict[str, Any]:  # noqa: PYI051
+        """Return the keys and values of the description, as every pydantic model does."""

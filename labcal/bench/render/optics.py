@@ -30,6 +30,7 @@ PARAMETRIC: dict[str, dict[str, Any]] = {
     "double-sphere": {"lens": "double-sphere", "dist": (-0.2, 0.6)},
     "eucm": {"lens": "eucm", "dist": (0.6, 1.1)},
     "omni-radtan": {"lens": "omni-radtan", "dist": (1.2, -0.1, 0.02, 6e-4, -4e-4)},
+    "telecentric": {"lens": "telecentric", "dist": _BROWN},
 }
 REFRACTED: dict[str, dict[str, Any]] = {
     "webcam prescription": {"lens": "prescription", "prescription": "webcam-doublet"},

@@ -65,7 +65,7 @@ def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
         _add(blocks, layout.own(number), seen, moves.transpose(0, 2, 1) @ (squares @ moves))
     if of_dots is not None:
         of_dots.enter(layout, blocks.shared, blocks.cross, blocks.gradient.shared)
-    blocks.view[blocks.view[:, -1, -1] == 0.0] = np.eye(POSE)  # a view without observations stays where it is
+    blocks.view[~blocks.view.any(axis=(1, 2))] = np.eye(POSE)  # a view without observations stays where it is
     return blocks
 
 

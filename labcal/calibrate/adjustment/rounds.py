@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from labcal.calibrate.adjustment.blocks import Blocks
+from labcal.calibrate.adjustment.held import Held
 from labcal.calibrate.adjustment.lens_prior import LensPrior
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.outliers import outliers
@@ -195,7 +196,9 @@ class _Standing:
                 "The adjustment went to where a camera cannot image all of its dots. Check that the target "
                 "is the one in the pictures and that no dots are far off, or choose another lens model."
             )
-        unknowns = Layout(state, freedom).count + POSE * len(state.T_world_target)
+        layout = Layout(state, freedom)
+        held = Held.of(layout, centroids).count
+        unknowns = layout.count + POSE * len(state.T_world_target) - held
         aside = outliers(measured, residual, state.dots, _share(unknowns, len(residual)))
         kept = Scatter.of(
             residual[~aside], measured.covariance[~aside], _share(unknowns, int((~aside).sum()))

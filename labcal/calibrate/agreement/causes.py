@@ -59,6 +59,8 @@ class Calibrated:
 
 def disagreement(found: Calibrated) -> Disagreement | None:
     """Return what is likely to have happened where cameras do not agree; None where they do."""
+    if any(camera.lone.camera.model.parallel for camera in found.cameras):
+        return None  # parallel rays alone tell neither depth nor the sign of a tilt
     pairs = found.pairs()
     apart = [pair for pair in pairs if disagrees(pair, len(pairs), freed=found.free_dots)]
     if not apart:

@@ -55,15 +55,33 @@ class ContradictionError(InputError):
     ----------
     disagreement : Disagreement
         What is likely to have happened.
+    rms_alone_px : float
+        OpenCV's RMS over all cameras, each calibrated alone.
     """
 
-    def __init__(self, disagreement: Disagreement) -> None:
+    def __init__(self, disagreement: Disagreement, rms_alone_px: float) -> None:
         super().__init__(
             "The cameras contradict each other, so that no rig explains the dots: "
             f"{disagreement.causes[0].why} Views that show it: {listed(disagreement.views)}."
         )
         self.disagreement = disagreement
+        self.rms_alone_px = rms_alone_px
 
-    def __reduce__(self) -> tuple[type["ContradictionError"], tuple[Disagreement]]:
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """The likely causes, the likeliest first: each with its name, cameras and views."""
+        return self.disagreement.causes
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """The views that show the likeliest cause."""
+        return self.disagreement.views
+
+    @property
+    def times(self) -> float:
+        """How many times larger variances between views are than errors explain, the worst pair's."""
+        return self.disagreement.times
+
+    def __reduce__(self) -> tuple[type["ContradictionError"], tuple[Disagreement, float]]:
         """Let it be pickled, so that a worker process can hand it on."""
-        return type(self), (self.disagreement,)
+        return type(self), (self.disagreement, self.rms_alone_px)

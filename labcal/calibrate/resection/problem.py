@@ -87,11 +87,14 @@ class ResectionEquations:
 
     @property
     def covariance(self) -> Float64[np.ndarray, "free free"]:
-        """The inverse; of what is not observed, some very large variance."""
+        """The inverse; of what is not observed, some very large variance, but 0 for a depth that is held."""
         curvature, axes = np.linalg.eigh(self.matrix / np.outer(self.scale, self.scale))
         floor = 1e-14 * curvature[-1]
         spread = (axes / np.maximum(curvature, floor)) @ axes.T
-        return np.asarray(spread / np.outer(self.scale, self.scale))
+        covariance = np.asarray(spread / np.outer(self.scale, self.scale))
+        if self.at.camera.model.parallel:
+            covariance[POSE - 1] = covariance[:, POSE - 1] = 0.0
+        return covariance
 
     def _solved(self, mu: float) -> Float64[np.ndarray, " free"] | None:
         damped = self.matrix / np.outer(self.scale, self.scale) + mu * np.eye(len(self.scale))

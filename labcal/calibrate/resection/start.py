@@ -10,12 +10,14 @@ from labcal.arrays import Pixels, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import undistorted_dist
 from labcal.errors import InputError
+from labcal.geometry.parallel_pose import parallel_camera
 from labcal.geometry.pose_from_rays import pose_from_rays
 from labcal.geometry.poses import pose
 from labcal.geometry.projective_map import projective_map
 
 _HALF_FIELDS_DEG = np.geomspace(8.0, 120.0, 24)
 _WIDEST_FLAT_DEG = 70.0
+_HELD_DIAGONALS = 10.0
 _KEPT, _KEPT_OF_SEVERAL = 2, 6
 """Starts that are worth an adjustment, of one kind of camera and of several together."""
 
@@ -44,6 +46,9 @@ def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Ca
     """
     candidates: list[Camera | None] = []
     for kind in kinds:
+        if kind.model.parallel:
+            candidates.append(_parallel(q, p, kind))
+            continue
         candidates += [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
         if kind.model.rectilinear:
             candidates.append(_linear(q, p, kind))
@@ -57,6 +62,26 @@ def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Ca
             "belong together."
         )
     return [camera for camera in starts if camera is not None]
+
+
+def depth_held_mm(kind: Camera, scale: float) -> float:
+    """Return the depth at which a camera with parallel rays has the middle of what it sees, by agreement.
+
+    No picture tells it. It is ten diagonals of the field, so that all of the scene is in front of the camera.
+    """
+    return _HELD_DIAGONALS * float(np.hypot(*kind.size)) / scale
+
+
+def _parallel(q: Pixels, p: Vectors3, kind: Camera) -> Camera | None:
+    """Return the camera with parallel rays of the affine map, without distortion."""
+    middle = 0.5 * (np.array(kind.size) - 1.0)
+    try:
+        (fx, fy), T = parallel_camera(q - middle, p, 0.0)
+    except InputError:
+        return None
+    T[2, 3] += depth_held_mm(kind, float(np.sqrt(fx * fy)))
+    K = np.array([[fx, 0.0, middle[0]], [0.0, fy, middle[1]], [0.0, 0.0, 1.0]])
+    return replace(kind, K=K, dist=undistorted_dist(kind.model), T_cam_world=T)
 
 
 def _fields(kind: Camera) -> list[float]:

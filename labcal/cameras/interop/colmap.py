@@ -39,7 +39,7 @@ from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import from_quaternion, pose, quaternion
 from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "COLMAP"
@@ -112,8 +112,6 @@ def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
     InputError
         COLMAP has no such lens.
     """
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
-
     cameras: list[str] = []
     images: list[str] = []
     points: list[str] = []
@@ -123,8 +121,8 @@ def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
         numbers = (fx, fy, cx + _HALF_PIXEL, cy + _HALF_PIXEL, *coefficients)
         cameras.append(f"{number} {model} {record.size[0]} {record.size[1]} {_words(numbers)}")
         T_cam_world = np.array(record.T_cam_world)
-        x, y, z, w = Rotation.from_matrix(T_cam_world[:3, :3]).as_quat()
-        images.append(f"{number} {_words((w, x, y, z, *T_cam_world[:3, 3]))} {number} {name}.png\n")
+        place = (*quaternion(T_cam_world[:3, :3]), *T_cam_world[:3, 3])
+        images.append(f"{number} {_words(place)} {number} {name}.png\n")
     texts = (
         (_CAMERAS, "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]", cameras),
         (
@@ -148,8 +146,6 @@ def _lines(source: SourceText) -> list[str]:
 
 def _images(source: SourceText) -> list[tuple[str, str, Pose]]:
     """Return camera, name and pose of each image; every second line lists points and may be empty."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
-
     found = []
     for line in _lines(source)[::2]:
         words = line.split(maxsplit=_IMAGE_WORDS - 1)
@@ -158,11 +154,10 @@ def _images(source: SourceText) -> list[tuple[str, str, Pose]]:
         if len(words) != _IMAGE_WORDS:
             raise InputError(f"{source.path}: '{line:.60}' is no line of an image.")
         numbers = finite_numbers(words[1:8], (7,), "a pose", source.path)
-        quaternion = np.array(numbers[:4])
-        if abs(np.linalg.norm(quaternion) - 1.0) > 1e-3:  # noqa: PLR2004 -- rounded to few digits
+        wxyz = np.array(numbers[:4])
+        if abs(np.linalg.norm(wxyz) - 1.0) > 1e-3:  # noqa: PLR2004 -- rounded to few digits
             raise InputError(f"{source.path}: the quaternion in '{line:.60}' has not the length 1.")
-        R_cam_world = Rotation.from_quat(quaternion[[1, 2, 3, 0]]).as_matrix()
-        found.append((words[8], words[9], pose(R_cam_world, np.array(numbers[4:]))))
+        found.append((words[8], words[9], pose(from_quaternion(wxyz), np.array(numbers[4:]))))
     return found
 
 

@@ -32,6 +32,7 @@ from labcal.cameras.interop.xml_tree import read_xml_tree
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
+from labcal.geometry.poses import from_fixed_angles_deg
 from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "DICe"
@@ -151,8 +152,6 @@ def _array(text: str | None) -> list[str]:
 
 def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return what a camera's list says about its place, mm."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
-
     values = _values(camera)
     t = np.array([finite_number(values.get(key, "0"), key, path) for key in ("TX", "TY", "TZ")])
     for child in camera:
@@ -161,7 +160,7 @@ def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
             R = np.array([finite_numbers(row, (3,), _ROTATION, path) for row in rows])
             return rounded_pose(R, t, path)
     angles = [finite_number(values.get(key, "0"), key, path) for key in ("ALPHA", "BETA", "GAMMA")]
-    return rounded_pose(Rotation.from_euler("xyz", angles, degrees=True).as_matrix(), t, path)
+    return rounded_pose(from_fixed_angles_deg(angles), t, path)
 
 
 def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:

@@ -70,10 +70,17 @@ def opencv_model(name: str, record: CameraRecord, holder: str) -> OpenCVModel:
     model = lens_by_name(record.lens).opencv
     if model is None:
         raise InputError(
-            f"{holder} cannot hold the lens '{record.lens}' of camera '{name}': its coefficients are none of "
-            f"OpenCV's. Calibrate with one of the lens models {_written_lenses()}, or keep rig.json."
+            f"{holder} cannot hold the lens '{record.lens}' of camera '{name}': {_why(record.lens)}. "
+            f"Calibrate with one of the lens models {_written_lenses()}, or keep rig.json."
         )
     return model
+
+
+def _why(lens: str) -> str:
+    """Return what keeps a lens from files that have OpenCV's lenses."""
+    if lens_by_name(lens).parallel:
+        return "its rays are parallel"
+    return "its coefficients are none of OpenCV's"
 
 
 def refuse_what_only_labcal_holds(name: str, record: CameraRecord, holder: str) -> None:

@@ -17,7 +17,7 @@ from labcal.cameras.interop.numbers_text import finite_numbers, picture_size
 from labcal.cameras.interop.placement import rig_of
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import from_fixed_angles_deg, pose
 
 PROJECT = "project"
 """The outermost element."""
@@ -44,8 +44,6 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
     size = picture_size(stated if mask is None else [mask.get("width"), mask.get("height")], path)
     if stated not in (None, size):
         raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- a quarter of a second that most formats do not need
-
     names: list[str] = []
     records: list[CameraRecord] = []
     for camera in cameras:
@@ -60,7 +58,7 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
         element = camera.find("orientation")
         words = [] if element is None else (element.text or "").split()
         angles = finite_numbers(words, (_ORIENTATION,), f"the orientation of {name}", path)
-        R = Rotation.from_euler("xyz", angles[:3], degrees=True).as_matrix()
+        R = from_fixed_angles_deg(angles[:3])
         T_cam_world = pose(R, np.array(angles[3:]))
         names.append(name)
         records.append(camera_record((fx, fy, cx, cy), perspective_lens(()), T_cam_world, size, path))

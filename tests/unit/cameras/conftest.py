@@ -17,6 +17,7 @@ DISTORTION = {
     "double-sphere": (-0.2, 0.6, 0.0, 0.0, 0.0),
     "eucm": (0.6, 1.1, 0.0, 0.0, 0.0),
     "omni-radtan": (1.2, -0.1, 0.02, 6e-4, -4e-4),
+    "telecentric": (-0.31, 0.1, -0.0015, 0.0017, -0.01),
 }
 
 
@@ -43,6 +44,7 @@ def points(camera: Camera) -> np.ndarray:
     rng = np.random.default_rng(5)
     depth = rng.uniform(300, 2000, 500)
     x, y = rng.uniform(-0.45, 0.45, 500), rng.uniform(-0.33, 0.33, 500)
-    local = np.stack([x * depth, y * depth, depth], axis=-1)
+    away = np.ones(500) if camera.model.parallel else depth
+    local = np.stack([x * away, y * away, depth], axis=-1)
     T = camera.T_cam_world
     return (local - T[:3, 3]) @ T[:3, :3]

@@ -12,7 +12,7 @@ PLAIN = np.zeros(5)
 FOLDED = np.array([-0.3, 0.0, 0.0, 0.0, 0.0])
 FOLD = np.sqrt(1 / 0.9)  # where r (1 - 0.3 r^2) stops growing
 FOLD_IMAGE = FOLD * 2 / 3
-NONE_OF_OPENCVS = "none of OpenCV's lenses: test_unified_lenses.py holds it against its paper"
+NONE_OF_OPENCVS = "none of OpenCV's lenses: tests of its own hold it against its formula"
 
 
 def barrel(focal_px: float) -> Camera:
@@ -76,12 +76,14 @@ def test_batches_keep_their_shape(camera: Camera, points: np.ndarray) -> None:
 
 
 def test_the_point_jacobian_is_the_slope(camera: Camera, points: np.ndarray) -> None:
-    step = 1e-3
+    small = 4e-3 if camera.model.parallel else 1.0  # its field is less than a millimetre
+    step = 1e-3 * small
     slopes = [
         (camera.project(points + step * axis).q - camera.project(points - step * axis).q) / (2 * step)
         for axis in np.eye(3)
     ]
-    np.testing.assert_allclose(camera.point_jacobian(points), np.stack(slopes, axis=-1), rtol=0, atol=2e-8)
+    found = camera.point_jacobian(points)
+    np.testing.assert_allclose(found, np.stack(slopes, axis=-1), rtol=0, atol=2e-8 / small)
 
 
 def test_the_intrinsic_jacobian_is_the_slope(camera: Camera, points: np.ndarray) -> None:

@@ -38,6 +38,7 @@ class Division:
     fall_off: FallOff = FallOff.COS4
     rectilinear: bool = True
     central: bool = True
+    parallel: bool = False
 
     def undistorted_radius(self, angle: float) -> float:
         return float(np.tan(angle))

@@ -20,7 +20,9 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with inputs that are looked at after the options are."""
     monkeypatch.chdir(tmp_path)
     Path("shoot").mkdir()
-    view = ViewEntry(name="a", images={"left": "images/a_left.png"}, role=Role.TEST, T_world_target_nominal=None)
+    view = ViewEntry(
+        name="a", images={"left": "images/a_left.png"}, role=Role.TEST, T_world_target_nominal=None
+    )
     cameras = {"left": CameraEntry(size=(640, 480))}
     write_manifest(Path("shoot"), Manifest(target=load_target(TARGET), cameras=cameras, views=(view,)))
     for name in ("dots.csv", "points.csv", "a_0.png", "corners.vnl", "model"):

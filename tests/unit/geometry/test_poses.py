@@ -4,10 +4,13 @@ import pytest
 
 from labcal.errors import InputError
 from labcal.geometry.poses import (
+    from_fixed_angles_deg,
+    from_quaternion,
     from_rotation_vector,
     inverse,
     look_at,
     pose,
+    quaternion,
     require_rigid,
     rigid_alignment,
     rotation_vector,
@@ -99,3 +102,16 @@ def test_rigid_alignment_refuses_too_little() -> None:
         rigid_alignment(line, line)
     with pytest.raises(InputError, match="at least 3 points, but 2"):
         rigid_alignment(line[:2], line[:2])
+
+
+def test_quaternions_have_their_real_part_first() -> None:
+    half = np.sqrt(0.5)
+    quarter_about_z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    np.testing.assert_allclose(from_quaternion(np.array([half, 0.0, 0.0, half])), quarter_about_z, atol=1e-15)
+    np.testing.assert_allclose(np.abs(quaternion(quarter_about_z)), [half, 0.0, 0.0, half], atol=1e-15)
+
+
+def test_fixed_angles_turn_about_x_first() -> None:
+    """About x by 90 degrees, then about the fixed z by 90: y goes to z and stays there, z to -y and to x."""
+    expected = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    np.testing.assert_allclose(from_fixed_angles_deg([90.0, 0.0, 90.0]), expected, atol=1e-15)

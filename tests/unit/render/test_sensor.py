@@ -37,6 +37,9 @@ CAMERAS = {
     "omnidirectional of 160 degrees": changed(
         lens="omni-radtan", focal_px=640.0, dist=(1.2, -0.1, 0.02, 6e-4, -4e-4)
     ),
+    "telecentric, 12 mm across": changed(
+        lens="telecentric", focal_px=100.0, dist=(-2e-3, 1e-5, 2e-5, -3e-5, 1e-7)
+    ),
     "prescription": changed(lens="prescription", prescription="webcam-doublet"),
     "prescription, 20 megapixels": changed(
         **LARGE, focal_px=12000.0, lens="prescription", prescription="double-gauss"

@@ -82,7 +82,7 @@ def changed(content: dict[str, Any], path: list[Any], value: object) -> dict[str
         (["format_version"], 2, "format_version"),
         (["lens"], "brown5", "lens: this key is not known"),
         (["cameras", "left", "size"], [0, 480], "cameras.left.size.0"),
-        (["target", "rings", "x"], [0, 0], "target.dots.rings"),
+        (["target", "rings", "x"], [0, 0], "target.rings"),
     ],
 )
 def test_a_damaged_manifest_is_refused(

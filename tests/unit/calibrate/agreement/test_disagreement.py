@@ -1,8 +1,9 @@
 """Cameras that do not agree on where the target was: told with the cause, and good ones are not accused."""
 
+import json
 import pickle
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,10 @@ from labcal.calibrate.agreement.hypotheses import times, together
 from labcal.calibrate.agreement.pair import PairAgreement
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lone_calibration import CameraAlone, calibrate_alone
+from labcal.cli.failure import FailureDocument, explain
 from labcal.correspond.detections import Detections
+from labcal.report.inconsistent_result import InconsistentResult
+from labcal.run.json_text import to_json
 
 Seen = Callable[..., Detections]
 
@@ -120,8 +124,15 @@ def test_where_no_rig_explains_the_dots_the_cause_is_told(seen: Seen) -> None:
     with pytest.raises(ContradictionError, match=r"in 2 of 5 views.*show it: pose-1, pose-3") as told:
         calibrate_handheld(swapped, TARGET, "brown-k1k2", CENTRES)
     again = pickle.loads(pickle.dumps(told.value))  # noqa: S301 -- as a worker process hands it on
-    (cause,) = again.disagreement.causes
-    assert (cause.cause, cause.views) == ("swapped-cameras", some)
+    assert again.rms_alone_px == told.value.rms_alone_px < 0.2
+    (cause,) = again.causes
+    assert (cause.cause, cause.views, again.views) == ("swapped-cameras", some, some)
+    assert again.times > 100.0
+    document = to_json(FailureDocument(explain(again)))
+    told_of = json.loads(document)["error"]["inconsistent"]
+    assert set(told_of) == {field.name for field in fields(InconsistentResult)}
+    assert told_of["rms_in_rig_px"] is None
+    assert (told_of["causes"][0]["cause"], told_of["views"]) == ("swapped-cameras", list(some))
 
 
 @pytest.mark.parametrize("seed", [0, 2, 5])

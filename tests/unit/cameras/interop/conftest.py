@@ -20,6 +20,7 @@ DISTORTION = {
     "double-sphere": (-0.2, 1 / 1.7, 0.0, 0.0, 0.0),
     "eucm": (1 / 1.7, 1.1, 0.0, 0.0, 0.0),
     "omni-radtan": (1.2, -1 / 11, 0.02, 6e-4, -4e-5),
+    "telecentric": (-0.31, 0.1, -0.0015, 0.0017, -0.01),
 }
 SECOND_FROM_FIRST = from_rotation_vector(np.array([0.02, 0.25, -0.03]), np.array([-180.3, 6.1, 25.7]))
 ELSEWHERE = from_rotation_vector(np.array([0.5, 0.2, -0.3]), np.array([10.3, 600.1, 1 / 3]))
