@@ -157,7 +157,7 @@ def apart(adjusted: Adjusted, observations: Observations, views: tuple[str, ...]
         return None
     gain = votes.gain(group) - votes.gain(np.ones(len(views), dtype=bool))
     more, numbers = votes.left(group)
-    white = dots.whitener.applied(adjusted.residual.T).T[~adjusted.outlier]
+    white = dots.whitener.whiten(adjusted.residual.T).T[~adjusted.outlier]
     share = gain / float((white**2).sum())
     ratio = (gain / votes.b.shape[1]) / max(more / max(numbers, 1), 1.0)
     if numbers < 1 or gain < LEAST_GAIN or share < LEAST_SHARE:

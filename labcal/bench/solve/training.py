@@ -21,8 +21,8 @@ from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.paper.rows import Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading, simulate
 from labcal.report.bench import Check, Figure, at_most
@@ -108,11 +108,11 @@ def _batch_ratios(task: _Task, rounds: int) -> list[Check]:
     """
     stopping = Stopping(GOAL, PATIENCE)
     one, many = task.problem(1), task.problem(MEMBERS)
-    race = Race([range(MEMBERS)])
+    halving = SuccessiveHalving([range(MEMBERS)])
     *alone, restarts, ensemble = _least(
         max(rounds // 3, 2),
         *(partial(minimize_batch, one, [start], stopping, Damping()) for start in task.starts),
-        partial(minimize_batch, many, task.starts, stopping, Damping(), race),
+        partial(minimize_batch, many, task.starts, stopping, Damping(), halving),
         partial(minimize_batch, many, task.starts, stopping, Damping()),
     )
     mean = float(np.mean(alone))

@@ -37,7 +37,7 @@ class AdjustmentProblem:
     def cost(self, parameters: RigState) -> float:
         """Return the cost; infinite where a measured dot could not be imaged at all."""
         with np.errstate(invalid="ignore", over="ignore"):
-            white = self.observations.whitener.applied(parameters.residuals(self.observations).T)
+            white = self.observations.whitener.whiten(parameters.residuals(self.observations).T)
             cost = float(self.loss.cost((white**2).sum(axis=0)).sum()) + self.prior.cost(parameters)
         return cost if np.isfinite(cost) else float("inf")
 

@@ -71,7 +71,7 @@ def _smooth(
     powers = [x**i * y**j for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
     fields = np.zeros((2 * len(powers), 2, len(x)))
     fields[0::2, 0], fields[1::2, 1] = powers, powers
-    white = dots.whitener.rows(rows).applied(fields)
+    white = dots.whitener.rows(rows).whiten(fields)
     columns = np.concatenate([by_pose, white]).reshape(POSE + len(white), -1).T
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     basis, triangle = np.linalg.qr(columns)

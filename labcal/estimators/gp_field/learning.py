@@ -11,7 +11,7 @@ from labcal.estimators.gp_field.evidence import FieldScale, field_scale
 from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
-from labcal.optim.whitening import Correlated
+from labcal.optim.whitening import CorrelatedNoise
 from labcal.run.threads import one_blas_thread
 
 ROUNDS = 3
@@ -116,7 +116,7 @@ def _rounds(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> Iterator[_Lear
         scale, likelihood = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
         if scale.amplitude_px == 0.0:
             return
-        found = adjusted(found.placed, q, p, Correlated(scale.root(x)), NEAR)
+        found = adjusted(found.placed, q, p, CorrelatedNoise(scale.root(x)), NEAR)
         if not np.isfinite(found.residual).all():
             return
         if asked is Asked.IDEAL:

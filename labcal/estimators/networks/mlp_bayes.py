@@ -13,7 +13,7 @@ from labcal.estimators.pushed_noise import pushed_noise
 from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
 from labcal.optim.network_problem import NetworkProblem
-from labcal.optim.restarts import Race
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.run.threads import one_blas_thread, one_torch_thread
 
 AT_ONCE = 500
@@ -93,8 +93,8 @@ class MlpBayes(NetworkEstimator):
         )
 
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        race = Race([range(len(starts))], self.members)
-        solutions = train_by_evidence(problem, starts, self.max_epochs, Damping(), race)
+        halving = SuccessiveHalving([range(len(starts))], self.members)
+        solutions = train_by_evidence(problem, starts, self.max_epochs, Damping(), halving)
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         evidences = [solution.evidence for solution in solutions]
         self.scales_ = np.array([(evidence.alpha, evidence.beta) for evidence in evidences])

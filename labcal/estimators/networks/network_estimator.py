@@ -21,8 +21,8 @@ Pixels = Float64[np.ndarray, "n inputs"]
 class NetworkEstimator(PointEstimator):
     """Tanh hidden layers and linear outputs, inputs and outputs scaled to [-1, 1], one network or several.
 
-    All starts are trained as one batch, of which the best become members (see `Race`). Several members
-    predict their mean, and what they differ by enters the covariance.
+    All starts are trained as one batch, of which the best become members (see `SuccessiveHalving`). Several
+    members predict their mean, and what they differ by enters the covariance.
 
     Attributes
     ----------

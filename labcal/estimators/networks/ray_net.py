@@ -29,8 +29,8 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.optim.weight_decay import Decayed
 from labcal.rng import generator
 from labcal.run.threads import one_blas_thread, one_torch_thread
@@ -68,7 +68,8 @@ class RayNet(PointEstimator):
     max_epochs : int
         Accepted steps after which to stop.
     restarts : int
-        Starts of the first training that are tried for each camera; the best is kept (see `Race`).
+        Starts of the first training that are tried for each camera; the best is kept (see
+        `SuccessiveHalving`).
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -138,11 +139,11 @@ class RayNet(PointEstimator):
         )
         starts = self._starts(len(frames))
         of_cameras = [range(k, len(starts), len(frames)) for k in range(len(frames))]
-        race = Race(of_cameras, first_milestone=FIRST_MILESTONE)
+        halving = SuccessiveHalving(of_cameras, first_milestone=FIRST_MILESTONE)
         with one_torch_thread(), one_blas_thread():
             without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(starts))
             stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
-            rough = minimize_batch(without_decay, starts, stopping, Damping(), race)
+            rough = minimize_batch(without_decay, starts, stopping, Damping(), halving)
             self.parameters_ = np.stack([solution.parameters.numpy() for solution in rough])
             scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
             problem = self._problem(pixels, points, scales)
