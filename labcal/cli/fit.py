@@ -127,7 +127,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.estimators.model_file import KIND
     from labcal.pipeline import taught
     from labcal.run.claims import FileOutput, claim_outputs
-    from labcal.run.standing import require_name
+    from labcal.run.output_place import require_name
     from labcal.wording import listed
 
     estimators = _estimators(arguments)

@@ -10,7 +10,7 @@ from jaxtyping import Float64, Int64
 
 from labcal.arrays import PointCovariances, Points
 from labcal.bounds import MOST_INDEX, MOST_MM
-from labcal.geometry.covariances import stated_soundly
+from labcal.geometry.covariances import valid_or_not_stated
 from labcal.run.file_kinds import beginning_with
 from labcal.run.table_columns import TableLines, names_of_lines, table_parts
 from labcal.run.tables import refuse_twice, table_text
@@ -122,7 +122,7 @@ def _columns(
     missing = (flag == PointFlag.NO_SOLUTION.value) & np.isnan(figures[:, :3]).all(axis=1)
     near = (np.abs(figures[:, :3]) <= MOST_MM).all(axis=1)
     part.require(missing | near, f"coordinates are numbers of at most {MOST_MM:g} mm")
-    part.require(stated_soundly(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
+    part.require(valid_or_not_stated(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
     part.refuse()
     return view, index, figures, flag.astype(np.str_)
 

@@ -15,7 +15,7 @@ from labcal.errors import InputError, LabcalError
 from labcal.estimators.fitted_model import FittedModel, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
 from labcal.estimators.rehearsed import Rehearsed
-from labcal.run.file_kinds import told_by
+from labcal.run.file_kinds import recognised_by
 from labcal.run.file_reading import require_file
 from labcal.run.outputs import write_file
 
@@ -30,7 +30,7 @@ _MOST_BYTES = 2**28
 _MOST_COUNT = 2**31
 """Of an integer that an estimator is constructed with."""
 _HEADER_BEGINS = f'{{"__metadata__":{{"{METADATA_KEY}":'.encode()
-KIND = told_by(
+KIND = recognised_by(
     "a model",
     lambda content: content[LENGTH_BYTES:].startswith(_HEADER_BEGINS) and b"labcal-model" in content,
 )

@@ -12,7 +12,7 @@ from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
 from labcal.run.executor import finished, open_executor
-from labcal.run.given_up import refuse_given_up
+from labcal.run.failed_cases import raise_failed_cases
 from labcal.run.machine import package_version
 from labcal.run.made import PROVENANCE, make_folder, provenance_text
 from labcal.run.outputs import write_file
@@ -123,7 +123,7 @@ def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, floa
                 given_up[name] = error
             else:
                 progress.advance()
-    refuse_given_up(given_up, len(jobs), "pictures", _ADVICE)
+    raise_failed_cases(given_up, len(jobs), "pictures", _ADVICE)
     return dict(sorted(seconds.items()))
 
 

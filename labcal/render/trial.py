@@ -11,7 +11,7 @@ import numpy as np
 
 from labcal.errors import DeviceError
 from labcal.render.llvm import ensure_llvm, install_advice
-from labcal.run.tied_program import tied
+from labcal.run.bound_program import bound_to_this_process
 
 _SECONDS = 300.0
 _SIDE = 8
@@ -26,7 +26,7 @@ def try_render() -> str:
         It does not work; the message says what to install.
     """
     ensure_llvm()
-    command = tied([sys.executable, "-m", "labcal.render.trial"])
+    command = bound_to_this_process([sys.executable, "-m", "labcal.render.trial"])
     try:
         # The command is this module in this interpreter; nothing of it comes from outside.
         done = subprocess.run(  # noqa: S603

@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
+from labcal.run.bound_program import bound_to_this_process
 from labcal.run.progress import Progress
-from labcal.run.tied_program import tied
 
 SCENE = "still-volume"
 SPP = 4
@@ -54,7 +54,9 @@ def sameness_checks(seed: int, progress: Progress) -> list[Check]:
 def _command(folder: Path, workers: int) -> list[str]:
     """Return the command that renders the shoot."""
     options = ["--spp", str(SPP), "--workers", str(workers), "--quiet"]
-    return tied([sys.executable, "-m", "labcal", "render", SCENE, "-o", str(folder), *options])
+    return bound_to_this_process(
+        [sys.executable, "-m", "labcal", "render", SCENE, "-o", str(folder), *options]
+    )
 
 
 def _render(folder: Path, workers: int) -> None:

@@ -15,9 +15,9 @@ from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.correspond.detections import Detections
 from labcal.correspond.interop.corners_vnl import corners_text
 from labcal.errors import DeviceError
+from labcal.run.bound_program import bound_to_this_process
 from labcal.run.made import note_made
 from labcal.run.outputs import write_file
-from labcal.run.tied_program import tied
 from labcal.targets.catalogue import AnyTarget
 
 LENSMODEL = "LENSMODEL_OPENCV8"
@@ -149,7 +149,7 @@ def _run(words: list[str], folder: Path, stdin: str = "") -> str:
     """Run a program and return what it said."""
     try:
         done = subprocess.run(  # noqa: S603 -- a program of mrcal, with words made here
-            tied([_path(words[0]), *words[1:]]),
+            bound_to_this_process([_path(words[0]), *words[1:]]),
             cwd=folder, input=stdin, capture_output=True, text=True, timeout=_SECONDS, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
