@@ -1,4 +1,4 @@
-"""A tiny render in a process of its own, to see whether Mitsuba works on this machine.
+"""A small render in a process of its own, which tests whether Mitsuba works on this machine.
 
 An LLVM library that does not fit ends the process without an error that Python could catch, so the question
 cannot be put within the caller's process.
@@ -18,7 +18,7 @@ _SIDE = 8
 
 
 def try_render() -> str:
-    """Render a few pixels in a subprocess and return what did it: Mitsuba's version and the LLVM library.
+    """Render a few pixels in a subprocess, and return the version of Mitsuba and the LLVM library.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def try_render() -> str:
 
 
 def _advice(reason: str) -> str:
-    """Return how to mend what a trial picture failed of."""
+    """Return advice for a trial picture that failed."""
     if "libatomic" in reason:
         return "Install libatomic, which Dr.Jit needs (libatomic1 on Debian and Ubuntu)."
     if "No module named" in reason:

@@ -1,4 +1,4 @@
-"""What is wrong with a scene, found before anything is rendered."""
+"""Checks of a scene before rendering."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from labcal.scene.visibility import what_hides
 
 
 def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
-    """Raise where a scene cannot be rendered, or where its pictures would be of no use.
+    """Raise if a scene cannot be rendered, or if its pictures could not be used.
 
     Parameters
     ----------
@@ -63,13 +63,13 @@ def _check_place(scene: Scene, take: Take) -> None:
     name, camera, T_world_target = take.taken_by, take.device, take.track.T_world_target
     points = transform(T_world_target, scene.target.points())
     if (transform(camera.T_cam_world, points)[:, 2] <= 0.0).any():
-        raise InputError(f"{where} the target is behind camera '{name}', or beside it. Move one of them.")
+        raise InputError(f"{where} the target is behind camera '{name}', or at its side. Move one of them.")
     if float((camera.centre - points[0]) @ T_world_target[:3, 2]) <= 0.0:
         raise InputError(f"{where} camera '{name}' sees the back of the target. Move the camera above it.")
 
 
 def _check_key(scene: Scene, made: TruePrint, take: Take) -> None:
-    """Raise unless the camera sees what the dots are numbered by, if it needs to: rings, else all dots."""
+    """Raise unless the camera sees the rings or, if the target has none, all dots."""
     if isinstance(scene.placement, Handheld) and not scene.placement.all_rings:
         return
     dots = true_dots(scene, made, take)
