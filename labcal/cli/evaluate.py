@@ -61,7 +61,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.points import read_points
     from labcal.evaluate.against_truth import TruthErrors
     from labcal.pipeline import evaluate
-    from labcal.reconstruct.reconstruction import views_learned
+    from labcal.reconstruct.reconstruction import calibration_views
     from labcal.shoot.dataset import Shoot, open_shoot
     from labcal.shoot.truth import has_truth
     from labcal.targets.catalogue import AnyTarget, load_target
@@ -78,7 +78,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                 arguments, option, "goes with the truth of a rendered shoot, which is not given here"
             )
     points = read_points(arguments.points)
-    learned = None if arguments.rig is None else views_learned(arguments.rig)
+    learned = None if arguments.rig is None else calibration_views(arguments.rig)
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)
@@ -95,12 +95,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 def _against_truth(errors: "TruthErrors") -> object:
     from rich.table import Table
 
-    from labcal.evaluate.scored_views import scored_words
+    from labcal.evaluate.scored_views import scored_description
 
     x, y, z = errors.mean_signed_mm
     caption = (
         f"scored: {errors.scored}, {counted(errors.not_scored, 'other')} not; alignment: {errors.alignment}\n"
-        f"{scored_words(len(errors.views_scored), errors.views_calibrated_on)}"
+        f"{scored_description(len(errors.views_scored), errors.views_calibrated_on)}"
     )
     table = Table("error against truth", "mm", caption=caption)
     table.add_row("points", str(errors.n))
@@ -122,9 +122,9 @@ def _against_truth(errors: "TruthErrors") -> object:
 def _of_lengths(errors: "LengthErrors") -> object:
     from rich.table import Table
 
-    from labcal.evaluate.scored_views import scored_words
+    from labcal.evaluate.scored_views import scored_description
 
-    told = scored_words(len(errors.views_scored), errors.views_calibrated_on)
+    told = scored_description(len(errors.views_scored), errors.views_calibrated_on)
     table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {told}")
     table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")

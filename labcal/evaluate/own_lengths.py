@@ -29,21 +29,21 @@ class LengthErrors:
     """The JSON document of ``labcal evaluate`` where the truth is not known."""
 
     n: int
-    """How many lengths were compared."""
+    """Number of lengths that were compared."""
     length_error_mm: LengthError
     epipolar_rms_px: float
-    """NaN: points alone do not tell it; ``labcal calibrate`` does."""
+    """NaN: it cannot be computed from points; see ``labcal calibrate``."""
     scale_ppm: float
-    """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
+    """Scale error of the reconstruction, parts per million, from a least-squares fit of lengths."""
     n_ok: int
-    """How many of the points that count are flagged ``ok``."""
+    """Number of scored points that are flagged ``ok``."""
     views_scored: tuple[str, ...]
     views_calibrated_on: int | None
-    """How many of these were learned from, so that errors in them are no check; None where not known."""
+    """Number of scored views that the cameras were calibrated from; None if not known."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is not as it should be, for people."""
+        """Warnings in words."""
         return scored_warnings(self.n_ok, self.views_calibrated_on)
 
 
@@ -60,7 +60,7 @@ def errors_of_lengths(
         places, only those that were found count.
     learned : collection of str, optional
         Names of the views that were learned from: where there are others, only these count. Where left out,
-        those that told the places.
+        those that determined the places.
 
     Raises
     ------

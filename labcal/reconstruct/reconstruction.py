@@ -22,7 +22,7 @@ from labcal.targets.target import Target
 
 
 def load_reconstructor(path: Path, method: object | None = None) -> FittedModel | Rig:
-    """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
+    """Read a MODEL: a model of ``labcal fit``, or a ``rig.json``.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def load_reconstructor(path: Path, method: object | None = None) -> FittedModel 
     return read_rig(path)
 
 
-def views_learned(path: Path) -> tuple[str, ...]:
-    """Return the names of the views that a MODEL comes from; empty where that is not known.
+def calibration_views(path: Path) -> tuple[str, ...]:
+    """Return the names of the views from which a MODEL was estimated; empty if that is not known.
 
     Raises
     ------
@@ -56,24 +56,24 @@ def views_learned(path: Path) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Reconstruction:
-    """Points, and what was taken off the centroids that they come from."""
+    """Points, and the eccentricity that was corrected in their centroids."""
 
     points: ReconstructedPoints
     bias: CentreBias | None
-    """None where nothing was."""
+    """None if it was not corrected."""
     miss_px: float | None
-    """By how much the rays of a dot miss each other, the median; infinite where they meet nowhere; None where
-    the model has no cameras."""
+    """Median triangulation residual of dots, px; infinite if their rays do not intersect; None if the model
+    has no cameras."""
     check: TriangulationCheck | None
-    """Whether that is more than the calibration lets expect; None where the model has no cameras."""
+    """Comparison of this with the value expected from the calibration; None if the model has no cameras."""
     warnings: tuple[str, ...] = ()
-    """What is not as it should be, for people."""
+    """Warnings in words."""
 
 
 def reconstruct_points(
     model: FittedModel | Rig, detections: Detections, target: Target | None = None
 ) -> ReconstructedPoints:
-    """Return the points of :func:`reconstruct_centres`; without a target, of the centroids as they are."""
+    """Return the points of :func:`reconstruct_centres`; without a target, those of the centroids."""
     return reconstruct_centres(model, detections, target).points
 
 
@@ -89,9 +89,8 @@ def reconstruct_centres(
         triangulates, with covariances from the pixels', in its own world.
     detections : Detections
     target : Target, optional
-        Where given, what centroids are off the images of centres is taken off: by the rig, or by the cameras
-        that a fitted method has where it was taught centres. The target's pose comes from the points that the
-        centroids give.
+        If given, the eccentricity of centroids is corrected, with the cameras of the rig, or with those of a
+        method that was fitted to centres. The pose of the target comes from the points of the centroids.
 
     Raises
     ------
@@ -171,5 +170,5 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
 
 
 def _inconsistent(calibration: CalibrationRecord | None) -> bool:
-    """Tell whether the views that cameras were calibrated from contradict each other."""
+    """Tell whether the calibration views of the cameras contradict each other."""
     return calibration is not None and bool(calibration.inconsistent)

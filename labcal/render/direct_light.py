@@ -46,7 +46,7 @@ def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
     ray : Ray3f
     samples : Samples
     """
-    import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+    import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
     mi, scene, light = lit.mi, lit.scene, lit.light
     if lit.panels is None:

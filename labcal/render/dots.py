@@ -17,7 +17,7 @@ def dots_plugin(variant: str) -> str:
     variant : str
         The variant in use.
     """
-    import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+    import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
     import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
 
     from labcal.render.ink import Ink  # noqa: PLC0415 -- imports Dr.Jit

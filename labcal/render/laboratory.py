@@ -139,7 +139,7 @@ class Laboratory:
         ndarray, shape (rows, width) or (rows, width, 3)
             float32.
         """
-        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         mi, width, count = self.mi, self.size[0], draw.count
         lane = dr.arange(mi.UInt32, (rows.stop - rows.start) * width * count)

@@ -39,7 +39,7 @@ class Panels:
     """
 
     def __init__(self, mi: Jit, T_world_panel: list[Pose], occludes: list[bool]) -> None:
-        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         self._mi, self._dr = mi, dr
         # Opaque numbers, so that the kernel stays the same when panels move.

@@ -58,7 +58,7 @@ class Sensor:
     """
 
     def __init__(self, mi: Jit, camera: Camera, aperture: Aperture | None, shading: Shading) -> None:
-        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         from labcal.render.drjit_mathematics import DrjitMathematics  # noqa: PLC0415 -- imports Dr.Jit
 

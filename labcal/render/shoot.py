@@ -62,7 +62,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
         The shoot to appear.
     settings : RenderSettings
     progress : Progress
-        Told of every picture.
+        Notified of every picture.
 
     Returns
     -------

@@ -32,7 +32,7 @@ def renderer(variant: str) -> Iterator[ModuleType]:
         Dr.Jit has no LLVM library to compile with.
     """
     ensure_llvm()
-    import mitsuba  # noqa: PLC0415 -- its Dr.Jit must not look for LLVM before it is told where
+    import mitsuba  # noqa: PLC0415 -- its Dr.Jit must not search for LLVM before ensure_llvm
 
     before = mitsuba.variant()
     mitsuba.set_variant(variant)

@@ -1,4 +1,4 @@
-"""Rigs calibrated from pictures that this project did not make, where these are at hand."""
+"""Rigs calibrated from pictures from outside this project, if they are available."""
 
 import os
 from pathlib import Path
@@ -32,7 +32,7 @@ LENGTH_LIMIT_MM = 0.010
 
 
 def real_findings(bench: Bench) -> Findings:
-    """Return how well two halves of rendered views agree, and how well lengths on photographs repeat.
+    """Return the agreement of two halves of rendered views, and the repeatability of lengths on photographs.
 
     On the photographs the rig, what methods learned in its world, and the places of the dots come from one
     half of the views, the lengths from the other half. Nothing but a note where the pictures are not at hand.
@@ -49,7 +49,7 @@ def real_findings(bench: Bench) -> Findings:
     checks = [
         at_most(f"{RENDERED}: two halves of the views, largest difference in sigma", worst, AGREE_LIMIT)
     ]
-    beside = [
+    references = [
         Figure(
             name=f"{RENDERED}: root mean square of its {len(apart)} differences in sigma",
             value=float(np.sqrt((apart**2).mean())),
@@ -66,8 +66,8 @@ def real_findings(bench: Bench) -> Findings:
             lengths = lengths_elsewhere(model, places, others, target).length_error_mm
             what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"
             checks.append(at_most(f"{what}, RMS, mm", lengths.rms, LENGTH_LIMIT_MM))
-            beside.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
-    return Findings(checks, beside)
+            references.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
+    return Findings(checks, references)
 
 
 def _measured(folder: Path, target: AnyTarget, progress: Progress) -> Detections:
