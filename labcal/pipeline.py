@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.correspond.measure import Measurement, detections_of
     from labcal.correspond.sources import Source, find_sources
-    from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
+    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.reconstruct.reconstruction import Reconstruction
@@ -53,22 +53,22 @@ __all__ = [
     "evaluate",
     "find_sources",
     "fit",
+    "fit_methods",
     "measure",
     "reconstruct",
     "render",
-    "taught",
     "training_of",
 ]
 
 _HOMES = {
-    "FitSettings": "labcal.estimators.taught",
+    "FitSettings": "labcal.estimators.fitting",
     "HandheldSettings": "labcal.calibrate.handheld",
     "RenderSettings": "labcal.render.shoot",
     "detections_of": "labcal.correspond.measure",
-    "estimators_of": "labcal.estimators.taught",
+    "estimators_of": "labcal.estimators.fitting",
     "find_sources": "labcal.correspond.sources",
-    "taught": "labcal.estimators.taught",
-    "training_of": "labcal.estimators.taught",
+    "fit_methods": "labcal.estimators.fitting",
+    "training_of": "labcal.estimators.fitting",
 }
 """Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""
 
@@ -158,7 +158,7 @@ def fit(
     method: object = "hybrid",
     settings: "FitSettings | None" = None,
 ) -> FittedModel:
-    """Teach a method the dots of a target; :func:`taught` teaches several the same :func:`training_of`.
+    """Teach a method the dots of a target; :func:`fit_methods` teaches several the same :func:`training_of`.
 
     Parameters
     ----------
@@ -175,11 +175,11 @@ def fit(
     UnknownNameError, InputError
         There is no such method, or it cannot learn from these dots.
     """
-    from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
+    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 
     settings = settings or FitSettings()
     estimators = estimators_of([method], settings)
-    (model,) = taught(training_of(source, detections, settings), estimators, settings)
+    (model,) = fit_methods(training_of(source, detections, settings), estimators, settings)
     if isinstance(model, InputError):
         raise model
     return model

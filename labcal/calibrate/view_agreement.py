@@ -124,5 +124,5 @@ def outvoted(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:
         else:
             groups.append([camera])
     largest = max(groups, key=len)
-    bound_to_this_process = sum(len(group) == len(largest) for group in groups) > 1
-    return [camera for camera in cameras if bound_to_this_process or camera not in largest]
+    tied = sum(len(group) == len(largest) for group in groups) > 1
+    return [camera for camera in cameras if tied or camera not in largest]

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from labcal.cli.training import HandheldResult
     from labcal.correspond.training import TrainingData
     from labcal.estimators.estimator import PointEstimator
+    from labcal.estimators.expected_error import ExpectedError
     from labcal.estimators.fitted_model import FittedModel
-    from labcal.estimators.rehearsed import Rehearsed
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -92,7 +92,7 @@ class MethodResult:
     """Lens models by camera, of methods that have cameras."""
     share_without_rays: tuple[float, ...] | None
     """Of each camera's picture, where its lens folds."""
-    expected: "Rehearsed | None"
+    expected: "ExpectedError | None"
     """What to expect between the trained dots, by a rehearsal with cameras like these; null where the dots
     determine none."""
     misfit: bool
@@ -125,7 +125,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.training import fit_settings, handheld_result, read_training
     from labcal.errors import InputError
     from labcal.estimators.model_file import KIND
-    from labcal.pipeline import taught
+    from labcal.pipeline import fit_methods
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.output_place import require_name
     from labcal.wording import listed
@@ -147,7 +147,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if training.held_out:
         session.say(f"left out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
     with session.progress() as progress:
-        learned = taught(training, estimators, fit_settings(arguments), progress)
+        learned = fit_methods(training, estimators, fit_settings(arguments), progress)
     results, fitted = [], []
     for path, estimator, model in zip(paths, estimators, learned, strict=True):
         if isinstance(model, InputError):

@@ -9,7 +9,7 @@ from labcal.wording import counted
 
 if TYPE_CHECKING:
     from labcal.cli.inconsistent_result import InconsistentResult
-    from labcal.estimators.taught import FitSettings, Training
+    from labcal.estimators.fitting import FitSettings, Training
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def read_training(arguments: Namespace, session: Session) -> "Training":
     from labcal.cli.inputs import choose_target, dots_of, refuse_idle_workers, say_roles, shoot_or_none
     from labcal.correspond.view_roles import parse_hold_out
     from labcal.errors import InputError
-    from labcal.estimators.taught import on_stage
+    from labcal.estimators.fitting import on_stage
     from labcal.pipeline import training_of
 
     refuse_idle_workers(arguments)
@@ -78,7 +78,7 @@ def read_training(arguments: Namespace, session: Session) -> "Training":
 
 def fit_settings(arguments: Namespace) -> "FitSettings":
     """Return how methods are taught."""
-    from labcal.estimators.taught import FitSettings
+    from labcal.estimators.fitting import FitSettings
 
     return FitSettings(arguments.lens, arguments.seed, arguments.free_dots, not arguments.no_rehearsal)
 

@@ -56,7 +56,7 @@ class EdgeFits:
         Centres of area of the outer outlines, px.
     covariance : ndarray, shape (n, 2, 2)
         Of `centre`, px squared, from the residuals of the dot itself, and from how the noise of the picture
-        is bound_to_this_process from pixel to pixel.
+        is tied from pixel to pixel.
     shape : ndarray, shape (n, 2, 2)
         Outline matrices, see `PictureDots.outline`.
     blur : ndarray, shape (n,)
@@ -72,7 +72,7 @@ class EdgeFits:
     paleness : ndarray, shape (n,)
         By how much of the step a dark dot is brighter than is usual in such light: about 0.
     noise_factor : float
-        What bound_to_this_process noise made of the covariances.
+        What tied noise made of the covariances.
     """
 
     ok: Mask

@@ -15,9 +15,9 @@ from labcal.correspond.matching import Matches, match, require_on_target
 from labcal.correspond.points import PointFlag, ReconstructedPoints
 from labcal.errors import InputError
 from labcal.estimators.fitted_model import FittedModel
-from labcal.estimators.model_file import ModelKind, load_model, model_kind, views_taught
-from labcal.estimators.sound_points import predicted, within_sense
+from labcal.estimators.model_file import ModelKind, load_model, model_kind, training_views
 from labcal.estimators.swapped_pictures import refuse_swapped
+from labcal.estimators.valid_points import predicted, within_sense
 from labcal.targets.target import Target
 
 
@@ -51,7 +51,7 @@ def calibration_views(path: Path) -> tuple[str, ...]:
     InputError
         The file is neither a model nor a rig, or is damaged.
     """
-    return read_rig(path).calibrated_on if model_kind(path) is ModelKind.RIG else views_taught(path)
+    return read_rig(path).calibrated_on if model_kind(path) is ModelKind.RIG else training_views(path)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ NOT_YET = {
     "correspond",
     "detect",
     "errors",
-    "estimators",
     "pipeline",
     "report",
     "targets",

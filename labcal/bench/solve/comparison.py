@@ -10,7 +10,7 @@ from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.method_choice import estimator_of
-from labcal.estimators.rehearsal import fitted_beside, rehearse, twin_of
+from labcal.estimators.surrogate_validation import fit_unless_surrogate, surrogate_of, validate_on
 from labcal.evaluate.statistics import coverage, error_statistics
 from labcal.report.reproduction import Measured
 from labcal.rng import generator
@@ -87,8 +87,8 @@ def compared(comparison: Comparison) -> ComparisonFigures:
     q, p = (q + NOISE_PX * random.standard_normal(q.shape))[seen], p[seen]
     covariance = np.tile(NOISE_PX**2 * np.eye(2), (len(p), 2, 1, 1))
     oracle = error_statistics(triangulate(cameras, q, covariance).point, p).rmse_mm
-    twin = twin_of(X, Y, (SIZE, SIZE))
-    if twin is None:
+    surrogate = surrogate_of(X, Y, (SIZE, SIZE))
+    if surrogate is None:
         raise InputError(f"The training data of '{comparison.key}' determine no cameras to rehearse with.")
     figures = []
     for method in comparison.methods:
@@ -96,7 +96,7 @@ def compared(comparison: Comparison) -> ComparisonFigures:
         if estimator is None:
             continue
         try:
-            estimator = fitted_beside(twin, estimator, X, Y)
+            estimator = fit_unless_surrogate(surrogate, estimator, X, Y)
         except InputError as error:
             nan = float("nan")
             figures.append(
@@ -111,7 +111,7 @@ def compared(comparison: Comparison) -> ComparisonFigures:
             )
             continue
         found, stated = estimator.predict_with_covariance(q.reshape(len(q), -1), covariance)
-        rehearsed = rehearse(estimator, twin)
+        rehearsed = validate_on(estimator, surrogate)
         figures.append(
             MethodFigures(
                 method=method,

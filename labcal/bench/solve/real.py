@@ -14,9 +14,9 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
 from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.fitting import fit_method
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.registry import make_estimator
-from labcal.estimators.taught import teach
 from labcal.report.bench import Figure, at_most
 from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget, load_target
@@ -24,7 +24,7 @@ from labcal.targets.catalogue import AnyTarget, load_target
 LENS = "brown-k1k2"
 RENDERED, RENDERED_TARGET, RENDERED_PICTURES = "rendered_black", "rings-14x10", 20
 PHOTOS, PHOTO_TARGET, PHOTO_PICTURES = "photos", "rings-10x8", 14
-TAUGHT = ("hybrid", "mlp", "mlp-bayes", "ray-net")
+METHODS_COMPARED = ("hybrid", "mlp", "mlp-bayes", "ray-net")
 """Methods that learn from the dots of a target in the hand."""
 AGREE_LIMIT = 3.0
 """Standard deviations."""
@@ -61,7 +61,7 @@ def real_findings(bench: Bench) -> Findings:
         found, places = print_and_rig(learned, target, LENS)
         training = handheld_training(found, learned, target).data
         models: dict[str, Rig | FittedModel] = {"rig": found.rig}
-        models |= {method: teach(training, make_estimator(method)) for method in TAUGHT}
+        models |= {method: fit_method(training, make_estimator(method)) for method in METHODS_COMPARED}
         for name, model in models.items():
             lengths = lengths_elsewhere(model, places, others, target).length_error_mm
             what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"

@@ -73,7 +73,7 @@ class Mlp(NetworkEstimator):
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (*super().fitted_arrays(), FittedArray("history_", (self.n_iter_ + 1,)))
 
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:

@@ -12,7 +12,7 @@ from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.networks.network_estimator import joint_reason
 from labcal.estimators.networks.ray_problem import RayProblem
-from labcal.estimators.pushed_noise import pushed_noise
+from labcal.estimators.propagation import propagated_covariance
 from labcal.estimators.ray_field import Crossings, RayFrame
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import (
@@ -59,7 +59,7 @@ class RayNet(PointEstimator):
     Kelley 1981.
 
     The covariance of a point comes from the noise of its pixels and from the weights' uncertainty, which is
-    pushed through as if it were noise of pixels, too.
+    propagated through as if it were noise of pixels, too.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class RayNet(PointEstimator):
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         cameras, count = self.n_features_in_ // 2, self._network().parameter_count
         return (
             FittedArray("parameters_", (cameras, count)),
@@ -231,7 +231,7 @@ class RayNet(PointEstimator):
                 whitened = solve_triangular(self.weight_factors_[k], flat.T, lower=True).T
                 whitened = whitened.reshape(in_pixels.shape)
                 of_weights[:, k] = 0.5 * whitened @ whitened.mT
-        return pushed_noise(self._predict, pixels, pixel_covariance + of_weights)
+        return propagated_covariance(self._predict, pixels, pixel_covariance + of_weights)
 
     def _crossings(self, camera: int, pixels: Float64[np.ndarray, "n inputs"]) -> Crossings:
         """Return where the rays of a camera's pixels meet its planes, scaled."""
