@@ -25,7 +25,7 @@ _UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 
 
 class PointFlag(StrEnum):
-    """What to think of a point."""
+    """The state of a point."""
 
     OK = "ok"
     """Reconstructed."""

@@ -1,4 +1,4 @@
-"""Views that a calibration may not see, since its result is judged by them."""
+"""Views that are held out from a calibration, so that its result can be tested on them."""
 
 from collections.abc import Sequence
 
@@ -7,11 +7,11 @@ import numpy as np
 from labcal.errors import InputError
 
 HoldOut = int | Sequence[str]
-"""How many views, spread evenly, or which."""
+"""The number of views, evenly spread, or their names."""
 
 
 def parse_hold_out(text: str, views: Sequence[str]) -> HoldOut:
-    """Return what ``--hold-out`` says: names of views, or how many.
+    """Return the value of ``--hold-out``: names of views, or their number.
 
     Raises
     ------

@@ -15,7 +15,6 @@ NOT_YET = {
     "calibrate",
     "cameras",
     "cli",
-    "correspond",
     "detect",
     "errors",
     "pipeline",

@@ -79,12 +79,8 @@ def test_noise_tied_between_pixels_widens_the_covariance() -> None:
     centres[:, 0] += np.arange(80) * discs[0].shape[1]
     clean = sheet(discs)
     white = rng.normal(0, 4, clean.shape)
-    bound_to_this_process = (
-        white + np.roll(white, 1, 0) + np.roll(white, 1, 1) + np.roll(white, (1, 1), (0, 1))
-    ) / 2
-    found = fit_edges(
-        (clean + bound_to_this_process).astype(np.float32), spots(centres, 12.0), np.zeros(80), 1.9
-    )
+    tied = (white + np.roll(white, 1, 0) + np.roll(white, 1, 1) + np.roll(white, (1, 1), (0, 1))) / 2
+    found = fit_edges((clean + tied).astype(np.float32), spots(centres, 12.0), np.zeros(80), 1.9)
     errors = found.centre - centres
     chi2 = float(np.einsum("ni,nij,nj->", errors, np.linalg.inv(found.covariance), errors))
     assert found.noise_factor > 1.8
