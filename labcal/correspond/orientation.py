@@ -52,8 +52,8 @@ def resolve_orientation(
     """Return pictures with numberings that agree in every view and rotate little between views.
 
     Two cameras turned against each other about their axes by less than a third of what lies between two
-    numberings (60 degrees, for a square grid 30) see the target in the same orientation. Else, or where that is
-    contradicted, the numbering is taken under which all views together have an epipolar geometry, if all
+    numberings (60 degrees, for a square grid 30) see the target in the same orientation. Else, or where that
+    is contradicted, the numbering is taken under which all views together have an epipolar geometry, if all
     others fit it three times worse; this takes two views that are not parallel.
 
     Parameters
@@ -67,8 +67,8 @@ def resolve_orientation(
     Returns
     -------
     list of PictureDots
-        In the same order; pictures of a camera that cannot be resolved relative to the first one are refused as
-        ``ambiguous``.
+        In the same order; pictures of a camera that cannot be resolved relative to the first one are refused
+        as ``ambiguous``.
     """
     seen: dict[str, dict[str, _Seen]] = {}
     for number, (source, dots) in enumerate(zip(sources, pictures, strict=True)):

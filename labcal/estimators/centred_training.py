@@ -7,10 +7,10 @@ import numpy as np
 
 from labcal.arrays import Pixels, Points, Pose
 from labcal.calibrate.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
-from labcal.calibrate.ray_misses import MOST_PX
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.calibrate.triangulation_check import calibration_record
+from labcal.calibrate.triangulation_residuals import MOST_PX
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches

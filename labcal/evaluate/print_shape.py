@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.adjustment.dot_freedom import Held
+from labcal.calibrate.adjustment.dot_freedom import Constrained
 from labcal.calibrate.freed_dots import FreedDots
 
 _WORST = 5
@@ -83,7 +83,7 @@ def print_shape(dots: FreedDots) -> PrintShape:
                         x * y / (half_x * half_y)], axis=-1)  # fmt: skip
     bent, bent_cov = _fit(heights, d[:, 2], _block(covariance, slice(2, 3)))
     rest = d - np.column_stack([(in_plane @ plane).reshape(-1, 2), heights @ bent])
-    stretch_known, heights_known = Held.STRETCH not in dots.held, Held.HEIGHTS not in dots.held
+    stretch_known, heights_known = Constrained.STRETCH not in dots.held, Constrained.HEIGHTS not in dots.held
     return PrintShape(
         stretch_ppm=_figure(plane, plane_cov, 1e6 * np.array([0, 0, 1, 0, 0, -1.0]), known=stretch_known),
         shear_mrad=_figure(plane, plane_cov, 1e3 * np.array([0, 0, 0, 1.0, 1, 0]), known=stretch_known),
@@ -96,7 +96,7 @@ def print_shape(dots: FreedDots) -> PrintShape:
         sigma_in_plane_mm=_rms(dots.sigma[freed][:, :2]),
         worst=_worst(dots, rest),
         kept=tuple((int(col), int(row)) for col, row in dots.target.indices()[~freed]),
-        held=tuple(part.name.lower() for part in Held if part in dots.held and part.name),
+        held=tuple(part.name.lower() for part in Constrained if part in dots.held and part.name),
     )
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from labcal.calibrate.centre_bias import CentreBias, centred, shifts_of_matches
-from labcal.calibrate.ray_misses import RayMisses
 from labcal.calibrate.triangulation_check import TriangulationCheck
+from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
@@ -135,15 +135,15 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
             if not _inconsistent(rig.calibration):
                 raise  # else it is the rig that puts points nowhere near the target
     found = triangulate(cameras, matches.q, matches.covariance)
-    misses = RayMisses.at(cameras, matches, found)
-    check = TriangulationCheck.of(misses, matches, rig.calibration)
+    residuals = TriangulationResiduals.at(cameras, matches, found)
+    check = TriangulationCheck.of(residuals, matches, rig.calibration)
     doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration)
-    flag = np.where(misses.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    flag = np.where(residuals.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
         ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag),
         bias,
-        misses.typical_px,
+        residuals.typical_px,
         check,
     )
 
@@ -156,9 +156,9 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
             roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
             shift = shifts_of_matches(model.resected, matches, roughly, target)
             matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
-        misses = RayMisses.of(model.resected, matches)
-        check = TriangulationCheck.of(misses, matches, model.calibration)
-        outlying, typical_px = misses.outlying | np.isin(matches.view, check.views), misses.typical_px
+        residuals = TriangulationResiduals.of(model.resected, matches)
+        check = TriangulationCheck.of(residuals, matches, model.calibration)
+        outlying, typical_px = residuals.outlying | np.isin(matches.view, check.views), residuals.typical_px
     outputs, covariance = predicted(model.estimator, matches)
     point = np.ascontiguousarray(outputs[:, :3])
     misfit = model.misfit or _inconsistent(model.calibration)

@@ -71,7 +71,7 @@ class ViewsEliminated:
     def gradient_norm(self) -> float:
         """Return |J'r| where J'J is the unit matrix: how many standard deviations off the minimum is.
 
-        Its square is what a step without damping would take off the cost (the Newton decrement).
+        Its square is the decrease of the cost by a step without damping (the Newton decrement).
         """
         gradient = self.blocks.gradient
         step = None if self.reduced is None else self.reduced.solve(gradient, _UNDAMPED)
@@ -105,7 +105,7 @@ class ViewsEliminated:
     def _settled(self, state: RigState, gain: float) -> RigState | None:
         """Return the state with all poses refined, of views and of cameras; lenses and dots are kept.
 
-        `gain` is what the step of everything was to take off the cost.
+        `gain` is the predicted decrease of the cost by the whole step.
         """
         still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])
         for _ in range(_POSE_STEPS):
@@ -122,5 +122,5 @@ class ViewsEliminated:
 
 
 def _gain(gradient: Slopes, step: Slopes) -> float:
-    """Return what a step of the linearised equations takes off the cost."""
+    """Return the decrease of the cost by a step of the linearised equations."""
     return float(gradient.shared @ step.shared + (gradient.view * step.view).sum())

@@ -1,4 +1,4 @@
-"""Which lens model known points support, by points that were held out."""
+"""The choice of a lens model by held-out known points."""
 
 from dataclasses import dataclass
 from pathlib import Path
