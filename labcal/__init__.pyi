@@ -5,11 +5,11 @@ from .cameras.rig import read_rig as read_rig
 from .cameras.rig import write_rig as write_rig
 from .correspond.detections import Detections as Detections
 from .correspond.detections import read_detections as read_detections
-from .correspond.points import ReconstructedPoints as ReconstructedPoints
+from .correspond.points import Points as Points
 from .correspond.points import read_points as read_points
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError
-from .estimators.fitted_model import FittedModel as FittedModel
+from .estimators.model import Model as Model
 from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
 from .shoot.dataset import Shoot as Shoot

@@ -12,7 +12,7 @@ Pixels = Float64[np.ndarray, "*batch 2"]
 Outlines = Float64[np.ndarray, "*batch samples 2"]
 """Closed curves in a picture, one an element, as pixel positions along them."""
 
-Points = Float64[np.ndarray, "*batch 3"]
+Vectors3 = Float64[np.ndarray, "*batch 3"]
 """Points p, in millimetres, or unit directions v."""
 
 Mask = Bool[np.ndarray, "*batch"]

@@ -18,10 +18,10 @@ import numpy as np
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -31,7 +31,7 @@ from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
-    from labcal.calibrate.calibrated import Calibrated
+    from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.correspond.measure import Measurement, detections_of
     from labcal.correspond.sources import Source, find_sources
@@ -129,7 +129,7 @@ def calibrate(
     settings: "HandheldSettings | None" = None,
     hold_out: HoldOut = (),
     progress: Progress | None = None,
-) -> "Calibrated":
+) -> "Calibration":
     """Calibrate cameras from a target in the hand.
 
     Parameters
@@ -138,9 +138,9 @@ def calibrate(
         A shoot, whose test views do not enter; or the target that the dots are of.
     detections : Detections
     lens, settings, hold_out, progress
-        As in :func:`~labcal.calibrate.calibrated.calibrated`, where errors are told, too.
+        As in :func:`~labcal.calibrate.calibration.calibrated`, where errors are told, too.
     """
-    from labcal.calibrate.calibrated import calibrated
+    from labcal.calibrate.calibration import calibrated
 
     if not isinstance(source, Shoot):
         return calibrated(detections, source, lens, settings, hold_out, progress)
@@ -157,7 +157,7 @@ def fit(
     detections: Detections,
     method: object = "hybrid",
     settings: "FitSettings | None" = None,
-) -> FittedModel:
+) -> Model:
     """Teach a method the dots of a target; :func:`fit_methods` teaches several the same :func:`training_of`.
 
     Parameters
@@ -186,7 +186,7 @@ def fit(
 
 
 def reconstruct(
-    model: FittedModel | Rig, detections: Detections, target: Target | None = None
+    model: Model | Rig, detections: Detections, target: Target | None = None
 ) -> "Reconstruction":
     """Return the points of all dots that every camera measured; see :func:`reconstruct_centres`."""
     from labcal.reconstruct.reconstruction import reconstruct_centres
@@ -198,7 +198,7 @@ def reconstruct(
 
 
 def evaluate(
-    points: ReconstructedPoints,
+    points: Points,
     source: Shoot | AnyTarget | DotPlaces,
     detections: Detections | None = None,
     alignment: "Alignment | None" = None,

@@ -1,111 +1,169 @@
-"""The result of a calibration: rig, standard deviations and residuals."""
+"""A complete calibration: lens choice, held-out views, calibration, warnings."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
 
-from labcal.calibrate.adjustment.rounds import Adjusted
-from labcal.calibrate.adjustment.state import POSE
-from labcal.calibrate.agreement.finding import Disagreement
-from labcal.calibrate.centre_bias import CentreBias
-from labcal.calibrate.freed_dots import FreedDots
+from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.agreement.words import contradiction_message
+from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
+from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.one_lens import TwoLenses
-from labcal.calibrate.outlying_dots import OutlyingDots
-from labcal.cameras.optics import INTRINSICS
+from labcal.cameras.blind_pixels import blind_pixels
+from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.errors import InputError
 from labcal.optim.solution import StopReason
-
-UNEVEN, UNEVEN_PX = 5.0, 0.1
-"""Scatter from which on it is worth a word: so many times the dots' own noise, and so many px."""
-
-
-@dataclass(frozen=True)
-class CameraSigma:
-    """Standard deviations of the parameters of a camera in the rig; NaN if the views do not determine one."""
-
-    intrinsics: Float64[np.ndarray, "4"]
-    """fx fy cx cy, px; 0 where fixed."""
-    dist: Float64[np.ndarray, " coefficients"]
-    rotation_rad: Float64[np.ndarray, "3"]
-    """About the camera's axes; 0 for the first camera, which is the world."""
-    translation_mm: Float64[np.ndarray, "3"]
-
-    @classmethod
-    def of(cls, adjusted: Adjusted, number: int) -> "CameraSigma":
-        """Return those of one camera of an adjustment, by its number."""
-        sigma = np.sqrt(np.diagonal(adjusted.covariance))
-        lens = np.zeros(INTRINSICS + adjusted.state.cameras[number].model.coefficients)
-        place = np.zeros(POSE)
-        own, pose = adjusted.layout.lens[number], adjusted.layout.pose[number]
-        lens[: own.stop - own.start] = sigma[own]
-        place[: pose.stop - pose.start] = sigma[pose]
-        return cls(lens[:INTRINSICS], lens[INTRINSICS:], place[:3], place[3:])
+from labcal.run.progress import NoProgress, Progress
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 
 
 @dataclass(frozen=True)
-class CameraFit:
-    """The residuals of one camera."""
+class Calibration:
+    """A rig, and the record of its calibration.
 
-    rms_px: float
-    """Calibrated alone; OpenCV's: root mean square of the 2-D distance, without outliers."""
-    rms_in_rig_px: float
-    """The same in the rig."""
-    views: tuple[str, ...]
-    dots: int
-    sigma: CameraSigma
-    scatter_px: float
-    """Calibrated alone: what dots scatter, along each axis, beyond their covariances."""
-    freed: FreedDots | None
-    """The dots as this camera alone finds them."""
-    undetermined: tuple[str, ...]
-    """Names of lens coefficients that its views leave open."""
-    open_lens: bool
-    """True if the dots do not determine the lens towards the border of the picture; the prior does."""
-    noise_px: float
-    """Of the dots, along each axis, by their covariances; the median."""
-    two_lenses: TwoLenses | None = None
-    """Groups of its views that were taken through different lenses; None where one lens explains all."""
+    Attributes
+    ----------
+    found : HandheldCalibration
+    lens : str
+        The lens model.
+    choice : LensChoice or None
+        How views held out chose it; None where it was named.
+    held_out : tuple of str
+        Views that the calibration did not see.
+    calibrated_on : tuple of str
+        Views that it comes from; those of a rig whose lenses were kept among them.
+    warnings : tuple of str
+        What is not as it should be, for people.
+    """
+
+    found: HandheldCalibration
+    lens: str
+    choice: LensChoice | None
+    held_out: tuple[str, ...]
+    calibrated_on: tuple[str, ...]
+    warnings: tuple[str, ...]
 
     @property
-    def uneven(self) -> bool:
-        """True if dots scatter far more than their noise: the print or the lens differs from the model."""
-        return self.scatter_px > max(UNEVEN_PX, UNEVEN * self.noise_px)
-
-
-@dataclass(frozen=True)
-class HandheldCalibration:
-    """A rig whose world is the first camera, and the poses of the target."""
-
-    rig: Rig
-    fits: dict[str, CameraFit]
-    """By camera."""
-    rms_px: float
-    """Over all cameras, in the rig."""
-    skipped: tuple[str, ...]
-    """Pictures that did not enter, each with its reason, for people."""
-    outliers: OutlyingDots
-    """Dots that did not."""
-    views: tuple[str, ...]
-    T_world_target: Float64[np.ndarray, "views 4 4"]
-    """Of every view, mm."""
-    bias: CentreBias
-    freed: FreedDots | None
-    """The dots as all cameras together find them."""
-    reason: StopReason
-    disagreement: Disagreement | None = None
-    """The disagreement of the cameras on the poses of the target; None if they agree."""
+    def rig(self) -> Rig:
+        """The cameras, and the views that they were calibrated from."""
+        return self.found.rig.model_copy(update={"calibrated_on": self.calibrated_on})
 
     @property
-    def rms_alone_px(self) -> float:
-        """OpenCV's RMS over all cameras, each calibrated alone."""
-        fits = self.fits.values()
-        return float(np.sqrt(sum(f.dots * f.rms_px**2 for f in fits) / sum(f.dots for f in fits)))
+    def places(self) -> DotPlaces | None:
+        """Places of the dots on the print, and the views that gave them; None if dots were not freed."""
+        if self.found.freed is None:
+            return None
+        return self.found.freed.places().model_copy(update={"calibrated_on": self.calibrated_on})
 
-    def entering(self, detections: Detections) -> Detections:
-        """Return the detections of the pictures and dots that entered."""
-        seen = {(view, name) for name, fit in self.fits.items() for view in fit.views}
-        pictures = zip(detections.view.tolist(), detections.camera.tolist(), strict=True)
-        entered = np.array([picture in seen for picture in pictures], dtype=bool)
-        return self.outliers.left_out(detections.where(entered))
+
+def calibrated(
+    detections: Detections,
+    target: AnyTarget,
+    lens: str | None = None,
+    settings: HandheldSettings | None = None,
+    hold_out: HoldOut = (),
+    progress: Progress | None = None,
+) -> Calibration:
+    """Calibrate every camera in the detections, and their places relative to the first.
+
+    Parameters
+    ----------
+    detections : Detections
+        Only dots flagged ``ok`` enter.
+    target : AnyTarget
+    lens : str, optional
+        A lens model, or ``auto``; that of the rig to start from, or :data:`DEFAULT_LENS`, where left out.
+    settings : HandheldSettings, optional
+    hold_out : int or sequence of str
+        Views that do not enter: their names, or how many, spread evenly.
+    progress : Progress, optional
+        Of the choice of a lens.
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        As of :func:`~labcal.calibrate.handheld.calibrate_handheld` and, of ``auto``, of
+        :func:`~labcal.calibrate.lens_choice.choose_lens`; there are no such views to hold out, or a rig to
+        start from is given with ``auto``.
+    """
+    settings = settings or HandheldSettings()
+    held_out = held_out_views(detections.views, hold_out)
+    entering = detections.where(~np.isin(detections.view, held_out))
+    choice, lens = None, lens or _lens_of(settings)
+    if lens == AUTO:
+        if settings.start is not None:
+            raise InputError(f"The lens '{AUTO}' is tried from the beginning. Give no rig to start from.")
+        choice = choose_lens(entering, target, settings, progress or NoProgress())
+        lens = choice.lens
+    found = calibrate_handheld(entering, target, lens, settings)
+    kept = settings.start if settings.lenses is Lenses.FIXED else None
+    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
+    warnings = tuple(calibration_warnings(found, lens, target.name))
+    return Calibration(found, lens, choice, held_out, learned, warnings)
+
+
+def _lens_of(settings: HandheldSettings) -> str:
+    """Return the lens model where none is named: that of the rig to start from, if all are alike."""
+    if settings.start is None:
+        return DEFAULT_LENS
+    lenses = {record.lens for record in settings.start.cameras.values()}
+    return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS
+
+
+def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> list[str]:
+    """Return the warnings in words; `lens` and `target` are names."""
+    warnings = contradiction_message(found) + [f"left out {reason}" for reason in found.skipped]
+    for name, camera in found.rig.cameras.items():
+        if not _middle_inside(camera):
+            warnings.append(
+                f"the principal point of {name} lies outside its picture: the views do not determine it, or "
+                f"the dots are not those of '{target}'"
+            )
+        if found.fits[name].open_lens:
+            warnings.append(
+                f"the dots of {name} leave its lens open towards the picture's border, where only an "
+                "assumption holds it: trust the rig where dots were, or take views with dots in the corners"
+            )
+        if blind := blind_pixels(name, found.rig.camera(name)):
+            warnings.append(blind)
+        left_open = ", ".join(found.fits[name].undetermined)
+        if left_open:
+            warnings.append(
+                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
+                "where dots were, but not these numbers, or let --lens auto choose"
+            )
+        groups = found.fits[name].two_lenses
+        if groups is not None:
+            warnings.append(two_lenses_message(name, groups, lens))
+        elif found.freed is None and found.fits[name].uneven:
+            warnings.append(
+                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
+                "an uneven print or another lens; --free-dots estimates where each dot is on the print"
+            )
+    if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
+        warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
+    return warnings
+
+
+def two_lenses_message(name: str, found: TwoLenses, lens: str) -> str:
+    """Return the message about two groups of views of a camera, the most likely cause first."""
+    one, other = (", ".join(group) for group in found.groups)
+    return (
+        f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "
+        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one (tell "
+        "them apart with 'labcal detect --cameras'); the camera was refocused or zoomed in between; the lens "
+        f"model '{lens}' does not suit (try --lens auto)"
+    )
+
+
+def _middle_inside(camera: CameraRecord) -> bool:
+    """Tell whether a camera's principal point lies in its picture."""
+    (_, _, cx), (_, _, cy), _ = camera.K
+    width, height = camera.size
+    return 0.0 <= cx <= width - 1 and 0.0 <= cy <= height - 1

@@ -14,7 +14,7 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreeing_views import LoneCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
-from labcal.calibrate.calibration import CameraFit, CameraSigma, HandheldCalibration
+from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.centre_bias import CentreBias, centred
 from labcal.calibrate.lens_prior import PriorWidth
 from labcal.calibrate.lens_start import require_adjustable

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
@@ -158,7 +158,7 @@ class _Problem:
 
     observations: Observations
     target: AnyTarget
-    dots: Points
+    dots: Vectors3
     """Their places on the print, mm."""
 
     @classmethod

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Points, Pose
+from labcal.arrays import Mask, Vectors3, Pose
 from labcal.calibrate.gross_errors import gross_errors
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.start import camera_with_field
@@ -207,7 +207,7 @@ def _poses(camera: Camera, pictures: list[Detections], target: Target) -> Float6
     return np.stack([_pose(dots, directions, ok, target) for dots, directions, ok in split])
 
 
-def _pose(dots: Detections, directions: Points, ok: Mask, target: Target) -> Pose:
+def _pose(dots: Detections, directions: Vectors3, ok: Mask, target: Target) -> Pose:
     view, name = dots.view[0], dots.camera[0]
     if not ok.any():
         raise InputError(f"Camera '{name}' sees view '{view}' beyond its lens's field.")

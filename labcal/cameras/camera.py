@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from labcal.arrays import Mask, Matrix3, Pixels, PointJacobians, Points, Pose
+from labcal.arrays import Mask, Matrix3, Pixels, PointJacobians, Vectors3, Pose
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.lens import LENGTH, MOST_COEFFICIENTS, PRESCRIPTION, Lens, lens_by_name
 from labcal.cameras.mathematics import NUMPY, Number, NumpyMathematics
@@ -23,8 +23,8 @@ _LATTICE = 65
 class Rays:
     """Where pixels look: a point on each ray, its unit direction, and whether there is a ray at all."""
 
-    origin: Points
-    direction: Points
+    origin: Vectors3
+    direction: Vectors3
     ok: Mask
 
 
@@ -106,7 +106,7 @@ class Camera:
         return (float(self.K[0, 0]), float(self.K[1, 1]), float(self.K[0, 2]), float(self.K[1, 2]))
 
     @cached_property
-    def centre(self) -> Points:
+    def centre(self) -> Vectors3:
         """The centre of projection in the world, mm, shape (3,)."""
         return inverse(self.T_cam_world)[:3, 3]
 
@@ -173,7 +173,7 @@ class Camera:
         ok = np.asarray(traced.ok)
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
-    def project(self, p: Points) -> Projection:
+    def project(self, p: Vectors3) -> Projection:
         """Return where world points are imaged.
 
         Parameters
@@ -189,7 +189,7 @@ class Camera:
         """
         return self.image(transform(self.T_cam_world, p))
 
-    def image(self, p_cam: Points) -> Projection:
+    def image(self, p_cam: Vectors3) -> Projection:
         """Return where points of the camera's frame are imaged, as :meth:`project` does.
 
         Parameters
@@ -203,7 +203,7 @@ class Camera:
         ok = np.asarray(found.ok)
         return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
-    def point_jacobian(self, p: Points) -> PointJacobians:
+    def point_jacobian(self, p: Vectors3) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
         X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)
         numbers = constants(self.forward_numbers, 3)
@@ -214,7 +214,7 @@ class Camera:
         jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
         return jacobian
 
-    def intrinsic_jacobian(self, p: Points) -> np.ndarray:
+    def intrinsic_jacobian(self, p: Vectors3) -> np.ndarray:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""
         free = self.model.coefficients
         X, Y, Z = np.moveaxis(transform(self.T_cam_world, p), -1, 0)

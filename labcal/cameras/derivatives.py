@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Pixels, PointJacobians, Points
+from labcal.arrays import Mask, Pixels, PointJacobians, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
 from labcal.cameras.mathematics import NUMPY, Number
@@ -48,7 +48,7 @@ class Imaged:
     """(n, 2, 3), px/mm."""
 
 
-def imaged(camera: Camera, p: Points) -> Imaged:
+def imaged(camera: Camera, p: Vectors3) -> Imaged:
     """Return images of world points, mm, shape (n, 3)."""
     found = point_derivatives(camera, transform(camera.T_cam_world, p))
     seen = found.ok[:, None]
@@ -56,7 +56,7 @@ def imaged(camera: Camera, p: Points) -> Imaged:
     return Imaged(np.where(seen, found.q, np.nan), np.where(seen[..., None], by_point, np.nan))
 
 
-def projection_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivatives:
+def projection_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivatives:
     """Return images of points of the camera's frame with all derivatives.
 
     Parameters
@@ -85,7 +85,7 @@ def projection_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivativ
     return _at_once(camera, camera.dual_numbers(m, intrinsics, lens), varied[:POINT])
 
 
-def point_derivatives(camera: Camera, p_cam: Points) -> ProjectionDerivatives:
+def point_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivatives:
     """Return the same with no derivatives by the camera, which costs a fraction.
 
     Parameters
@@ -113,7 +113,7 @@ def _varied(dist: tuple[float, ...], free: int) -> tuple[Dual, ...]:
 
 
 def _through_field(
-    camera: Camera, p_cam: Points, lens: tuple[Number, ...], width: int
+    camera: Camera, p_cam: Vectors3, lens: tuple[Number, ...], width: int
 ) -> ProjectionDerivatives:
     """Return derivatives by the chain rule from the point to its field point and on to the pixel.
 

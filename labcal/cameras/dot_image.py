@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Outlines, Pixels, Points, Pose
+from labcal.arrays import Mask, Outlines, Pixels, Vectors3, Pose
 from labcal.cameras.camera import Camera, Projection
 from labcal.geometry.poses import transform
 
 SAMPLES = 64
 """Points on an outline; on a smooth closed curve sums and Fourier derivatives converge exponentially."""
 
-Imaging = Callable[[Points], Projection]
+Imaging = Callable[[Vectors3], Projection]
 """From points of the target, in mm in any one frame, to pixels."""
 
 
@@ -35,7 +35,7 @@ class DotImages:
     """(n,), whether the whole dot is imaged."""
 
 
-def flat_outlines(centres: Points, radii: np.ndarray) -> Float64[np.ndarray, "n samples 3"]:
+def flat_outlines(centres: Vectors3, radii: np.ndarray) -> Float64[np.ndarray, "n samples 3"]:
     """Return the outlines of discs parallel to the target's x-y plane, mm, shape (n, SAMPLES, 3).
 
     Parameters
@@ -50,7 +50,7 @@ def flat_outlines(centres: Points, radii: np.ndarray) -> Float64[np.ndarray, "n 
     return np.asarray(centres[:, None, :] + radii[:, None, None] * circle)
 
 
-def dot_images(camera: Camera, T_world_target: Pose, centres: Points, radii: np.ndarray) -> DotImages:
+def dot_images(camera: Camera, T_world_target: Pose, centres: Vectors3, radii: np.ndarray) -> DotImages:
     """Return where the dots of a flat target are imaged.
 
     Parameters
@@ -73,7 +73,7 @@ def dot_images(camera: Camera, T_world_target: Pose, centres: Points, radii: np.
 
 
 def outlined_images(
-    image: Imaging, centres: Points, outlines: Float64[np.ndarray, "n samples 3"]
+    image: Imaging, centres: Vectors3, outlines: Float64[np.ndarray, "n samples 3"]
 ) -> DotImages:
     """Return where dots of any shape are imaged, by any smooth imaging.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera, slopes_of
 from labcal.cameras.derivatives import POINT, ProjectionDerivatives, has_field, projection_derivatives
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
@@ -92,7 +92,7 @@ class FreeNumbers:
         K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
         return replace(camera, K=K, dist=dist, window=window)
 
-    def imaged(self, p_cam: Points) -> ProjectionDerivatives:
+    def imaged(self, p_cam: Vectors3) -> ProjectionDerivatives:
         """Return images of points of the camera's frame, with derivatives by points and free numbers.
 
         Parameters

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Mask, Matrix3, Pixels, Points, Pose
+from labcal.arrays import Mask, Matrix3, Pixels, Vectors3, Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.opencv_model import PERSPECTIVE
 from labcal.errors import InputError
@@ -61,7 +61,7 @@ class PaperCamera:
         product: np.ndarray = P @ C @ R @ G
         return product
 
-    def project(self, p: Points) -> tuple[Pixels, Mask]:
+    def project(self, p: Vectors3) -> tuple[Pixels, Mask]:
         """Return image coordinates (Eq. 8 to 11) and whether each point lies in front of the lens.
 
         Parameters

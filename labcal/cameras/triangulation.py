@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Pixels, PointCovariances, Points
+from labcal.arrays import Mask, Pixels, PointCovariances, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import Imaged, imaged
 from labcal.geometry.covariances import positive_definite
@@ -21,7 +21,7 @@ STEPS = 10
 class Imager(Protocol):
     """What images points: a camera, or one with corrections that were learned."""
 
-    def imaged(self, p: Points) -> Imaged:
+    def imaged(self, p: Vectors3) -> Imaged:
         """Return where world points, mm, are imaged, and how that changes."""
 
 
@@ -31,7 +31,7 @@ class KnownCamera:
 
     camera: Camera
 
-    def imaged(self, p: Points) -> Imaged:
+    def imaged(self, p: Vectors3) -> Imaged:
         """Return where world points, mm, are imaged, and how that changes."""
         return imaged(self.camera, p)
 
@@ -40,7 +40,7 @@ class KnownCamera:
 class TriangulatedPoints:
     """Points in the world; NaN and not ok where the pixels determine none."""
 
-    point: Points
+    point: Vectors3
     """(n, 3), mm."""
     covariance: PointCovariances
     """(n, 3, 3), mm squared, from the covariances of the pixels; the cameras count as exact."""
@@ -72,7 +72,7 @@ def triangulate(
     return refined([KnownCamera(camera) for camera in cameras], nearest_points(cameras, q), q, covariance)
 
 
-def nearest_points(cameras: Sequence[Camera], q: Float64[np.ndarray, "n cameras 2"]) -> Points:
+def nearest_points(cameras: Sequence[Camera], q: Float64[np.ndarray, "n cameras 2"]) -> Vectors3:
     """Return the points nearest to the rays of pixels, mm, as mere geometry; NaN where there is none."""
     rays = [camera.rays(q[:, i]) for i, camera in enumerate(cameras)]
     origins = np.stack([ray.origin for ray in rays], axis=1)
@@ -81,7 +81,7 @@ def nearest_points(cameras: Sequence[Camera], q: Float64[np.ndarray, "n cameras 
 
 def refined(
     imagers: Sequence[Imager],
-    start: Points,
+    start: Vectors3,
     q: Float64[np.ndarray, "n cameras 2"],
     covariance: Float64[np.ndarray, "n cameras 2 2"],
 ) -> TriangulatedPoints:
@@ -126,7 +126,7 @@ def _normal_equations(
 
 
 def triangulation_limit(
-    cameras: Sequence[Camera], p: Points, covariance: Float64[np.ndarray, "n cameras 2 2"]
+    cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
 ) -> PointCovariances:
     """Return the Cramer-Rao bound of points seen by exactly known cameras, shape (n, 3, 3), mm squared.
 

@@ -11,7 +11,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 if TYPE_CHECKING:
-    from labcal.calibrate.calibrated import Calibrated
+    from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
 
 
@@ -140,7 +140,7 @@ def _dots_path(output: Path) -> Path:
     return output.with_name(f"{output.stem}-dots.json")
 
 
-def _write_dots(arguments: Namespace, made: "Calibrated") -> None:
+def _write_dots(arguments: Namespace, made: "Calibration") -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
     from labcal.report.displacement_picture import draw_displacements
     from labcal.run.outputs import write_file

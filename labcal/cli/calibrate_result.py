@@ -8,8 +8,8 @@ from labcal.cli.inconsistent_result import InconsistentResult, inconsistent_resu
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from labcal.calibrate.calibrated import Calibrated
-    from labcal.calibrate.calibration import HandheldCalibration
+    from labcal.calibrate.calibration import Calibration
+    from labcal.calibrate.handheld_calibration import HandheldCalibration
     from labcal.calibrate.centre_bias import CentreBias
     from labcal.calibrate.freed_dots import FreedDots
     from labcal.calibrate.lens_choice import LensChoice
@@ -110,7 +110,7 @@ class CalibrateResult:
     """Why the cameras do not agree on where the target was; null where they do."""
 
 
-def calibrate_result(made: "Calibrated", epipolar_rms_px: float) -> CalibrateResult:
+def calibrate_result(made: "Calibration", epipolar_rms_px: float) -> CalibrateResult:
     """Return the JSON document."""
     found = made.found
     return CalibrateResult(

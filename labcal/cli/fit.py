@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from labcal.correspond.training import TrainingData
     from labcal.estimators.estimator import PointEstimator
     from labcal.estimators.expected_error import ExpectedError
-    from labcal.estimators.fitted_model import FittedModel
+    from labcal.estimators.model import Model
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -197,7 +197,7 @@ def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool
     return not arguments.no_rehearsal or any("lens" in one.get_params() for one in estimators)
 
 
-def _save_all(models: "list[tuple[Path, FittedModel]]", *, force: bool) -> None:
+def _save_all(models: "list[tuple[Path, Model]]", *, force: bool) -> None:
     """Write all models or, where the disk refuses one, leave none that was not there before."""
     from labcal.errors import OutputError
     from labcal.estimators.model_file import save_model
@@ -225,7 +225,7 @@ def _refused(method: str, reason: str) -> MethodResult:
     )
 
 
-def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodResult:
+def _fitted(model: "Model", data: "TrainingData", path: Path) -> MethodResult:
     from labcal.estimators.camera_estimator import CameraEstimator
     from labcal.evaluate.statistics import error_statistics
 
@@ -246,7 +246,7 @@ def _fitted(model: "FittedModel", data: "TrainingData", path: Path) -> MethodRes
     )
 
 
-def _blind(model: "FittedModel") -> list[str]:
+def _blind(model: "Model") -> list[str]:
     """Return what pixels of a method's cameras see no direction, for people."""
     from labcal.cameras.blind_pixels import blind_pixels
     from labcal.estimators.camera_estimator import CameraEstimator

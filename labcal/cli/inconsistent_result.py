@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from labcal.calibrate.calibration import HandheldCalibration
+    from labcal.calibrate.handheld_calibration import HandheldCalibration
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.centre_bias import CentreBias
     from labcal.calibrate.triangulation_check import TriangulationCheck
     from labcal.cameras.rig import Rig
-    from labcal.estimators.fitted_model import FittedModel
+    from labcal.estimators.model import Model
     from labcal.targets.target import Target
 
 
@@ -128,7 +128,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 
 def _inconsistent(
-    model: "FittedModel | Rig", check: "TriangulationCheck | None"
+    model: "Model | Rig", check: "TriangulationCheck | None"
 ) -> InconsistentPoints | None:
     """Return what speaks against the points; None where nothing does."""
     causes = [] if model.calibration is None else list(model.calibration.inconsistent)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.arrays import Points, Pose
+from labcal.arrays import Vectors3, Pose
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
@@ -119,7 +119,7 @@ def require_on_target(detections: Detections, target: Target) -> None:
         )
 
 
-def stage_points(matches: Matches, target: Target, T_world_target: Mapping[str, Pose]) -> Points:
+def stage_points(matches: Matches, target: Target, T_world_target: Mapping[str, Pose]) -> Vectors3:
     """Return the world positions of matched dots, from the pose of the target in each view.
 
     Parameters

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.arrays import PointCovariances, Points
+from labcal.arrays import PointCovariances, Vectors3
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.geometry.covariances import valid_or_not_stated
 from labcal.run.file_kinds import beginning_with
@@ -38,14 +38,14 @@ class PointFlag(StrEnum):
 
 
 @dataclass(frozen=True)
-class ReconstructedPoints:
+class Points:
     """Points in columns of equal length, in the frame of the model."""
 
     view: np.ndarray
     """(n,) of str"""
     index: Int64[np.ndarray, "n 2"]
     """(col, row)"""
-    point: Points
+    point: Vectors3
     """(n, 3), mm; NaN where there is none."""
     covariance: PointCovariances
     """(n, 3, 3), mm squared; NaN where the method states none."""
@@ -55,14 +55,14 @@ class ReconstructedPoints:
     def __len__(self) -> int:
         return len(self.view)
 
-    def where(self, mask: np.ndarray) -> "ReconstructedPoints":
+    def where(self, mask: np.ndarray) -> "Points":
         """Return the lines where the mask holds."""
-        return ReconstructedPoints(
+        return Points(
             self.view[mask], self.index[mask], self.point[mask], self.covariance[mask], self.flag[mask]
         )
 
 
-def points_csv(points: ReconstructedPoints) -> str:
+def points_csv(points: Points) -> str:
     """Return the text of ``points.csv``; figures are written so that they read back exactly."""
     return table_text(
         HEADER,
@@ -74,7 +74,7 @@ def points_csv(points: ReconstructedPoints) -> str:
     )  # fmt: skip
 
 
-def read_points(path: Path) -> ReconstructedPoints:
+def read_points(path: Path) -> Points:
     """Read ``points.csv``.
 
     Raises
@@ -89,7 +89,7 @@ def read_points(path: Path) -> ReconstructedPoints:
         (np.concatenate(column) for column in zip(*read, strict=True)) if read else _NO_LINES
     )
     refuse_twice(path, np.column_stack([view, index + MOST_INDEX]), "dot of a view")
-    return ReconstructedPoints(
+    return Points(
         view=names_of_lines(path, list(views), view),
         index=index,
         point=figures[:, :3],

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, require_on_target, stage_points
 from labcal.errors import InputError
@@ -26,7 +26,7 @@ class TrainingData:
     """(col, row) of the dots."""
     X: Float64[np.ndarray, "n columns"]
     """Columns x1 y1 x2 y2 ..., px."""
-    Y: Points
+    Y: Vectors3
     """(n, 3), stage world, mm."""
 
 

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
@@ -59,11 +59,11 @@ class Bundle(CameraEstimator):
         self.glass_index = glass_index
         self.glass_thickness_mm = glass_thickness_mm
 
-    def _learned(self, q: Pixels, p: Points, size: tuple[int, int]) -> LearnedCamera:
+    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
         found = self._resected(q, p, size)
         return LearnedCamera(found.placed, found.covariance, found.sigma_px)
 
-    def _resected(self, q: Pixels, p: Points, size: tuple[int, int]) -> ResectedCamera:
+    def _resected(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> ResectedCamera:
         if self.behind_index <= 1.0:
             if self.lens == AUTO:
                 return chosen_camera(self.method, q, p, size)

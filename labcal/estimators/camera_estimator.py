@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import TriangulatedPoints
 from labcal.errors import InputError
@@ -80,7 +80,7 @@ class CameraEstimator(PointEstimator):
         return tuple(camera.camera for camera in self.learned_cameras_)
 
     @abstractmethod
-    def _learned(self, q: Pixels, p: Points, size: tuple[int, int]) -> LearnedCamera:
+    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
         """Return the camera that was estimated from points (mm) and pixels."""
 
     @one_blas_thread()

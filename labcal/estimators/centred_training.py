@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.arrays import Pixels, Points, Pose
+from labcal.arrays import Pixels, Vectors3, Pose
 from labcal.calibrate.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
@@ -91,7 +91,7 @@ def centred_training(
     return CentredTraining(centred, found, CentreBias.of(shift), None, calibration_record(found, matches))
 
 
-def _resected(q: Pixels, p: Points, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:
+def _resected(q: Pixels, p: Vectors3, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:
     """Return the camera resected from points (mm) and pixels, with the lens model of the previous round."""
     if not before:
         return chosen_camera(_NAME, q, p, size)

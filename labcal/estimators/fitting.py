@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from sklearn.base import clone
 
-from labcal.calibrate.calibrated import Calibrated, calibrated
+from labcal.calibrate.calibration import Calibration, calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens
@@ -17,7 +17,7 @@ from labcal.correspond.view_roles import HoldOut
 from labcal.errors import InputError
 from labcal.estimators.centred_training import CentredTraining, centred_training
 from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
@@ -50,7 +50,7 @@ class Training:
     ----------
     centred : CentredTraining
         Pixels and points.
-    held : Calibrated or None
+    held : Calibration or None
         The calibration that placed the target; None on a stage.
     warnings : tuple of str
         Warnings in words.
@@ -59,7 +59,7 @@ class Training:
     """
 
     centred: CentredTraining
-    held: Calibrated | None
+    held: Calibration | None
     warnings: tuple[str, ...]
     held_out: tuple[str, ...] = ()
 
@@ -98,7 +98,7 @@ def training_of(
     ------
     InputError
         As of :func:`~labcal.correspond.training.training_data`, or of
-        :func:`~labcal.calibrate.calibrated.calibrated`.
+        :func:`~labcal.calibrate.calibration.calibrated`.
     """
     settings = settings or FitSettings()
     tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
@@ -157,10 +157,10 @@ def fit_methods(
     estimators: Sequence[PointEstimator],
     settings: FitSettings | None = None,
     progress: Progress | None = None,
-) -> list[FittedModel | InputError]:
+) -> list[Model | InputError]:
     """Return the fitted model of each method, or the error that prevents it."""
     settings, progress = settings or FitSettings(), progress or NoProgress()
-    data, learned = training.centred.data, list[FittedModel | InputError]()
+    data, learned = training.centred.data, list[Model | InputError]()
     progress.start("methods", len(estimators) + 1)
     surrogate = None
     if settings.rehearsal:
@@ -182,7 +182,7 @@ def fit_method(
     estimator: PointEstimator,
     resected: tuple[Camera, ...] | None = None,
     surrogate: Surrogate | None = None,
-) -> FittedModel:
+) -> Model:
     """Fit one method to pixels and points.
 
     Parameters
@@ -206,4 +206,4 @@ def fit_method(
     box = TrainingBox.of(data.X, data.Y)
     fitted = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
     rehearsed = None if surrogate is None else validate_on(fitted, surrogate)
-    return FittedModel(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)
+    return Model(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)

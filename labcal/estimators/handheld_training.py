@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.centre_bias import CentreBias, Discs, shifts_at_poses
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import resect
@@ -60,7 +60,7 @@ class Hybrid(CameraEstimator):
             ]
         )
 
-    def _learned(self, q: Pixels, p: Points, size: tuple[int, int]) -> LearnedCamera:
+    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
         if len(p) > MOST_POINTS:
             raise InputError(
                 f"{self.method}: {len(p)} dots are more than the {MOST_POINTS} that a field can be learned "

@@ -13,7 +13,7 @@ from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
 from labcal.estimators.expected_error import ExpectedError
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
 from labcal.run.file_kinds import recognised_by
 from labcal.run.file_reading import require_file
@@ -67,14 +67,14 @@ def model_kind(path: Path) -> ModelKind:
     raise InputError(f"{path} is neither a model from `labcal fit` nor a rig.json from `labcal calibrate`.")
 
 
-def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
+def save_model(path: Path, model: Model, *, force: bool) -> None:
     """Write a fitted model.
 
     Parameters
     ----------
     path : Path
         The file to appear.
-    model : FittedModel
+    model : Model
         What to write.
     force : bool
         Replace a model that exists.
@@ -112,7 +112,7 @@ def save_model(path: Path, model: FittedModel, *, force: bool) -> None:
     write_file(path, content, kind=KIND, force=force)
 
 
-def load_model(path: Path, method: object | None = None) -> FittedModel:
+def load_model(path: Path, method: object | None = None) -> Model:
     """Read a fitted model; its predictions are the same bytes as before it was saved.
 
     Parameters
@@ -126,7 +126,7 @@ def load_model(path: Path, method: object | None = None) -> FittedModel:
 
     Returns
     -------
-    FittedModel
+    Model
 
     Raises
     ------
@@ -144,7 +144,7 @@ def load_model(path: Path, method: object | None = None) -> FittedModel:
         pairs = zip(header.cameras, header.resected, strict=False)
         resected = tuple(record.sensible_camera(name) for name, record in pairs)
     rehearsed = None if header.rehearsed is None else _rehearsed(path, header.rehearsed)
-    return FittedModel(
+    return Model(
         estimator,
         header.cameras,
         header.image_sizes,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 
 Crossings = Float64[np.ndarray, "n 4"]
 """x, y on the near plane, then on the far one, scaled as `RayFrame` says."""
@@ -33,7 +33,7 @@ class RayFrame:
     half_range_mm: float
 
     @classmethod
-    def of(cls, p: Points, q: Pixels) -> "RayFrame":
+    def of(cls, p: Vectors3, q: Pixels) -> "RayFrame":
         """Return the frame for trained points, mm, and their pixels in one camera.
 
         The view is the direction in which an affine camera fitted to them sees nothing move.
@@ -46,22 +46,22 @@ class RayFrame:
         depths = np.array([local[:, 2].min(), local[:, 2].max()])
         return cls(axes, origin, depths, float(np.abs(local[:, :2]).max()))
 
-    def first_scale(self, p: Points, q: Pixels) -> Float64[np.ndarray, "n 2 2"]:
+    def first_scale(self, p: Vectors3, q: Pixels) -> Float64[np.ndarray, "n 2 2"]:
         """Return pixels per mm across the view, by the affine camera alone; the same for all points."""
         local = (p - self.origin_mm) @ self.axes.T
         terms = np.column_stack((local[:, :2], np.ones(len(p))))
         return np.broadcast_to(np.linalg.lstsq(terms, q)[0][:2].T, (len(p), 2, 2))
 
-    def local(self, p: Points) -> Points:
+    def local(self, p: Vectors3) -> Vectors3:
         """Return points in the axes of the frame, mm."""
         return np.asarray((p - self.origin_mm) @ self.axes.T)
 
-    def share(self, p: Points) -> Float64[np.ndarray, " n"]:
+    def share(self, p: Vectors3) -> Float64[np.ndarray, " n"]:
         """Return how far points are from the near plane to the far one, 0 to 1."""
         near, far = self.depths_mm
         return np.asarray((self.local(p)[:, 2] - near) / (far - near))
 
-    def ends(self, crossings: Crossings) -> tuple[Points, Points]:
+    def ends(self, crossings: Crossings) -> tuple[Vectors3, Vectors3]:
         """Return where the rays meet the near and the far plane, mm."""
         scaled = self.half_range_mm * crossings
         near, far = (
@@ -70,7 +70,7 @@ class RayFrame:
         )
         return near @ self.axes + self.origin_mm, far @ self.axes + self.origin_mm
 
-    def misses(self, crossings: Crossings, p: Points) -> Float64[np.ndarray, "n 2"]:
+    def misses(self, crossings: Crossings, p: Vectors3) -> Float64[np.ndarray, "n 2"]:
         """Return by how much rays miss points, in the plane through each point, mm."""
         share = self.share(p)[:, None]
         at = (1.0 - share) * crossings[:, :2] + share * crossings[:, 2:]
@@ -82,7 +82,7 @@ class RayFrame:
         along = self.half_range_mm * (crossings[:, 2:] - crossings[:, :2]) / (far - near)
         return np.asarray(along[:, :, None] * self.axes[2] - self.axes[:2])
 
-    def miss_per_crossing(self, p: Points) -> Float64[np.ndarray, "n 2 4"]:
+    def miss_per_crossing(self, p: Vectors3) -> Float64[np.ndarray, "n 2 4"]:
         """Return the derivatives of the misses by the scaled crossings, mm."""
         share = self.share(p)[:, None, None]
         eye = self.half_range_mm * np.eye(2)

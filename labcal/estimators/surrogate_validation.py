@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.cameras.triangulation import refined
 from labcal.errors import InputError
@@ -42,7 +42,7 @@ class Surrogate:
     """
 
     hybrid: Hybrid
-    p: Points
+    p: Vectors3
     X: Float64[np.ndarray, "n inputs"]
     covariance: Float64[np.ndarray, "n cameras 2 2"]
     limit_mm: float
@@ -50,7 +50,7 @@ class Surrogate:
 
 def surrogate_of(
     X: Float64[np.ndarray, "n inputs"],
-    Y: Points,
+    Y: Vectors3,
     image_sizes: tuple[tuple[int, int], ...],
     seed: int = 0,
     lens: str = AUTO,
@@ -97,7 +97,7 @@ def surrogate_of(
 
 
 def fit_unless_surrogate(
-    surrogate: Surrogate | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Points
+    surrogate: Surrogate | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Vectors3
 ) -> PointEstimator:
     """Return a method fitted to the training data of a surrogate.
 
@@ -125,7 +125,7 @@ def validate_on(estimator: PointEstimator, surrogate: Surrogate) -> ExpectedErro
     )
 
 
-def _points_within(Y: Points, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:
+def _points_within(Y: Vectors3, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:
     """Return random points in the convex hull of others."""
     low, high = Y.min(axis=0), Y.max(axis=0)
     found: list[np.ndarray] = []

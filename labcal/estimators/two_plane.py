@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.held_out import edges
 from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
@@ -119,7 +119,7 @@ class TwoPlane(PointEstimator):
         return closest_points(ends[0], direction)
 
 
-def _frame(method: str, seen: Float64[np.ndarray, "n cameras 2"], p: Points) -> Float64[np.ndarray, "3 3"]:
+def _frame(method: str, seen: Float64[np.ndarray, "n cameras 2"], p: Vectors3) -> Float64[np.ndarray, "3 3"]:
     """Return the rotation into a frame whose z is the cameras' mean view, by their linear projections."""
     view = np.zeros(3)
     for i in range(seen.shape[1]):
@@ -131,7 +131,7 @@ def _frame(method: str, seen: Float64[np.ndarray, "n cameras 2"], p: Points) -> 
     return np.stack([x, np.cross(z, x), z])
 
 
-def _chosen_degree(q: Pixels, p: Points) -> int:
+def _chosen_degree(q: Pixels, p: Vectors3) -> int:
     """Return the degree that predicts held-out edges best; all is scaled."""
     squares = []
     for degree in range(1, _HIGHEST + 1):
@@ -146,11 +146,11 @@ def _chosen_degree(q: Pixels, p: Points) -> int:
     return 1 + int(np.argmin([square.mean() for square in squares]))
 
 
-def _solved(q: Pixels, p: Points, degree: int) -> Float64[np.ndarray, "terms 2"]:
+def _solved(q: Pixels, p: Vectors3, degree: int) -> Float64[np.ndarray, "terms 2"]:
     return np.asarray(np.linalg.lstsq(_design(q, p, degree), p[:, :2], rcond=1e-12)[0])
 
 
-def _design(q: Pixels, p: Points, degree: int) -> Float64[np.ndarray, "n terms"]:
+def _design(q: Pixels, p: Vectors3, degree: int) -> Float64[np.ndarray, "n terms"]:
     """Return the terms of the middle plane, then those times the depth."""
     terms = _terms(q, degree)
     return np.concatenate([terms, p[:, 2:] * terms], axis=1)

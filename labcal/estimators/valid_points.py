@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.bounds import MOST_MM
 from labcal.correspond.matching import Matches
-from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError, LabcalError
 from labcal.geometry.covariances import valid_or_not_stated
 
@@ -37,14 +37,14 @@ def predicted(
         ) from error
 
 
-def within_sense(points: ReconstructedPoints) -> ReconstructedPoints:
+def within_sense(points: Points) -> Points:
     """Return points of which those that are nowhere (:data:`labcal.bounds.MOST_MM`) have no solution."""
     with np.errstate(invalid="ignore"):
         there = (np.abs(points.point) <= MOST_MM).all(axis=1)
     sound = there & valid_or_not_stated(points.covariance, MOST_MM**2)
     if sound.all():
         return points
-    return ReconstructedPoints(
+    return Points(
         points.view,
         points.index,
         np.where(there[:, None], points.point, np.nan),

@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from labcal.arrays import Mask, Points
+from labcal.arrays import Mask, Vectors3
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
-from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
 from labcal.evaluate.scored_views import ScoredViews, scored_warnings
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
@@ -57,7 +57,7 @@ class TruthErrors(ErrorStatistics):
 
 
 def errors_against_truth(
-    points: ReconstructedPoints,
+    points: Points,
     shoot: Shoot,
     detections: Detections | None,
     alignment: Alignment | None = None,
@@ -70,7 +70,7 @@ def errors_against_truth(
 
     Parameters
     ----------
-    points : ReconstructedPoints
+    points : Points
     shoot : Shoot
         Its folder holds the truth.
     detections : Detections or None
@@ -159,7 +159,7 @@ def _true_places(shoot: Shoot) -> Places:
     return places
 
 
-def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Points:
+def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Vectors3:
     """Return the true positions of dots; NaN for those without truth."""
     unknown = [np.nan] * 3
     keys = zip(view.tolist(), *index.T.tolist(), strict=True)
@@ -173,7 +173,7 @@ def _held_out(views: ScoredViews) -> str:
     return "points of views to test on" if views.calibrated_on is None else "points of views held out"
 
 
-def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
+def _scored(points: Points, true: Vectors3, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
     """Return a mask of scored points, and its description."""
     nominal = shoot.nominal_poses()
     tested = {view.name for view in shoot.views(Role.TEST)}
@@ -189,7 +189,7 @@ def _scored(points: ReconstructedPoints, true: Points, shoot: Shoot, views: Scor
 
 
 def _limit(
-    kept: ReconstructedPoints, shoot: Shoot, truth: Truth, places: Places, detections: Detections
+    kept: Points, shoot: Shoot, truth: Truth, places: Places, detections: Detections
 ) -> float:
     """Return the RMS error with exactly known cameras, from the covariances of the detections."""
     matches = match(detections, shoot.cameras)

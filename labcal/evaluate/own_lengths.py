@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.distance import pdist
 
 from labcal.correspond.matching import rows_by_name
-from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
 from labcal.evaluate.scored_views import ScoredViews, scored_warnings
 from labcal.targets.places import DotPlaces
@@ -48,13 +48,13 @@ class LengthErrors:
 
 
 def errors_of_lengths(
-    points: ReconstructedPoints, target: Target | DotPlaces, learned: Collection[str] | None = None
+    points: Points, target: Target | DotPlaces, learned: Collection[str] | None = None
 ) -> LengthErrors:
     """Compare the distance of every two dots of a view with their distance on the target.
 
     Parameters
     ----------
-    points : ReconstructedPoints
+    points : Points
     target : Target or DotPlaces
         Its dots are taken as exactly placed: where they were declared, or where they were found to be. Of
         places, only those that were found count.
@@ -102,7 +102,7 @@ def errors_of_lengths(
     )
 
 
-def _require_dots(points: ReconstructedPoints, target: Target) -> None:
+def _require_dots(points: Points, target: Target) -> None:
     """Raise unless every point is of a dot of the target."""
     unknown = ((points.index < 0) | (points.index >= [target.cols, target.rows])).any(axis=1)
     if unknown.any():

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import PointCovariances, Points
+from labcal.arrays import PointCovariances, Vectors3
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.ellipsoids import within_ellipsoids
 
@@ -28,7 +28,7 @@ class ErrorStatistics:
     """Greatest length."""
 
 
-def error_statistics(predicted: Points, true: Points) -> ErrorStatistics:
+def error_statistics(predicted: Vectors3, true: Vectors3) -> ErrorStatistics:
     """Return the statistics of points; at least one must be finite in both, the rest is ignored.
 
     Parameters
@@ -53,7 +53,7 @@ def error_statistics(predicted: Points, true: Points) -> ErrorStatistics:
     )
 
 
-def coverage(error: Points, covariance: PointCovariances) -> float:
+def coverage(error: Vectors3, covariance: PointCovariances) -> float:
     """Return the share of errors within their own 95% ellipsoids; NaN if no covariance is stated.
 
     Parameters

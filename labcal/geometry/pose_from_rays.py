@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Points, Pose
+from labcal.arrays import Vectors3, Pose
 from labcal.errors import InputError
 from labcal.geometry.map_from_rays import map_from_rays
 from labcal.geometry.poses import pose
@@ -11,7 +11,7 @@ from labcal.geometry.poses import pose
 _FEWEST = 6
 
 
-def pose_from_rays(directions: Float64[np.ndarray, "n 3"], p: Points) -> Pose:
+def pose_from_rays(directions: Float64[np.ndarray, "n 3"], p: Vectors3) -> Pose:
     """Return ``T_cam_world`` of points that are seen along directions from one place.
 
     Parameters

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.arrays import Matrix3, Points, Pose
+from labcal.arrays import Matrix3, Vectors3, Pose
 from labcal.errors import InputError
 
 
@@ -20,7 +20,7 @@ def inverse(T_ab: Pose) -> Pose:
     return pose(R_ba, -R_ba @ T_ab[:3, 3])
 
 
-def transform(T_ab: Pose, p_b: Points) -> Points:
+def transform(T_ab: Pose, p_b: Vectors3) -> Vectors3:
     """Return points given in b as coordinates in a, shape kept, mm."""
     p_a: np.ndarray = p_b @ T_ab[:3, :3].T + T_ab[:3, 3]
     return p_a
@@ -98,7 +98,7 @@ def require_rigid(T_ab: Pose, what: str) -> None:
         )
 
 
-def rigid_alignment(p_a: Points, p_b: Points) -> Pose:
+def rigid_alignment(p_a: Vectors3, p_b: Vectors3) -> Pose:
     """Return ``T_ab`` that brings `p_b` onto `p_a` with the least sum of squares (Kabsch 1976).
 
     Parameters

@@ -3,12 +3,12 @@
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 
 
 def closest_points(
     origins: Float64[np.ndarray, "n rays 3"], directions: Float64[np.ndarray, "n rays 3"]
-) -> Points:
+) -> Vectors3:
     """Return the points nearest to bundles of rays, in the least-squares sense.
 
     Parameters

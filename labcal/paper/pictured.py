@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
 from labcal.correspond.training import TrainingData, training_data
@@ -26,7 +26,7 @@ class _Tested:
 
     view: np.ndarray
     X: np.ndarray
-    Y: Points
+    Y: Vectors3
 
 
 def pictured_problems(data: Data, shoot: Shoot, detections: Detections) -> dict[str, Problem]:
@@ -88,7 +88,7 @@ def _position_problems(shoot: Shoot, trained: TrainingData, tested: _Tested) -> 
     }
 
 
-def _with_distance(p: Points, view: np.ndarray, stage_mm: dict[str, float], reference: float) -> np.ndarray:
+def _with_distance(p: Vectors3, view: np.ndarray, stage_mm: dict[str, float], reference: float) -> np.ndarray:
     """Return points in the frame of the target, and the distance of the cameras from the reference, mm."""
     distance = np.array([reference - stage_mm[name] for name in view.tolist()])
     return np.column_stack([p[:, :2], p[:, 2] + distance, distance])

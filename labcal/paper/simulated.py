@@ -4,7 +4,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.cameras.paper import PaperCamera
 from labcal.paper.problem import Problem
 from labcal.paper.rows import Data, PaperRow
@@ -119,7 +119,7 @@ def _two_focal_lengths(row: PaperRow, rng: np.random.Generator) -> Problem:
     )  # fmt: skip
 
 
-def _image(pair: tuple[PaperCamera, PaperCamera], p: Points) -> np.ndarray:
+def _image(pair: tuple[PaperCamera, PaperCamera], p: Vectors3) -> np.ndarray:
     """Return x1 y1 x2 y2 on the image planes, mm."""
     return np.concatenate([camera.project(p)[0] for camera in pair], axis=1)
 
@@ -133,7 +133,7 @@ def _box(row: PaperRow) -> tuple[np.ndarray, np.ndarray]:
     return np.array([LOW_MM, LOW_MM, z_low]), np.array([HIGH_MM, HIGH_MM, z_high])
 
 
-def _grid(row: PaperRow) -> Points:
+def _grid(row: PaperRow) -> Vectors3:
     """Return the row's regular grid, borders included, mm."""
     low, high = _box(row)
     counts = (*_GRIDS[row.data, row.points], 1)[:3]

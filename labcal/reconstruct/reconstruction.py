@@ -12,16 +12,16 @@ from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match, require_on_target
-from labcal.correspond.points import PointFlag, ReconstructedPoints
+from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, training_views
 from labcal.estimators.swapped_pictures import refuse_swapped
 from labcal.estimators.valid_points import predicted, within_sense
 from labcal.targets.target import Target
 
 
-def load_reconstructor(path: Path, method: object | None = None) -> FittedModel | Rig:
+def load_reconstructor(path: Path, method: object | None = None) -> Model | Rig:
     """Read a MODEL: a model of ``labcal fit``, or a ``rig.json``.
 
     Parameters
@@ -58,7 +58,7 @@ def calibration_views(path: Path) -> tuple[str, ...]:
 class Reconstruction:
     """Points, and the eccentricity that was corrected in their centroids."""
 
-    points: ReconstructedPoints
+    points: Points
     bias: CentreBias | None
     """None if it was not corrected."""
     miss_px: float | None
@@ -71,20 +71,20 @@ class Reconstruction:
 
 
 def reconstruct_points(
-    model: FittedModel | Rig, detections: Detections, target: Target | None = None
-) -> ReconstructedPoints:
+    model: Model | Rig, detections: Detections, target: Target | None = None
+) -> Points:
     """Return the points of :func:`reconstruct_centres`; without a target, those of the centroids."""
     return reconstruct_centres(model, detections, target).points
 
 
 def reconstruct_centres(
-    model: FittedModel | Rig, detections: Detections, target: Target | None
+    model: Model | Rig, detections: Detections, target: Target | None
 ) -> Reconstruction:
     """Return the points of all dots that every camera of the model measured.
 
     Parameters
     ----------
-    model : FittedModel or Rig
+    model : Model or Rig
         A fitted method gives points in the stage's world, with the covariances that it states; a rig
         triangulates, with covariances from the pixels', in its own world.
     detections : Detections
@@ -141,14 +141,14 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     flag = np.where(residuals.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
-        ReconstructedPoints(matches.view, matches.index, found.point, found.covariance, flag),
+        Points(matches.view, matches.index, found.point, found.covariance, flag),
         bias,
         residuals.typical_px,
         check,
     )
 
 
-def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> Reconstruction:
+def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconstruction:
     bias, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
     if model.resected is not None:
         refuse_swapped(model.resected, matches)
@@ -165,7 +165,7 @@ def _by_method(model: FittedModel, matches: Matches, target: Target | None) -> R
     flag = np.where(outlying | misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)
     flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
-    points = ReconstructedPoints(matches.view, matches.index, point, covariance, flag)
+    points = Points(matches.view, matches.index, point, covariance, flag)
     return Reconstruction(points, bias, typical_px, check)
 
 

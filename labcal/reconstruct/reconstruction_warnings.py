@@ -4,19 +4,19 @@ from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import PointFlag
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.reconstruct.reconstruction import Reconstruction
 from labcal.wording import counted, listed
 
 
 def reconstruction_warnings(
-    model: FittedModel | Rig, detections: Detections, found: Reconstruction, target_known: str | None
+    model: Model | Rig, detections: Detections, found: Reconstruction, target_known: str | None
 ) -> tuple[str, ...]:
     """Return the warnings in words.
 
     Parameters
     ----------
-    model : FittedModel or Rig
+    model : Model or Rig
     detections : Detections
         Pixels of the reconstructed dots.
     found : Reconstruction
@@ -29,7 +29,7 @@ def reconstruction_warnings(
             "the points are computed from centroids, not from centres: the target is not known. Name it: "
             "--target NAME"
         )
-    if isinstance(model, FittedModel) and model.misfit:
+    if isinstance(model, Model) and model.misfit:
         warnings.append(
             f"surrogate validation of '{model.estimator.method}' found errors far above the noise limit "
             "or its stated covariance: its points are flagged 'model-misfit'. Fit another method, 'hybrid' "

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from labcal.arrays import Points, Pose
+from labcal.arrays import Vectors3, Pose
 from labcal.geometry.poses import transform
 from labcal.render.variant import Jit
 from labcal.scene.surface import Surface
@@ -19,13 +19,13 @@ SIDES = 96
 class Facets:
     """Triangles in a body's own frame, mm."""
 
-    vertices: Points
+    vertices: Vectors3
     """(n, 3)."""
     faces: np.ndarray
     """(m, 3), numbers of vertices, counter-clockwise seen from outside."""
     uv: np.ndarray
     """(n, 2), texture coordinates."""
-    normals: Points | None = None
+    normals: Vectors3 | None = None
     """(n, 3), of a curved surface; none for one that is flat facet by facet."""
 
     def mesh(self, mi: ModuleType, name: str, T_world_body: Pose, inside: dict[str, Any]) -> Jit:
@@ -110,7 +110,7 @@ def sheet_facets(surface: Surface) -> Facets:
     return Facets(surface.points(xy), faces, uv, surface.normals(xy))
 
 
-def _circle(diameter_mm: float) -> tuple[Points, Points]:
+def _circle(diameter_mm: float) -> tuple[Vectors3, Vectors3]:
     """Return unit vectors around z, and the corners of the polygon with the circle's area, (SIDES, 3)."""
     angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
     around = np.stack([np.cos(angle), np.sin(angle), np.zeros(SIDES)], axis=-1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
@@ -44,7 +44,7 @@ def require_room(scene: Scene, view: PlannedView, cameras: dict[str, Camera]) ->
     _require_in_room(scene, corners, target, "Move the target, or room.floor_z_mm or room.wall_y_mm.")
 
 
-def _require_in_room(scene: Scene, p: Points, what: str, mend: str) -> None:
+def _require_in_room(scene: Scene, p: Vectors3, what: str, mend: str) -> None:
     """Raise if any of the points (n, 3) is under the floor or behind the wall."""
     if (p[:, 2] <= scene.room.floor_z_mm).any() or (p[:, 1] >= scene.room.wall_y_mm).any():
         raise InputError(f"{what} is under the floor or behind the wall. {mend}")

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from scipy.spatial.transform import Rotation
 
-from labcal.arrays import Mask, Pixels, Points, Pose
+from labcal.arrays import Mask, Pixels, Vectors3, Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import flat_outlines
 from labcal.errors import InputError
@@ -43,7 +43,7 @@ class Candidate:
 class Shape:
     """Points of a target, mm."""
 
-    centres: Points
+    centres: Vectors3
     """(n, 3), of all dots."""
     dots: Float64[np.ndarray, "n few 3"]
     """On the outlines of all dots."""
@@ -154,7 +154,7 @@ def _seen(camera: Camera, T_world_target: Pose, shape: Shape, placement: Handhel
     return np.asarray(camera.project(transform(T_world_target, shape.centres[visible])).q)
 
 
-def _inside(camera: Camera, T_world_target: Pose, p: Points) -> Mask:
+def _inside(camera: Camera, T_world_target: Pose, p: Vectors3) -> Mask:
     """Return a mask of the points of the target that are inside the picture."""
     return camera.in_picture(camera.project(transform(T_world_target, p)).q)
 

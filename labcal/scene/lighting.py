@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.arrays import Points, Pose
+from labcal.arrays import Vectors3, Pose
 from labcal.geometry.poses import facing, transform
 from labcal.scene.lamps import Aimed, Ambient, Lamp, Panel, Ring, Spot
 from labcal.scene.model import Scene
@@ -39,7 +39,7 @@ def lamp_body(name: str, lamp: Lamp) -> Solid | None:
     return None
 
 
-def irradiance(lamp: Lamp, p: Points, normal: np.ndarray) -> np.ndarray:
+def irradiance(lamp: Lamp, p: Vectors3, normal: np.ndarray) -> np.ndarray:
     """Return the irradiance of a surface by one lamp, without occlusion.
 
     Parameters
@@ -75,7 +75,7 @@ def _per_point(normal: np.ndarray) -> np.ndarray:
     return normal.reshape(-1, 3)
 
 
-def _panel_patches(lamp: Panel) -> tuple[Points, np.ndarray]:
+def _panel_patches(lamp: Panel) -> tuple[Vectors3, np.ndarray]:
     """Return the middles (n, 3) and areas (n,) of a panel's patches, mm and mm2."""
     steps = (np.arange(PATCHES) + 0.5) / PATCHES - 0.5
     width, height = lamp.size_mm
@@ -84,7 +84,7 @@ def _panel_patches(lamp: Panel) -> tuple[Points, np.ndarray]:
     return middles, np.full(x.size, width * height / x.size)
 
 
-def _ring_patches(lamp: Ring) -> tuple[Points, np.ndarray]:
+def _ring_patches(lamp: Ring) -> tuple[Vectors3, np.ndarray]:
     """Return the middles and areas of a ring's patches, all of one area."""
     inner, outer = (0.5 * lamp.inner_diameter_mm) ** 2, (0.5 * lamp.outer_diameter_mm) ** 2
     radius = np.sqrt(inner + (outer - inner) * (np.arange(PATCHES) + 0.5) / PATCHES)
@@ -94,7 +94,7 @@ def _ring_patches(lamp: Ring) -> tuple[Points, np.ndarray]:
     return middles, np.full(x.size, np.pi * (outer - inner) / x.size)
 
 
-def _from_spot(lamp: Spot, T_world_lamp: Pose, p: Points, normal: np.ndarray) -> np.ndarray:
+def _from_spot(lamp: Spot, T_world_lamp: Pose, p: Vectors3, normal: np.ndarray) -> np.ndarray:
     """Return the irradiance by a spotlight; its fall-off is that of Mitsuba, linear in the angle."""
     way = T_world_lamp[:3, 3] - p
     squared = (way**2).sum(axis=-1)

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 from scipy.spatial.transform import Rotation
 
-from labcal.arrays import Points, Pose
+from labcal.arrays import Vectors3, Pose
 from labcal.geometry.poses import from_rotation_vector, pose, transform
 from labcal.scene.camera import Vector
 
@@ -37,7 +37,7 @@ class Track:
 
     T_world_target: Pose
     """Pose at 0 s, mm."""
-    middle: Points
+    middle: Vectors3
     """The board's middle at 0 s, world, mm, shape (3,)."""
     velocity: np.ndarray
     """mm/s, world, shape (3,)."""
@@ -55,7 +55,7 @@ class Track:
         T_world_target: Pose = turn @ pose(np.eye(3), -self.middle) @ self.T_world_target
         return T_world_target
 
-    def carried(self, p: Points, seconds: np.ndarray) -> Points:
+    def carried(self, p: Vectors3, seconds: np.ndarray) -> Vectors3:
         """Return points of the target in the world, each at its own time.
 
         Parameters

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.cameras.dot_image import flat_outlines
 from labcal.errors import InputError
 from labcal.rng import generator
@@ -66,7 +66,7 @@ class TruePrint:
         return bool((self.displacement != 0.0).any())
 
     @cached_property
-    def centres(self) -> Points:
+    def centres(self) -> Vectors3:
         """The dots' centres in the target's frame, mm, shape (dots, 3)."""
         return self.surface.points(self._on_paper(self.target.points())[:, 0])
 
@@ -89,7 +89,7 @@ class TruePrint:
         """Return the displacements of dots in the design, before scale and shear of the print."""
         return np.asarray(self.displacement @ np.linalg.inv(self.A).T)
 
-    def _on_paper(self, p: Points) -> np.ndarray:
+    def _on_paper(self, p: Vectors3) -> np.ndarray:
         """Return positions on the paper of positions p in the design, one row per dot, (dots, n, 2)."""
         by_dot = p.reshape(self.target.count, -1, 3)[..., :2]
         middle = self.surface.middle

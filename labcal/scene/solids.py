@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from labcal.arrays import Mask, Points, Pose
+from labcal.arrays import Mask, Vectors3, Pose
 from labcal.geometry.poses import inverse, transform
 from labcal.scene.quantities import Colour
 
@@ -45,7 +45,7 @@ class Block:
             enters, leaves = np.maximum(enters, first), np.minimum(leaves, last)
         return np.asarray(enters <= leaves)
 
-    def holds(self, p: Points) -> Mask:
+    def holds(self, p: Vectors3) -> Mask:
         """Return whether world points are inside."""
         local = transform(inverse(self.T_world_block), p)
         return np.asarray((np.abs(local) < 0.5 * np.array(self.size_mm)).all(axis=-1))
@@ -83,7 +83,7 @@ class Cylinder:
             met &= ~((first < enters) & (enters < last))
         return np.asarray(met)
 
-    def holds(self, p: Points) -> Mask:
+    def holds(self, p: Vectors3) -> Mask:
         """Return whether world points are inside."""
         x, y, z = np.moveaxis(transform(inverse(self.T_world_cylinder), p), -1, 0)
         inside = (np.abs(z) < 0.5 * self.length_mm) & (np.hypot(x, y) < 0.5 * self.diameter_mm)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.scene.board import Bend
 from labcal.scene.solids import Met, Starts
 from labcal.targets.grid import DotGrid
@@ -40,13 +40,13 @@ class Surface:
         mixed = 0.5 * bend.twist_mm / (a * b)
         return np.array([[bend.along_x_mm / a**2, mixed], [mixed, bend.along_y_mm / b**2]])
 
-    def points(self, xy: np.ndarray) -> Points:
+    def points(self, xy: np.ndarray) -> Vectors3:
         """Return the points of the surface at positions on the board, shape (..., 2) to (..., 3)."""
         w = xy - self.middle
         height = ((w @ self.form) * w).sum(axis=-1)
         return np.concatenate([xy, height[..., None]], axis=-1)
 
-    def normals(self, xy: np.ndarray) -> Points:
+    def normals(self, xy: np.ndarray) -> Vectors3:
         """Return unit normals at positions, on the side of the viewer, shape (..., 2) to (..., 3)."""
         slope = 2.0 * (xy - self.middle) @ self.form
         normal = np.concatenate([-slope, np.ones((*slope.shape[:-1], 1))], axis=-1)

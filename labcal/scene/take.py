@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera, Projection
 from labcal.scene.motion import ShutterTimes, Track
 from labcal.scene.photometry import Photometry
@@ -35,7 +35,7 @@ class Take:
         blur_px = math.hypot(of_scene.blur_px, self.defocus_px)
         return of_scene if self.defocus_px == 0.0 else of_scene.model_copy(update={"blur_px": blur_px})
 
-    def instants(self, p: Points) -> np.ndarray:
+    def instants(self, p: Vectors3) -> np.ndarray:
         """Return the middle of the exposure of the row on which each point is imaged.
 
         Found by iteration on the row, which converges as long as an image moves by less than the picture's
@@ -63,11 +63,11 @@ class Take:
                 break
         return np.where(settled, seconds, np.nan)
 
-    def _rows(self, p: Points, seconds: np.ndarray) -> np.ndarray:
+    def _rows(self, p: Vectors3, seconds: np.ndarray) -> np.ndarray:
         """Return the rows on which points of the target are imaged, each at its own time."""
         return np.asarray(self.device.project(self.track.carried(p, seconds)).q[..., 1])
 
-    def image(self, p: Points) -> Projection:
+    def image(self, p: Vectors3) -> Projection:
         """Return the pixels of points of the target, at the middle of the exposure of their own row.
 
         Parameters

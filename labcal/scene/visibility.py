@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.arrays import Mask, Points, Pose
+from labcal.arrays import Mask, Vectors3, Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages
 from labcal.geometry.poses import inverse, transform
@@ -23,7 +23,7 @@ def bodies_between(scene: Scene, T_world_target: Pose) -> tuple[Solid, ...]:
     return (table, *obstacles(scene, T_world_target), *(body for body in lamps if body is not None))
 
 
-def turned_away(made: TruePrint, T_world_target: Pose, eyes: Points) -> Mask:
+def turned_away(made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
     """Return a mask of dots whose back is visible, or that the bent board itself hides, shape (dots,).
 
     Parameters
@@ -41,7 +41,7 @@ def turned_away(made: TruePrint, T_world_target: Pose, eyes: Points) -> Mask:
     return away
 
 
-def hidden_by(solid: Solid, made: TruePrint, T_world_target: Pose, eyes: Points) -> Mask:
+def hidden_by(solid: Solid, made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
     """Return a mask of dots of which a solid body hides any part, shape (dots,).
 
     The path to every sample of a dot is exact; what is narrower than a tenth of a dot's radius may lie
@@ -57,7 +57,7 @@ def hidden_by(solid: Solid, made: TruePrint, T_world_target: Pose, eyes: Points)
     return hidden
 
 
-def unseen(scene: Scene, made: TruePrint, T_world_target: Pose, eyes: Points) -> Mask:
+def unseen(scene: Scene, made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
     """Return a mask of dots that are hidden in part or turned away, shape (dots,)."""
     hidden = turned_away(made, T_world_target, eyes)
     for solid in bodies_between(scene, T_world_target):
@@ -65,7 +65,7 @@ def unseen(scene: Scene, made: TruePrint, T_world_target: Pose, eyes: Points) ->
     return hidden
 
 
-def what_hides(scene: Scene, made: TruePrint, T_world_target: Pose, eye: Points, number: int) -> str | None:
+def what_hides(scene: Scene, made: TruePrint, T_world_target: Pose, eye: Vectors3, number: int) -> str | None:
     """Return the name of the body that hides one dot from a viewpoint, or None if nothing does."""
     eyes = np.broadcast_to(eye, (made.target.count, 3))
     for solid in bodies_between(scene, T_world_target):
@@ -74,7 +74,7 @@ def what_hides(scene: Scene, made: TruePrint, T_world_target: Pose, eye: Points,
     return "the bend of the board" if turned_away(made, T_world_target, eyes)[number] else None
 
 
-def viewpoints(camera: Camera, images: DotImages) -> Points:
+def viewpoints(camera: Camera, images: DotImages) -> Vectors3:
     """Return the beginning of the line to each dot: the origin of its ray, or the centre of the camera."""
     eyes = np.tile(camera.centre, (len(images.centre), 1))
     rays = camera.rays(images.centroid[images.ok])

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from labcal.arrays import Mask, Pixels, Points
+from labcal.arrays import Mask, Pixels, Vectors3
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.cameras.record import CameraRecord, PoseRecord
 from labcal.cameras.rig import Rig, checked_rig
@@ -74,7 +74,7 @@ class TrueDots:
     camera: str
     index: np.ndarray
     """(n, 2) integer, (col, row)."""
-    point: Points
+    point: Vectors3
     """(n, 3), world, mm."""
     centre: Pixels
     """(n, 2), the image of the dot's centre."""

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labcal.arrays import DotIndices, Lengths, Points
+from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import LEAST_SHARE_OF_PITCH, Length, Margin
 from labcal.run.names import Name
 
@@ -138,7 +138,7 @@ class CharucoBoard(BaseModel):
         row, col = np.divmod(np.arange(self.count), self.cols)
         return np.stack([col, row], axis=-1)
 
-    def points(self, indices: DotIndices | None = None) -> Points:
+    def points(self, indices: DotIndices | None = None) -> Vectors3:
         """Return the places of corners in the target's frame.
 
         Parameters
@@ -171,7 +171,7 @@ class CharucoBoard(BaseModel):
         down, col = np.divmod(ids, self.cols)
         return np.stack([col, self.rows - 1 - down], axis=-1)
 
-    def points_from_opencv(self, p: Points) -> Points:
+    def points_from_opencv(self, p: Vectors3) -> Vectors3:
         """Return points of OpenCV's board in the target's frame, mm."""
         origin = np.array([self.square_mm, self.rows * self.square_mm, 0.0])
         return np.asarray((p - origin) * np.array([1.0, -1.0, -1.0]))

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labcal.arrays import DotIndices, Lengths, Points
+from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import LEAST_SHARE_OF_PITCH, MOST_DOTS, Length, Margin
 from labcal.run.names import Name
 
@@ -189,7 +189,7 @@ class DotGrid(BaseModel):
         row, col = np.divmod(np.arange(self.count), self.cols)
         return np.stack([col, row], axis=-1)
 
-    def points(self, indices: DotIndices | None = None) -> Points:
+    def points(self, indices: DotIndices | None = None) -> Vectors3:
         """Return the centres of dots in the target's frame.
 
         Parameters

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_validator
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.bounds import MOST_MM, Millimetres
 from labcal.geometry.covariances import valid_or_not_stated
 from labcal.run.documents import read_document
@@ -69,7 +69,7 @@ class DotPlaces(BaseModel):
     def of(
         cls,
         target: AnyTarget,
-        places: Points,
+        places: Vectors3,
         covariance: Float64[np.ndarray, "dots 3 3"],
         pictures: np.ndarray,
         freed: np.ndarray,
@@ -89,7 +89,7 @@ class DotPlaces(BaseModel):
             )  # fmt: skip
         return cls(target=target, dots=tuple(dots))
 
-    def points(self) -> Points:
+    def points(self) -> Vectors3:
         """Return the places in the order of the target's indices, mm, shape (dots, 3)."""
         return np.array([[dot.x_mm, dot.y_mm, dot.z_mm] for dot in self.dots])
 

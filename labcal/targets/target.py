@@ -2,7 +2,7 @@
 
 from typing import Protocol, runtime_checkable
 
-from labcal.arrays import DotIndices, Lengths, Points
+from labcal.arrays import DotIndices, Lengths, Vectors3
 
 
 @runtime_checkable
@@ -40,7 +40,7 @@ class Target(Protocol):
     def indices(self) -> DotIndices:
         """Return (col, row) of every dot, row by row from (0, 0), shape (count, 2), integer."""
 
-    def points(self, indices: DotIndices | None = None) -> Points:
+    def points(self, indices: DotIndices | None = None) -> Vectors3:
         """Return the places of dots, or of all, in the target's frame, mm, shape (n, 3), with z = 0."""
 
     def outer_diameters_mm(self) -> Lengths:

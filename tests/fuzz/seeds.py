@@ -16,7 +16,7 @@ from labcal.correspond.detections import Detections, detections_csv
 from labcal.correspond.interop.corners_vnl import corners_text
 from labcal.correspond.points import points_csv
 from labcal.estimators.camera_estimator import CameraEstimator
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import save_model
 from labcal.estimators.networks.mlp import Mlp
 from labcal.estimators.networks.mlp_bayes import MlpBayes
@@ -182,7 +182,7 @@ def _models(home: Path, cameras: dict[str, Camera]) -> None:
         if isinstance(estimator, CameraEstimator):
             estimator.set_params(lens="brown-k1k2", image_sizes=(SIZE, SIZE))
         estimator.fit(X, p)
-        model = FittedModel(estimator, tuple(cameras), (SIZE, SIZE), TrainingBox.of(X, p))
+        model = Model(estimator, tuple(cameras), (SIZE, SIZE), TrainingBox.of(X, p))
         save_model(home / f"{name}.safetensors", model, force=True)
 
 

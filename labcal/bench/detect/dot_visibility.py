@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Mask, Pixels, Points
+from labcal.arrays import Mask, Pixels, Vectors3
 from labcal.cameras.dot_image import outlined_images
 from labcal.geometry.poses import transform
 from labcal.scene.furniture import obstacles
@@ -88,7 +88,7 @@ def dot_visibility(scene: Scene, take: Take, clear_px: float) -> DotVisibility:
     )
 
 
-def _covered(body: Solid, made: TruePrint, T_world_target: np.ndarray, eyes: Points) -> np.ndarray:
+def _covered(body: Solid, made: TruePrint, T_world_target: np.ndarray, eyes: Vectors3) -> np.ndarray:
     """Return the share of the area of each dot that a body covers, shape (dots,)."""
     share, total = np.zeros(len(eyes)), 0.0
     for radius in SHARES:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.bench.solve.held_rig import CAMERAS, TARGET, HeldRig
-from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.correspond.detections import Detections
 from labcal.report.bench import Check, at_most

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Points, Pose
+from labcal.arrays import Vectors3, Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import PRESCRIPTION
 from labcal.cameras.prescription import load_prescription
@@ -34,7 +34,7 @@ class Volume:
     low: tuple[float, float, float]
     high: tuple[float, float, float]
 
-    def planes(self) -> Points:
+    def planes(self) -> Vectors3:
         """Return the dots of four planes across z, the box's faces included, (520, 3)."""
         x, y = np.meshgrid(
             np.linspace(self.low[0], self.high[0], COLS), np.linspace(self.low[1], self.high[1], ROWS)
@@ -42,7 +42,7 @@ class Volume:
         heights = np.linspace(self.low[2], self.high[2], PLANES)
         return np.concatenate([np.stack([x.ravel(), y.ravel(), np.full(x.size, z)], axis=1) for z in heights])
 
-    def points(self, count: int, random: np.random.Generator) -> Points:
+    def points(self, count: int, random: np.random.Generator) -> Vectors3:
         """Return random points, (count, 3)."""
         return random.uniform(self.low, self.high, (count, 3))
 

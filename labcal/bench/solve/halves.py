@@ -4,12 +4,12 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
-from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.targets.catalogue import AnyTarget
@@ -63,13 +63,13 @@ def print_and_rig(learned: Detections, target: AnyTarget, lens: str) -> tuple[Ha
 
 
 def lengths_elsewhere(
-    model: Rig | FittedModel, places: DotPlaces, others: Detections, target: AnyTarget
+    model: Rig | Model, places: DotPlaces, others: Detections, target: AnyTarget
 ) -> LengthErrors:
     """Return the errors of distances on a print that was measured in other views.
 
     Parameters
     ----------
-    model : Rig or FittedModel
+    model : Rig or Model
         What reconstructs.
     places : DotPlaces
         Of the dots on the print.

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from labcal.calibrate.agreement.finding import CauseName, ContradictionError
-from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.correspond.detections import Detections
@@ -94,7 +94,7 @@ def calibrated_by_mrcal(
     return None
 
 
-def reprojected(model: Path, v: Points) -> Pixels:
+def reprojected(model: Path, v: Vectors3) -> Pixels:
     """Return images of directions by ``mrcal-reproject-points``, which prints six digits.
 
     Parameters
@@ -119,7 +119,7 @@ def reprojected(model: Path, v: Points) -> Pixels:
     return np.array(rows, dtype=np.float64)
 
 
-def projected(model: Path, p: Points) -> Pixels:
+def projected(model: Path, p: Vectors3) -> Pixels:
     """Return images of points of the frame of the reference, mm, by the Python module of mrcal."""
     said = module_run(_PROJECT, [model], json.dumps((p / _MM_IN_M).tolist()))
     return np.array(json.loads(said), dtype=np.float64)

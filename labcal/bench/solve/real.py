@@ -13,7 +13,7 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
-from labcal.estimators.fitted_model import FittedModel
+from labcal.estimators.model import Model
 from labcal.estimators.fitting import fit_method
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.registry import make_estimator
@@ -60,7 +60,7 @@ def real_findings(bench: Bench) -> Findings:
     for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
         found, places = print_and_rig(learned, target, LENS)
         training = handheld_training(found, learned, target).data
-        models: dict[str, Rig | FittedModel] = {"rig": found.rig}
+        models: dict[str, Rig | Model] = {"rig": found.rig}
         models |= {method: fit_method(training, make_estimator(method)) for method in METHODS_COMPARED}
         for name, model in models.items():
             lengths = lengths_elsewhere(model, places, others, target).length_error_mm

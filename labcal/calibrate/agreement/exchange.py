@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.calibrate.lone_calibration import CameraAlone
 from labcal.calibrate.rig_start import SharedViews
 from labcal.calibrate.view_agreement import target_residuals
@@ -18,7 +18,7 @@ _CANDIDATES = 20
 """Views that are tried for a reference."""
 
 
-def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Points) -> Bool[np.ndarray, " n"] | None:
+def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Vectors3) -> Bool[np.ndarray, " n"] | None:
     """Return the shared views whose pictures seem to be exchanged.
 
     The poses between the cameras of exchanged views are the inverse of the others'. None where the poses of

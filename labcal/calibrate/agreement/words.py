@@ -1,6 +1,6 @@
 """Messages about cameras of a rig that contradict each other."""
 
-from labcal.calibrate.calibration import HandheldCalibration
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 
 
 def contradiction_message(found: HandheldCalibration) -> list[str]:

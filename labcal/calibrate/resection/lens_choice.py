@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.held_out import folds, simplest
 from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
 from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted, resect
@@ -31,7 +31,7 @@ class _Trial:
     """Squared distances of held-out points, px squared; infinite where they cannot be imaged."""
 
 
-def chosen_camera(method: str, q: Pixels, p: Points, size: tuple[int, int]) -> ResectedCamera:
+def chosen_camera(method: str, q: Pixels, p: Vectors3, size: tuple[int, int]) -> ResectedCamera:
     """Return the camera with the simplest lens model that predicts held-out points as well as any.
 
     Parameters
@@ -88,7 +88,7 @@ def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) 
     raise UnknownNameError("lens", lens, [AUTO, *LENSES, *prescription_names()])
 
 
-def _trial(method: str, q: Pixels, p: Points, size: tuple[int, int], lens: str) -> _Trial | None:
+def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str) -> _Trial | None:
     """Return how a lens model does, or None where it cannot be fitted."""
     try:
         whole = resect(method, q, p, camera_of_lens(lens, size, None))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Pixels, PointJacobians, Points
+from labcal.arrays import Mask, Pixels, PointJacobians, Vectors3
 from labcal.calibrate.adjustment.state import POSE, moved_poses
 from labcal.cameras.camera import Camera
 from labcal.cameras.free_numbers import FreeNumbers
@@ -48,7 +48,7 @@ class PlacedCamera:
         """Pose and free numbers."""
         return POSE + self.numbers.count
 
-    def seen(self, p: Points) -> SeenPoints:
+    def seen(self, p: Vectors3) -> SeenPoints:
         """Return the images of world points, mm, with all derivatives."""
         T = self.camera.T_cam_world
         R = T[:3, :3]

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.lens_prior import PriorWidth, coefficient_weights
 from labcal.calibrate.resection.placed import PlacedCamera
@@ -32,7 +32,7 @@ class ResectionProblem:
     """
 
     q: Pixels
-    p: Points
+    p: Vectors3
     whitening: Whitening
     prior: Float64[np.ndarray, " free"]
 
@@ -102,7 +102,7 @@ class ResectionEquations:
         return np.asarray(scipy.linalg.cho_solve(factor, self.gradient / self.scale) / self.scale)
 
 
-def lens_prior(at: PlacedCamera, p: Points, width: PriorWidth) -> Float64[np.ndarray, " free"]:
+def lens_prior(at: PlacedCamera, p: Vectors3, width: PriorWidth) -> Float64[np.ndarray, " free"]:
     """Return the inverse variances of a camera's pose and free numbers: those of its lens.
 
     Parameters

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.calibrate.resection.placed import PlacedCamera
@@ -62,7 +62,7 @@ class ResectedCamera:
 
 
 @one_blas_thread()
-def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
+def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamera:
     """Return the camera that images points nearest to pixels.
 
     Parameters
@@ -103,7 +103,7 @@ def resect(method: str, q: Pixels, p: Points, *kinds: Camera) -> ResectedCamera:
 
 
 def adjusted(
-    start: PlacedCamera, q: Pixels, p: Points, whitening: Whitening, damping: Damping = FAR
+    start: PlacedCamera, q: Pixels, p: Vectors3, whitening: Whitening, damping: Damping = FAR
 ) -> ResectedCamera:
     """Return the camera nearest to pixels, from a start that images all points.
 

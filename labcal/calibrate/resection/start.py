@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import undistorted_dist
 from labcal.errors import InputError
@@ -20,7 +20,7 @@ _KEPT, _KEPT_OF_SEVERAL = 2, 6
 """Starts that are worth an adjustment, of one kind of camera and of several together."""
 
 
-def resection_starts(q: Pixels, p: Points, kinds: Sequence[Camera]) -> list[Camera]:
+def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Camera]:
     """Return cameras to begin with, the most promising first.
 
     Parameters
@@ -82,7 +82,7 @@ def camera_with_field(kind: Camera, field: float) -> Camera:
     return replace(kind, K=K, dist=undistorted_dist(kind.model), T_cam_world=np.eye(4))
 
 
-def _with_pose(camera: Camera, q: Pixels, p: Points) -> Camera | None:
+def _with_pose(camera: Camera, q: Pixels, p: Vectors3) -> Camera | None:
     rays = camera.rays(q)
     if rays.ok.mean() < 0.5:  # noqa: PLR2004 -- a picture's corners may lie beyond a lens's field
         return None
@@ -92,7 +92,7 @@ def _with_pose(camera: Camera, q: Pixels, p: Points) -> Camera | None:
         return None
 
 
-def _linear(q: Pixels, p: Points, kind: Camera) -> Camera | None:
+def _linear(q: Pixels, p: Vectors3, kind: Camera) -> Camera | None:
     """Return the pinhole of the linear projection, without skew (Hartley and Zisserman, section 6.2.4)."""
     try:
         projection = projective_map("resection", p, q)
@@ -111,7 +111,7 @@ def _linear(q: Pixels, p: Points, kind: Camera) -> Camera | None:
     return replace(kind, K=K, dist=undistorted_dist(kind.model), T_cam_world=pose(R, t))
 
 
-def _miss(camera: Camera, q: Pixels, p: Points) -> float:
+def _miss(camera: Camera, q: Pixels, p: Vectors3) -> float:
     """Return the root mean square distance, px; infinite where points cannot be imaged."""
     found = camera.project(p)
     if not found.ok.all():

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Float64
 
-from labcal.arrays import PixelCovariances, Pixels, Points
+from labcal.arrays import PixelCovariances, Pixels, Vectors3
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import Imaged, imaged
@@ -38,7 +38,7 @@ class LearnedField:
     field: PixelField
     places: Places
     asked: Asked
-    p: Points
+    p: Vectors3
 
 
 @dataclass(frozen=True)
@@ -66,18 +66,18 @@ class LearnedCamera:
         """The lens formula."""
         return self.placed.camera
 
-    def explained(self, q: Pixels, p: Points) -> Pixels:
+    def explained(self, q: Pixels, p: Vectors3) -> Pixels:
         """Return the field at pixels that see points (mm), px."""
         if self.learned is None:
             return np.zeros_like(q)
         return self.learned.field.at(self.inputs(self.learned, q, p))
 
-    def inputs(self, learned: LearnedField, q: Pixels, p: Points) -> Float64[np.ndarray, "n 3"]:
+    def inputs(self, learned: LearnedField, q: Pixels, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
         """Return the inputs of the field for points (mm) measured at pixels."""
         at = q if learned.asked is Asked.ARRIVED else self.camera.project(p).q
         return learned.places.inputs(self.camera, at, p)
 
-    def project(self, p: Points) -> Pixels:
+    def project(self, p: Vectors3) -> Pixels:
         """Return the images of world points (mm), (n, 2), px; NaN where the lens has none.
 
         Where the field is asked where light arrives, that place is found by substitution: a field that bends
@@ -92,7 +92,7 @@ class LearnedCamera:
             q[known] = ideal[known] + self.explained(q[known], p[known])
         return q
 
-    def pixel_covariance(self, q: Pixels, p: Points, measured: PixelCovariances) -> PixelCovariances:
+    def pixel_covariance(self, q: Pixels, p: Vectors3, measured: PixelCovariances) -> PixelCovariances:
         """Return the covariance of predicted minus measured pixels, px squared.
 
         Parameters
@@ -145,7 +145,7 @@ class _Measured:
     camera: LearnedCamera
     q: Pixels
 
-    def imaged(self, p: Points) -> Imaged:
+    def imaged(self, p: Vectors3) -> Imaged:
         """Return the images of the points of the pixels, and their derivatives."""
         lens, learned = self.camera.camera, self.camera.learned
         found = imaged(lens, p)
@@ -193,7 +193,7 @@ def triangulated(
     return refined(imagers, found.point, q, total)
 
 
-def _start(cameras: Sequence[LearnedCamera], q: Float64[np.ndarray, "n cameras 2"]) -> Points:
+def _start(cameras: Sequence[LearnedCamera], q: Float64[np.ndarray, "n cameras 2"]) -> Vectors3:
     """Return the points nearest to the rays of pixels after subtraction of the field."""
     lenses = [camera.camera for camera in cameras]
     middle = np.mean([camera.placed.middle for camera in cameras], axis=0)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted
 from labcal.estimators.gp_field.evidence import FieldScale, field_scale
 from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
@@ -25,7 +25,7 @@ _EXACT_PX = 1e-4
 
 
 @one_blas_thread()
-def learned_camera(start: ResectedCamera, q: Pixels, p: Points) -> LearnedCamera:
+def learned_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> LearnedCamera:
     """Return a camera with the field that its residuals require, or without if they require none.
 
     Parameters
@@ -96,7 +96,7 @@ class _Learned:
         return np.asarray(q + self.found.residual + self.learned.field.smoothed())
 
 
-def _learned(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> _Learned | None:
+def _learned(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | None:
     """Return camera and field after some rounds, or None if no field is required."""
     ends = list(_rounds(stage, q, p, asked))
     if len(ends) < ROUNDS:
@@ -107,7 +107,7 @@ def _learned(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> _Learned | No
     return max(ends, key=lambda end: end.restricted)
 
 
-def _rounds(stage: _Stage, q: Pixels, p: Points, asked: Asked) -> Iterator[_Learned]:
+def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Learned]:
     """Yield camera and field after each round, until no field is required."""
     found, scale, at = stage.found, stage.scale, stage.at
     for _ in range(ROUNDS):

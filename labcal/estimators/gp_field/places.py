@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Pixels, Points
+from labcal.arrays import Pixels, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
 
@@ -31,18 +31,18 @@ class Places:
     span: float
 
     @classmethod
-    def of(cls, camera: Camera, p: Points) -> "Places":
+    def of(cls, camera: Camera, p: Vectors3) -> "Places":
         """Return the scaling for trained points, mm."""
         nearness = _nearness(camera, p)
         low, high = float(nearness.min()), float(nearness.max())
         return cls(float(camera.size[0]), low, high - low if high > low else low)
 
-    def inputs(self, camera: Camera, q: Pixels, p: Points) -> Float64[np.ndarray, "n 3"]:
+    def inputs(self, camera: Camera, q: Pixels, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
         """Return the inputs of points, mm, that are seen at pixels."""
         nearness = (_nearness(camera, p) - self.farthest) / self.span
         return np.column_stack([q / self.width_px, nearness])
 
-    def depth_slopes(self, camera: Camera, p: Points) -> Float64[np.ndarray, "n 3"]:
+    def depth_slopes(self, camera: Camera, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
         """Return the derivative of the third input by the point, 1/mm."""
         T = camera.T_cam_world
         p_cam = transform(T, p)
@@ -50,5 +50,5 @@ class Places:
         return np.asarray(-(p_cam @ T[:3, :3]) / cubed / self.span)
 
 
-def _nearness(camera: Camera, p: Points) -> np.ndarray:
+def _nearness(camera: Camera, p: Vectors3) -> np.ndarray:
     return np.asarray(1.0 / np.linalg.norm(transform(camera.T_cam_world, p), axis=1))

@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Float64
 from scipy.linalg import solve_triangular
 
-from labcal.arrays import Points
+from labcal.arrays import Vectors3
 from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.networks.network_estimator import joint_reason
@@ -180,7 +180,7 @@ class RayNet(PointEstimator):
     def _problem(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
-        points: Points,
+        points: Vectors3,
         scales: Float64[np.ndarray, "cameras n 2 2"],
     ) -> RayProblem:
         """Return the problem of all cameras, with pixels per mm at every point."""
@@ -239,7 +239,7 @@ class RayNet(PointEstimator):
         return self._network().forward(weights, self._scaled(camera, pixels))[1].numpy()
 
     def _pixels_per_mm(
-        self, camera: int, pixels: Float64[np.ndarray, "n inputs"], p: Points
+        self, camera: int, pixels: Float64[np.ndarray, "n inputs"], p: Vectors3
     ) -> Float64[np.ndarray, "n 2 2"]:
         """Return what a miss at each point is in pixels: the inverse of how its ray moves with the pixel."""
         weights = torch.from_numpy(self.parameters_[camera])

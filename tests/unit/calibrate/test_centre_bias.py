@@ -15,7 +15,7 @@ from labcal.correspond.matching import match, stage_points
 from labcal.correspond.training import TrainingData
 from labcal.estimators.centred_training import centred_training
 from labcal.estimators.dlt import Dlt
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import load_model, save_model
 from labcal.reconstruct.reconstruction import reconstruct_centres
 from labcal.targets.grid import DotGrid
@@ -91,12 +91,12 @@ def test_a_method_learns_and_gives_centres(
     dots = centroids(pinholes, large, tests)
     truth = stage_points(match(dots, data.cameras), large, tests)
 
-    def rms(model: FittedModel, target: DotGrid | None) -> float:
+    def rms(model: Model, target: DotGrid | None) -> float:
         off = reconstruct_centres(model, dots, target).points.point - truth
         return float(np.sqrt((off**2).sum(axis=1).mean()))
 
-    raw = FittedModel(Dlt().fit(data.X, data.Y), data.cameras, data.image_sizes, box)
-    centre = FittedModel(
+    raw = Model(Dlt().fit(data.X, data.Y), data.cameras, data.image_sizes, box)
+    centre = Model(
         Dlt().fit(taught.data.X, taught.data.Y), data.cameras, data.image_sizes, box, taught.cameras
     )
     assert rms(raw, large) == rms(raw, None)  # it was taught centroids

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal.correspond.points import ReconstructedPoints, points_csv, read_points
+from labcal.correspond.points import Points, points_csv, read_points
 from labcal.errors import InputError
 
 HEADER = "view,col,row,X_mm,Y_mm,Z_mm,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,flag"
 LINE = "a,1,2,10.5,20.25,-30.0,9.0,2.0,3.0,8.0,5.0,7.0,ok"
 
 
-def table(n: int = 20) -> ReconstructedPoints:
+def table(n: int = 20) -> Points:
     rng = np.random.default_rng(1)
     root = rng.normal(size=(n, 3, 3)) / 3
     covariance = root @ np.swapaxes(root, 1, 2)
@@ -23,7 +23,7 @@ def table(n: int = 20) -> ReconstructedPoints:
     point[flag == "no-solution"] = np.nan
     covariance[flag == "no-solution"] = np.nan
     index = np.stack(np.divmod(np.arange(n), 5), axis=1)
-    return ReconstructedPoints(np.array(["pose-1", "pose-2"] * (n // 2)), index, point, covariance, flag)
+    return Points(np.array(["pose-1", "pose-2"] * (n // 2)), index, point, covariance, flag)
 
 
 def test_a_table_reads_back_exactly(tmp_path: Path) -> None:
@@ -31,7 +31,7 @@ def test_a_table_reads_back_exactly(tmp_path: Path) -> None:
     assert text.splitlines()[0] == HEADER
     (tmp_path / "p.csv").write_text(text)
     back = read_points(tmp_path / "p.csv")
-    for field in fields(ReconstructedPoints):
+    for field in fields(Points):
         np.testing.assert_array_equal(getattr(back, field.name), getattr(table(), field.name))
     assert points_csv(back) == text
 

@@ -12,7 +12,7 @@ from labcal.cameras.triangulation import triangulate
 from labcal.cameras.window import WATER, FlatWindow, Wave, WavyWindow
 from labcal.errors import InputError
 from labcal.estimators.bundle import Bundle
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.hybrid import Hybrid
 from labcal.estimators.model_file import load_model, save_model
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
@@ -130,7 +130,7 @@ def test_a_plane_cannot_be_rehearsed(stereo: View, plane: np.ndarray) -> None:
 
 
 def test_a_saved_field_predicts_the_same_bytes(waves: Simulated, hybrid: Hybrid, tmp_path: Path) -> None:
-    model = FittedModel(hybrid, ("left", "right"), SIZES, TrainingBox.of(*waves.training))
+    model = Model(hybrid, ("left", "right"), SIZES, TrainingBox.of(*waves.training))
     save_model(tmp_path / "model", model, force=False)
     loaded, asked = load_model(tmp_path / "model").estimator, waves.q.reshape(1000, -1)
     first, second = (one.predict_with_covariance(asked, waves.covariance) for one in (hybrid, loaded))

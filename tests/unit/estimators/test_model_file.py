@@ -12,7 +12,7 @@ from safetensors.numpy import save_file
 
 from labcal.errors import InputError, OutputError, UnknownNameError
 from labcal.estimators.camera_estimator import CameraEstimator
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, save_model
 from labcal.estimators.model_header import ModelHeader
 from labcal.estimators.networks.mlp import Mlp
@@ -23,14 +23,14 @@ from labcal.estimators.registry import make_estimator, method_names
 View = Callable[[np.ndarray], np.ndarray]
 
 
-def fitted(name: str, X: np.ndarray, Y: np.ndarray) -> FittedModel:
+def fitted(name: str, X: np.ndarray, Y: np.ndarray) -> Model:
     estimator = make_estimator(name)
     if isinstance(estimator, Mlp | MlpBayes | RayNet):
         estimator.set_params(hidden=(5, 6), max_epochs=4, restarts=2, random_state=2)
     if isinstance(estimator, CameraEstimator):
         estimator.set_params(lens="pinhole")
     estimator.fit(X, Y)
-    return FittedModel(estimator, ("left", "right"), ((640, 480), (800, 600)), TrainingBox.of(X, Y))
+    return Model(estimator, ("left", "right"), ((640, 480), (800, 600)), TrainingBox.of(X, Y))
 
 
 @pytest.fixture
@@ -226,11 +226,11 @@ def test_parts_that_do_not_belong_together_are_refused(stereo: View, volume: np.
     X = stereo(volume)
     estimator, box = make_estimator("affine").fit(X, volume), TrainingBox.of(X, volume)
     with pytest.raises(InputError, match="2 cameras with a picture size each"):
-        FittedModel(estimator, ("left",), ((640, 480),), box)
+        Model(estimator, ("left",), ((640, 480),), box)
     with pytest.raises(InputError, match="name of its own"):
-        FittedModel(estimator, ("left", "left"), ((640, 480), (640, 480)), box)
+        Model(estimator, ("left", "left"), ((640, 480), (640, 480)), box)
     with pytest.raises(InputError, match="training box"):
-        FittedModel(estimator, ("left", "right"), ((640, 480), (640, 480)), TrainingBox.of(X, volume[:, :2]))
+        Model(estimator, ("left", "right"), ((640, 480), (640, 480)), TrainingBox.of(X, volume[:, :2]))
 
 
 def test_box_holds_what_was_trained(stereo: View, plane: np.ndarray, volume: np.ndarray) -> None:

@@ -19,7 +19,7 @@ from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.estimators import registry
 from labcal.estimators.affine import Affine
 from labcal.estimators.estimator import FittedArray, PointEstimator
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.fitting import FitSettings, estimators_of
 from labcal.estimators.hybrid import Hybrid
 from labcal.estimators.method_choice import estimator_of
@@ -237,9 +237,9 @@ def test_a_module_may_hold_a_class_a_pipeline_or_a_function_that_makes_one(
     assert type(estimator_of("labcal.estimators.affine:Affine")) is Affine  # needs nothing around it
 
 
-def model(estimator: PointEstimator, X: np.ndarray, Y: np.ndarray) -> FittedModel:
+def model(estimator: PointEstimator, X: np.ndarray, Y: np.ndarray) -> Model:
     sizes = ((640, 480), (640, 480))
-    return FittedModel(estimator, ("left", "right"), sizes, TrainingBox.of(X, Y), calibrated_on=("a", "b"))
+    return Model(estimator, ("left", "right"), sizes, TrainingBox.of(X, Y), calibrated_on=("a", "b"))
 
 
 @pytest.mark.parametrize(

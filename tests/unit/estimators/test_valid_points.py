@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from labcal.correspond.matching import Matches
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.errors import InputError
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import _like, load_model, save_model
 from labcal.estimators.registry import make_estimator
 from labcal.estimators.valid_points import predicted, within_sense
@@ -19,19 +19,19 @@ View = Callable[[np.ndarray], np.ndarray]
 
 
 @pytest.fixture
-def model(stereo: View, volume: np.ndarray) -> FittedModel:
+def model(stereo: View, volume: np.ndarray) -> Model:
     estimator = make_estimator("dlt").fit(stereo(volume), volume)
     sizes = ((640, 480), (640, 480))
-    return FittedModel(estimator, ("left", "right"), sizes, TrainingBox.of(stereo(volume), volume))
+    return Model(estimator, ("left", "right"), sizes, TrainingBox.of(stereo(volume), volume))
 
 
-def reloaded(model: FittedModel, tmp_path: Path) -> FittedModel:
+def reloaded(model: Model, tmp_path: Path) -> Model:
     save_model(tmp_path / "m.safetensors", model, force=True)
     return load_model(tmp_path / "m.safetensors")
 
 
 @pytest.mark.parametrize("value", [1e200, -1e308])
-def test_numbers_beyond_sense_are_refused(value: float, model: FittedModel, tmp_path: Path) -> None:
+def test_numbers_beyond_sense_are_refused(value: float, model: Model, tmp_path: Path) -> None:
     box = replace(model.box, high_mm=np.array([1.0, 1.0, value]))
     with pytest.raises(InputError, match=r"volume in which the model|holds a number beyond"):
         reloaded(replace(model, box=box), tmp_path)
@@ -40,7 +40,7 @@ def test_numbers_beyond_sense_are_refused(value: float, model: FittedModel, tmp_
         reloaded(model, tmp_path)
 
 
-def test_a_box_that_is_upside_down_is_refused(model: FittedModel, tmp_path: Path) -> None:
+def test_a_box_that_is_upside_down_is_refused(model: Model, tmp_path: Path) -> None:
     box = replace(model.box, low_mm=model.box.high_mm, high_mm=model.box.low_mm)
     with pytest.raises(InputError, match="volume in which the model"):
         reloaded(replace(model, box=box), tmp_path)
@@ -59,7 +59,7 @@ def test_parameters_are_of_their_defaults_kind(value: object, default: object, *
     assert _like(value, default) is like
 
 
-def test_what_cannot_be_computed_is_told_as_the_models_fault(model: FittedModel, stereo: View) -> None:
+def test_what_cannot_be_computed_is_told_as_the_models_fault(model: Model, stereo: View) -> None:
     X = stereo(np.array([[1000.0, 1000.0, 500.0]]))
     matches = Matches(
         ("left", "right"), np.array(["v"]), np.zeros((1, 2), dtype=np.int64), X.reshape(1, 2, 2),
@@ -72,7 +72,7 @@ def test_what_cannot_be_computed_is_told_as_the_models_fault(model: FittedModel,
 
 def test_points_that_are_nowhere_have_no_solution() -> None:
     n = 3
-    points = ReconstructedPoints(
+    points = Points(
         np.array(["v"] * n), np.zeros((n, 2), dtype=np.int64),
         np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 1e200], [1.0, 2.0, 3.0]]),
         np.stack([np.eye(3), np.eye(3), np.diag([1.0, 1.0, -1.0])]), np.array(["ok"] * n, dtype="<U16"),

@@ -13,7 +13,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.evaluate.against_truth import TruthErrors, errors_against_truth
 from labcal.pipeline import epipolar_rms, evaluate
@@ -70,9 +70,9 @@ def a_shoot(
     return Shoot(folder, Manifest(target=grid, cameras=dict.fromkeys(pair, size), views=views))
 
 
-def true_points(grid: DotGrid, poses: Poses) -> ReconstructedPoints:
+def true_points(grid: DotGrid, poses: Poses) -> Points:
     n = grid.count * len(poses)
-    return ReconstructedPoints(
+    return Points(
         view=np.repeat(list(poses), grid.count),
         index=np.tile(grid.indices(), (len(poses), 1)),
         point=np.concatenate([grid.points() @ T[:3, :3].T + T[:3, 3] for T in poses.values()]),

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
 from labcal.targets.grid import DotGrid
 from labcal.targets.places import DotPlaces
 
 
-def views(grid: DotGrid, scale: float) -> ReconstructedPoints:
+def views(grid: DotGrid, scale: float) -> Points:
     """Return three views of the target at arbitrary places, larger by `scale`."""
     index = grid.indices()
     parts = []
@@ -19,7 +19,7 @@ def views(grid: DotGrid, scale: float) -> ReconstructedPoints:
         R = Rotation.from_rotvec([0.3 * number, -0.5, 1.0]).as_matrix()
         parts.append(scale * grid.points() @ R.T + [100.0 * number, -50, 900])
     n = 3 * grid.count
-    return ReconstructedPoints(
+    return Points(
         view=np.repeat(["a", "b", "c"], grid.count),
         index=np.tile(index, (3, 1)),
         point=np.concatenate(parts),

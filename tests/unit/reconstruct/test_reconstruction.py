@@ -14,7 +14,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
 from labcal.errors import InputError
 from labcal.estimators.affine import Affine
-from labcal.estimators.fitted_model import FittedModel, TrainingBox
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import save_model
 from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres, reconstruct_points
 from labcal.targets.grid import DotGrid
@@ -24,11 +24,11 @@ Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
 
 
-def fitted(detections: Detections, grid: DotGrid, poses: Poses) -> FittedModel:
+def fitted(detections: Detections, grid: DotGrid, poses: Poses) -> Model:
     matches = match(detections, ("left", "right"))
     Y = stage_points(matches, grid, poses)
     box = TrainingBox.of(matches.X, Y)
-    return FittedModel(Affine().fit(matches.X, Y), ("left", "right"), ((640, 480), (640, 480)), box)
+    return Model(Affine().fit(matches.X, Y), ("left", "right"), ((640, 480), (640, 480)), box)
 
 
 def test_a_rig_gives_points_with_covariances(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:
@@ -87,7 +87,7 @@ def test_both_kinds_of_model_are_read(
     write_rig(tmp_path / "rig.json", Rig.of(pair))
     save_model(tmp_path / "model", model, force=False)
     assert load_reconstructor(tmp_path / "rig.json") == Rig.of(pair)
-    assert isinstance(load_reconstructor(tmp_path / "model"), FittedModel)
+    assert isinstance(load_reconstructor(tmp_path / "model"), Model)
     (tmp_path / "else").write_text("view,col")
     with pytest.raises(InputError, match="neither a model"):
         load_reconstructor(tmp_path / "else")

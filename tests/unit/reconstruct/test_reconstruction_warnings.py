@@ -8,7 +8,7 @@ import numpy as np
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.points import ReconstructedPoints
+from labcal.correspond.points import Points
 from labcal.reconstruct.reconstruction import Reconstruction
 from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 from labcal.targets.grid import DotGrid
@@ -23,7 +23,7 @@ def test_thousands_of_views_without_a_point_are_told_at_once_and_in_short(
     detections = exact.where(np.arange(views * each) % len(exact))
     columns = {name: getattr(detections, name) for name in detections.__dataclass_fields__} | {"view": named}
     n = views * each // 2
-    points = ReconstructedPoints(
+    points = Points(
         named[:n],
         np.zeros((n, 2), dtype=np.int64),
         np.zeros((n, 3)),

@@ -51,7 +51,7 @@ class TrainingBox:
 
 
 @dataclass(frozen=True)
-class FittedModel:
+class Model:
     """A fitted estimator, and the frame of its training data.
 
     Attributes
