@@ -1,4 +1,5 @@
 from . import pipeline as pipeline
+from .calibrate.calibration import Calibration as Calibration
 from .cameras.camera import Camera as Camera
 from .cameras.rig import Rig as Rig
 from .cameras.rig import read_rig as read_rig

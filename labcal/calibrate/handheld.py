@@ -16,6 +16,7 @@ from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.centre_bias import CentreBias, centred
+from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
 from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.lens_support import undetermined

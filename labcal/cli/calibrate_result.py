@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.handheld_calibration import HandheldCalibration
     from labcal.calibrate.centre_bias import CentreBias
     from labcal.calibrate.freed_dots import FreedDots
+    from labcal.calibrate.handheld_calibration import HandheldCalibration
     from labcal.calibrate.lens_choice import LensChoice
     from labcal.calibrate.one_lens import TwoLenses
     from labcal.calibrate.outlying_dots import OutlyingDots

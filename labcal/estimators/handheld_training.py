@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.centre_bias import CentreBias, Discs, shifts_at_poses
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.training import TrainingData

@@ -9,6 +9,7 @@ from labcal.arrays import Pose
 from labcal.bench.hand_views import HandViews, dots_at, poses_in_hand
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.correspond.detections import Detections

@@ -7,6 +7,7 @@ import numpy as np
 from labcal.bench.solve.held_rig import CAMERAS, TARGET, HeldRig
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.correspond.detections import Detections
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator

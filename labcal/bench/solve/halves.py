@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict
 from labcal.calibrate.agreement.finding import CauseName, ContradictionError
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths

@@ -16,6 +16,7 @@ from labcal.correspond.sources import find_sources
 from labcal.estimators.model import Model
 from labcal.estimators.fitting import fit_method
 from labcal.estimators.handheld_training import handheld_training
+from labcal.estimators.model import Model
 from labcal.estimators.registry import make_estimator
 from labcal.report.bench import Figure, at_most
 from labcal.run.progress import Progress

@@ -11,6 +11,7 @@ from labcal.calibrate.adjustment.dot_freedom import Constrained
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections

@@ -14,6 +14,7 @@ from labcal.errors import InputError
 from labcal.estimators.bundle import Bundle
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.hybrid import Hybrid
+from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import load_model, save_model
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
 from labcal.evaluate.statistics import coverage
