@@ -21,7 +21,7 @@ Outlines = Float64[np.ndarray, "*batch samples 2"]
 """Closed curves in a picture, one an element, as pixel positions along them."""
 
 Vectors3 = Float64[np.ndarray, "*batch 3"]
-"""Vectors of space: points p, in millimetres, or unit directions v."""
+"""Points p, in millimetres, or unit directions v."""
 
 Mask = Bool[np.ndarray, "*batch"]
 """One flag an element."""

@@ -24,7 +24,7 @@ FIELD_MM = (1e-3, 1e6)
 FOCAL_RATIO = 10.0
 """Between the two focal lengths of a camera."""
 PRINCIPAL_SIDES = 20.0
-"""How many longer sides the principal point may be from the picture's middle: cut-outs have it outside."""
+"""Distance of the principal point from the middle of the picture, in longer sides; large in cut-outs."""
 MOST_DISTORTION = 1e4
 """Of what a single coefficient does at the picture's rim (or at 45 degrees), over the radius there."""
 MOST_TILT_RAD = 1.4
@@ -32,7 +32,7 @@ MOST_TILT_RAD = 1.4
 MOST_PICTURES = 200_000
 """Of a shoot or a table."""
 MARGIN_SIDES = 1.0
-"""How many of a picture's sides a dot may be measured outside of it."""
+"""Distance of a measured dot from its picture, in sides of the picture."""
 LEAST_VARIANCE_PX2 = 1e-18
 """Of a measured position: a billionth of a pixel, squared. Below it, covariances cannot be inverted."""
 MOST_INDEX = 10_000

@@ -1,4 +1,4 @@
-"""What labcal raises on misuse: one root, and a handful of kinds that callers can tell apart.
+"""Errors that labcal raises on misuse: one root class, and a few subclasses.
 
 Expected misfortune (a lost dot, an unusable picture, a solver that stopped) is data with a reason and no
 exception.

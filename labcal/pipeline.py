@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement, detections_of
     from labcal.correspond.picture_set import AnyPictures, open_pictures
     from labcal.correspond.undistortion import Undistorted, UndistortSettings
-    from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
+    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.paper.reproduce import ReproduceSettings
@@ -66,13 +66,13 @@ __all__ = [
     "estimators_of",
     "evaluate",
     "fit",
+    "fit_methods",
     "inspect",
     "measure",
     "open_pictures",
     "reconstruct",
     "render",
     "reproduce",
-    "taught",
     "training_of",
     "undistort",
 ]
@@ -80,17 +80,17 @@ __all__ = [
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
-    "FitSettings": "labcal.estimators.taught",
+    "FitSettings": "labcal.estimators.fitting",
     "HandheldSettings": "labcal.calibrate.handheld",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "UndistortSettings": "labcal.correspond.undistortion",
     "detections_of": "labcal.correspond.measure",
     "epipolar_rms": "labcal.calibrate.epipolar_residual",
-    "estimators_of": "labcal.estimators.taught",
+    "estimators_of": "labcal.estimators.fitting",
     "open_pictures": "labcal.correspond.picture_set",
-    "taught": "labcal.estimators.taught",
-    "training_of": "labcal.estimators.taught",
+    "fit_methods": "labcal.estimators.fitting",
+    "training_of": "labcal.estimators.fitting",
 }
 """Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""
 
@@ -281,7 +281,7 @@ def fit(
     settings: "FitSettings | None" = None,
     progress: Progress | None = None,
 ) -> Model:
-    """Fit a method to the dots of a target; :func:`taught` fits several to the same :func:`training_of`.
+    """Fit a method to the dots of a target; :func:`fit_methods` fits several to the same :func:`training_of`.
 
     Parameters
     ----------
@@ -301,13 +301,13 @@ def fit(
     UnknownNameError, InputError
         There is no such method, it cannot learn from these dots, or no dots are given of a target.
     """
-    from labcal.estimators.taught import FitSettings, estimators_of, taught, training_of
+    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 
     settings = settings or FitSettings()
     shown = _shown(source)
     estimators = estimators_of([method], settings)
     training = training_of(shown, _dots(detections, shown), settings, progress)
-    (model,) = taught(training, estimators, settings, progress)
+    (model,) = fit_methods(training, estimators, settings, progress)
     if isinstance(model, InputError):
         raise model
     return model
@@ -378,7 +378,7 @@ def evaluate(
     from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews
-    from labcal.reconstruct.reconstruction import views_learned
+    from labcal.reconstruct.reconstruction import calibration_views
     from labcal.shoot.truth import has_truth
 
     shown = source if isinstance(source, DotPlaces) else _shown(source)
@@ -396,7 +396,7 @@ def evaluate(
     elif rig is None or (isinstance(rig, Collection) and not isinstance(rig, str)):
         learned = rig
     else:
-        learned = views_learned(as_path(rig)) or None
+        learned = calibration_views(as_path(rig)) or None
     if not isinstance(shown, Shoot):
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):

@@ -1,1 +1,1 @@
-"""Benchmarks: what an issue asks for in figures, measured when the command runs."""
+"""Benchmarks, measured when the command runs."""

@@ -1,4 +1,4 @@
-"""A page with a picture of every scene, to be looked at beside photographs."""
+"""A page with a picture of every scene, for comparison with photographs."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,7 +25,7 @@ def make_gallery(folder: Path, seed: int, progress: Progress, *, force: bool = F
         It appears when every picture is there.
     seed : int
     progress : Progress
-        Told of every scene.
+        Notified of every scene.
     force : bool
         Replace a folder that is there.
 

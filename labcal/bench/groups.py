@@ -15,15 +15,15 @@ from labcal.run.unfinished import unfinished_folder
 
 @dataclass(frozen=True)
 class Bench:
-    """What every group of checks is told."""
+    """The settings of every group of checks."""
 
     quick: bool
     seed: int
     folder: Path
-    """For what a group leaves beside its figures."""
+    """Folder for files of a group besides its figures."""
     progress: Progress
     methods: tuple[str, ...] = ()
-    """To measure besides those that are always measured."""
+    """Methods to measure in addition to the default ones."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,10 @@ class Findings:
     """The figures of one group."""
 
     checks: list[Check]
-    beside: list[Figure]
-    """For comparison; without a limit."""
+    references: list[Figure]
+    """Figures for comparison, without a limit."""
     notes: tuple[str, ...] = ()
-    """What was left out, and why."""
+    """Notes on checks that were left out, with the reason."""
 
 
 Groups = Mapping[str, Callable[[Bench], Findings]]
@@ -44,7 +44,7 @@ Groups = Mapping[str, Callable[[Bench], Findings]]
 def measured_groups(
     name: str, groups: Groups, folder: Path, settings: BenchSettings, progress: Progress
 ) -> BenchResult:
-    """Measure the groups that are wanted and write ``results.json``.
+    """Measure the selected groups, and write ``results.json``.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def measured_groups(
             bench=name,
             quick=settings.quick,
             checks=tuple(check for one in found for check in one.checks),
-            beside=tuple(figure for one in found for figure in one.beside),
+            beside=tuple(figure for one in found for figure in one.references),
             notes=tuple(note for one in found for note in one.notes),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)

@@ -1,4 +1,4 @@
-"""A target held before one camera, and its dots where the camera model images them: no picture is made."""
+"""A target in front of one camera, with its dots projected by the camera model; no picture is rendered."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ CAMERA = "only"
 
 @dataclass(frozen=True)
 class HandViews:
-    """How a target is held."""
+    """Range of poses of a hand-held target."""
 
     views: int
     tilt_deg: float

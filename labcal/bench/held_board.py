@@ -1,4 +1,4 @@
-"""A board before one camera under even light: the stage on which benchmarks look at single pictures."""
+"""A board in front of one camera in even light, for benchmarks of single pictures."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,7 +25,7 @@ BARE_BOARD = Board().light[0]
 def board_scene(
     target: DotGrid, camera: CameraDescription, spp: int, occluders: tuple[Occluder, ...] = ()
 ) -> Scene:
-    """Return a target before a camera, evenly lit and without noise, with the room far behind it.
+    """Return a target in front of a camera in even light without noise, far from the walls of the room.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def board_scene(
     spp : int
         Rays a pixel.
     occluders : tuple of Occluder
-        What is in the way.
+        Occluders.
     """
     return Scene(
         name="bench",
@@ -70,7 +70,7 @@ def tilted_pose(target: DotGrid, tilt_deg: float, azimuth: float, roll: float, a
 
 
 def still_take(scene: Scene, T_world_target: Pose) -> Take:
-    """Return the picture that the one camera takes of a board that stands still."""
+    """Return the take of the only camera of a board that does not move."""
     device = scene.cameras[CAMERA].camera()
     track = Track(T_world_target, np.zeros(3), np.zeros(3), np.zeros(3))
     return Take("one", CAMERA, CAMERA, device, track, ShutterTimes(0.0, 0.0, device.size[1]))

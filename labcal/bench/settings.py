@@ -1,14 +1,14 @@
-"""What every benchmark is told."""
+"""Settings of every benchmark."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class BenchSettings:
-    """How a benchmark runs."""
+    """Settings of a benchmark."""
 
     quick: bool = False
-    """Less of everything that takes long; the benchmark's own file says what."""
+    """Fewer and shorter measurements; each benchmark defines which."""
     seed: int = 0
     force: bool = False
     """Replace results that are there already."""

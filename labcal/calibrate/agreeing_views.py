@@ -1,4 +1,4 @@
-"""Cameras calibrated from pictures that can be what they are said to be: a few odd ones are left out."""
+"""Calibration from consistent pictures: a few inconsistent ones are left out."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from labcal.calibrate.agreement.hypotheses import MOST_ODD
 from labcal.calibrate.agreement.slight import slight_contradictions
 from labcal.calibrate.lone_calibration import CameraAlone
-from labcal.calibrate.view_agreement import OddPicture, contradictions, seen_from_behind
+from labcal.calibrate.view_agreement import InconsistentPicture, contradictions, seen_from_behind
 from labcal.correspond.detections import Detections
 from labcal.targets.catalogue import AnyTarget
 
@@ -19,15 +19,15 @@ CalibrateAlone = Callable[[str, Detections], CameraAlone]
 
 @dataclass(frozen=True)
 class LoneCameras:
-    """Cameras that were calibrated alone, and what they were calibrated from."""
+    """Single-camera calibrations, and their pictures."""
 
     cameras: list[CameraAlone]
     entering: Detections
     left_out: tuple[str, ...]
     """Pictures that are not among it, and why, for people."""
 
-    def without(self, odd: Sequence[OddPicture], again: CalibrateAlone) -> "LoneCameras":
-        """Leave pictures out, and calibrate once more the cameras that took them."""
+    def without(self, odd: Sequence[InconsistentPicture], again: CalibrateAlone) -> "LoneCameras":
+        """Leave out pictures, and repeat the calibrations of their cameras."""
         enters, reasons = np.full(len(self.entering), fill_value=True), []
         for picture in odd:
             view = self.entering.views[picture.view]
@@ -40,8 +40,8 @@ class LoneCameras:
         ]
         return LoneCameras(cameras, entering, (*self.left_out, *reasons))
 
-    def too_many(self, odd: Sequence[OddPicture], before: "LoneCameras") -> bool:
-        """Tell whether so many pictures of a camera are odd, with those left out before, that none is."""
+    def too_many(self, odd: Sequence[InconsistentPicture], before: "LoneCameras") -> bool:
+        """Tell whether so many pictures of a camera are inconsistent that none is an exception."""
         for camera in self.cameras:
             all_ = next(len(one.dots.views) for one in before.cameras if one.name == camera.name)
             out = all_ - len(camera.dots.views) + sum(one.camera == camera.name for one in odd)
@@ -53,7 +53,7 @@ class LoneCameras:
 def of_agreeing_views(
     found: LoneCameras, target: AnyTarget, again: CalibrateAlone, *, free_dots: bool
 ) -> LoneCameras:
-    """Leave out the pictures that cannot be what they are said to be.
+    """Leave out inconsistent pictures.
 
     Those that show the target's back; and those of a few views in which cameras contradict each other. Where
     these are more than one, and more than a fifth of a camera's pictures, all of them stay: nothing says
@@ -83,7 +83,9 @@ def of_agreeing_views(
     return rest
 
 
-def _contradictions(cameras: list[CameraAlone], target: AnyTarget, *, free_dots: bool) -> list[OddPicture]:
+def _contradictions(
+    cameras: list[CameraAlone], target: AnyTarget, *, free_dots: bool
+) -> list[InconsistentPicture]:
     """Return the pictures of views in which cameras contradict each other."""
     if len(cameras) == 1 or any(one.lone.camera.model.parallel for one in cameras):
         return []  # parallel rays alone tell neither depth nor the sign of a tilt

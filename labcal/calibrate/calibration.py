@@ -1,4 +1,4 @@
-"""A calibration as it is made and told: a lens chosen, views held out, and what is not as it should be."""
+"""A complete calibration: lens choice, held-out views, calibration, warnings."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
-from labcal.calibrate.agreement.words import contradiction_words
+from labcal.calibrate.agreement.words import contradiction_message
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
@@ -116,7 +116,7 @@ class Calibration(PublicObject):
 
     @property
     def places(self) -> DotPlaces | None:
-        """Where the dots are on the print, and the views that tell it; None where they were not freed."""
+        """Places of the dots on the print, and the views that gave them; None if dots were not freed."""
         if self.found.freed is None:
             return None
         return self.found.freed.places().model_copy(update={"calibrated_on": self.calibrated_on})
@@ -183,8 +183,8 @@ def _lens_of(settings: HandheldSettings) -> str:
 
 
 def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> list[str]:
-    """Return what is not as it should be, for people; `lens` and `target` are names."""
-    warnings = contradiction_words(found) + [f"left out {reason}" for reason in found.skipped]
+    """Return the warnings in words; `lens` and `target` are names."""
+    warnings = contradiction_message(found) + [f"left out {reason}" for reason in found.skipped]
     for name, camera in found.rig.cameras.items():
         if not _middle_inside(camera):
             warnings.append(
@@ -206,7 +206,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
             )
         groups = found.fits[name].two_lenses
         if groups is not None:
-            warnings.append(two_lenses_words(name, groups, lens))
+            warnings.append(two_lenses_message(name, groups, lens))
         elif found.freed is None and found.fits[name].uneven:
             warnings.append(
                 f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
@@ -217,8 +217,8 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
     return warnings
 
 
-def two_lenses_words(name: str, found: TwoLenses, lens: str) -> str:
-    """Return what it means that two groups of a camera's views differ, the likeliest cause first."""
+def two_lenses_message(name: str, found: TwoLenses, lens: str) -> str:
+    """Return the message about two groups of views of a camera, the most likely cause first."""
     one, other = (", ".join(group) for group in found.groups)
     return (
         f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "

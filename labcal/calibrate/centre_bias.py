@@ -1,4 +1,4 @@
-"""Centroid minus centre: what detections of dots must be corrected by before a camera model explains them.
+"""The eccentricity of projected circles: centroid minus centre, and its correction.
 
 A detector measures the centre of area of a dot's outline in the picture. Camera models speak of the image of
 the dot's centre. The difference depends on lens, pose and size of the dot, all of which a calibration knows
@@ -23,19 +23,19 @@ from labcal.targets.target import Target
 _MOST_TIMES = 1.4
 """Beyond this, no method is so wrong: the target is another one."""
 ROUNDS = 2
-"""How often the bias is predicted anew: after two rounds it changes by less than a thousandth of itself."""
+"""Number of computations of the eccentricity: after two it changes by less than a thousandth of itself."""
 
 
 @dataclass(frozen=True)
 class CentreBias:
-    """How large the bias was that was taken off, px; of the 2-D length of centroid minus centre."""
+    """RMS and maximum of the corrected eccentricity, px, as 2-D lengths."""
 
     rms: float
     max: float
 
     @classmethod
     def of(cls, shift: Float64[np.ndarray, "*n 2"]) -> "CentreBias":
-        """Return the figures of centroid minus centre, px; 0 for none."""
+        """Return the figures of an eccentricity, px; 0 for none."""
         length = np.linalg.norm(shift, axis=-1).ravel()
         if len(length) == 0:
             return cls(0.0, 0.0)
@@ -60,7 +60,7 @@ class Discs:
 def centre_shift(
     camera: Camera, T_world_target: Pose, discs: Discs, dots: Int64[np.ndarray, " n"]
 ) -> Float64[np.ndarray, "n 2"]:
-    """Return centroid minus centre of dots in one picture, px.
+    """Return the eccentricity of dots in one picture, px.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def shifts_at_poses(
     T_world_target: Mapping[str, Pose],
     discs: Discs,
 ) -> Float64[np.ndarray, "n cameras 2"]:
-    """Return centroid minus centre of dots in several views, px.
+    """Return the eccentricity of dots in several views, px.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def _shifts(
     T_world_target: Mapping[str, Pose],
     discs: Discs,
 ) -> Float64[np.ndarray, "n cameras 2"]:
-    """Return the shifts of :func:`shifts_at_poses` by the rows of each view."""
+    """Return the result of :func:`shifts_at_poses` by the rows of each view."""
     shift = np.zeros((len(dots), len(cameras), 2))
     for name, rows in rows_by_view.items():
         if name in T_world_target:
@@ -126,7 +126,7 @@ def _shifts(
 def shifts_of_matches(
     cameras: Sequence[Camera], matches: Matches, p: Float64[np.ndarray, "n 3"], target: Target
 ) -> Float64[np.ndarray, "n cameras 2"]:
-    """Return centroid minus centre of matched dots, with the target posed by its reconstructed points.
+    """Return the eccentricity of matched dots, with the target pose from its reconstructed points.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def shifts_of_matches(
 def _refuse_other_size(
     p: Float64[np.ndarray, "n 3"], declared: Float64[np.ndarray, "n 3"], target: Target
 ) -> None:
-    """Raise where points spread by far more or less than they do on the target."""
+    """Raise if the extent of points is far from that of the target."""
     spread = np.linalg.norm(p - p.mean(axis=0)) / np.linalg.norm(declared - declared.mean(axis=0))
     if not 1.0 / _MOST_TIMES < spread < _MOST_TIMES:
         raise InputError(
@@ -173,7 +173,7 @@ def _refuse_other_size(
 
 
 def centred(cameras: Sequence[Camera], matches: Matches, target: Target) -> tuple[Matches, CentreBias]:
-    """Return matches at the images of centres, and what was taken off.
+    """Return matches at the images of centres, and the eccentricity that was subtracted.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""Where the dots of a print really are, as a calibration found them."""
+"""The estimated places of free dots on a print."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.calibrate.adjustment.dot_freedom import Held
+from labcal.calibrate.adjustment.dot_freedom import Constrained
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 
@@ -29,8 +29,8 @@ class FreedDots:
     pictures: Int64[np.ndarray, " dots"]
     """In how many pictures each dot was measured."""
     freed: Bool[np.ndarray, " dots"]
-    held: Held
-    """What stays as declared for all dots, since the views do not tell it."""
+    held: Constrained
+    """Parts that the datum constraint keeps as declared for all dots."""
 
     def places(self) -> DotPlaces:
         """Return the document of the places."""

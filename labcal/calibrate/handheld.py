@@ -96,7 +96,7 @@ def calibrate_handheld(
     lone = LoneCameras([alone(name, entering) for name in cameras], entering, skipped)
     lone = of_agreeing_views(lone, target, alone, free_dots=settings.free_dots)
     entering, skipped = lone.entering, lone.left_out
-    found = _told_apart(lone.cameras, target, settings)
+    found = _with_lens_groups(lone.cameras, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
     try:
@@ -173,7 +173,9 @@ def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) ->
         )
 
 
-def _told_apart(found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings) -> list[CameraAlone]:
+def _with_lens_groups(
+    found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings
+) -> list[CameraAlone]:
     """Return the cameras with the groups of their views that were taken through different lenses."""
     if settings.lenses is Lenses.FIXED or any(one.lone.camera.model.parallel for one in found):
         return found

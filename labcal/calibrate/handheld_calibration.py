@@ -1,4 +1,4 @@
-"""What a calibration found: the rig, how sure it is, and how well it explains the dots."""
+"""The result of a calibration: rig, standard deviations and residuals."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ UNEVEN, UNEVEN_PX = 5.0, 0.1
 
 @dataclass(frozen=True)
 class CameraSigma:
-    """Standard deviations of a camera's numbers in the rig; NaN where the views leave one open."""
+    """Standard deviations of the parameters of a camera in the rig; NaN if the views do not determine one."""
 
     intrinsics: Float64[np.ndarray, "4"]
     """fx fy cx cy, px; 0 where fixed."""
@@ -46,7 +46,7 @@ class CameraSigma:
 
 @dataclass(frozen=True)
 class CameraFit:
-    """How well one camera explains its dots."""
+    """The residuals of one camera."""
 
     rms_px: float
     """Calibrated alone; OpenCV's: root mean square of the 2-D distance, without outliers."""
@@ -62,7 +62,7 @@ class CameraFit:
     undetermined: tuple[str, ...]
     """Names of lens coefficients that its views leave open."""
     open_lens: bool
-    """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
+    """True if the dots do not determine the lens towards the border of the picture; the prior does."""
     noise_px: float
     """Of the dots, along each axis, by their covariances; the median."""
     two_lenses: TwoLenses | None = None
@@ -70,13 +70,13 @@ class CameraFit:
 
     @property
     def uneven(self) -> bool:
-        """Whether dots scatter by far more than their noise: the print, or the lens, is another one."""
+        """True if dots scatter far more than their noise: the print or the lens differs from the model."""
         return self.scatter_px > max(UNEVEN_PX, UNEVEN * self.noise_px)
 
 
 @dataclass(frozen=True)
 class HandheldCalibration:
-    """A rig whose world is the first camera, and where the target was."""
+    """A rig whose world is the first camera, and the poses of the target."""
 
     rig: Rig
     fits: dict[str, CameraFit]
@@ -95,7 +95,7 @@ class HandheldCalibration:
     """The dots as all cameras together find them."""
     reason: StopReason
     disagreement: Disagreement | None = None
-    """What is wrong where the cameras do not agree on where the target was."""
+    """The disagreement of the cameras on the poses of the target; None if they agree."""
 
     @property
     def rms_alone_px(self) -> float:

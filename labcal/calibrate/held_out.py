@@ -1,4 +1,4 @@
-"""Points that are held out in whole regions, and the simplest model that predicts them as well as any."""
+"""Held-out points in whole regions, and the choice of the simplest model that predicts them well."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,11 +14,11 @@ _SURE = 1.0
 """Standard errors by which a model must be better than one with fewer numbers."""
 
 Fold = Bool[np.ndarray, " n"]
-"""Which points are held out."""
+"""Mask of held-out points."""
 
 
 def folds(q: Pixels, depth: Float64[np.ndarray, " n"]) -> Iterator[Fold]:
-    """Return which points are held out, fold by fold: each edge in the picture, then slabs of depth.
+    """Return masks of held-out points: each edge in the picture, then slabs of depth.
 
     Points drawn at random have neighbours among those that stay, so that too flexible a model goes unnoticed.
 
@@ -36,7 +36,7 @@ def folds(q: Pixels, depth: Float64[np.ndarray, " n"]) -> Iterator[Fold]:
 
 
 def edges(q: Pixels) -> Iterator[Fold]:
-    """Return which points are held out, fold by fold, along each edge of what is seen in the picture."""
+    """Return masks of held-out points along each edge of the visible part in the picture."""
     for along in (*q.T, *-q.T):
         yield along >= np.quantile(along, 1.0 - _EDGE)
 

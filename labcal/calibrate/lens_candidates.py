@@ -1,4 +1,4 @@
-"""The lens models that are tried where none is named: of those as good as the best the first is chosen."""
+"""The candidate lenses, the simplest first, of which the first that is as good as the best is chosen."""
 
 AUTO = "auto"
 """In the place of a lens model's name: the one that held-out views, or held-out points, choose."""

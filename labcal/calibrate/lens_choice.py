@@ -1,4 +1,4 @@
-"""Which lens model the views support: chosen by how well it explains views that it was not fitted to."""
+"""The choice of a lens model by its residuals on held-out views."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ MIN_VIEWS = 5
 
 @dataclass(frozen=True)
 class LensTrial:
-    """What came of one lens model."""
+    """The result of one lens model."""
 
     lens: str
     held_out_px: float
@@ -41,11 +41,11 @@ class LensTrial:
     chance_px2: float
     """Standard error of that."""
     refused: str | None
-    """Why the views do not support it, for people."""
+    """The reason why the views do not determine it."""
 
     @property
     def as_good(self) -> bool:
-        """Whether it is no worse than the best by more than chance explains."""
+        """True if it is not significantly worse than the best."""
         return self.refused is None and self.worse_px2 <= self.chance_px2
 
 
@@ -159,7 +159,7 @@ class _Problem:
     observations: Observations
     target: AnyTarget
     dots: Vectors3
-    """Where they are on the print, mm."""
+    """Their places on the print, mm."""
 
     @classmethod
     def of(cls, pictures: Sequence[Detections], target: AnyTarget) -> "_Problem":

@@ -1,4 +1,4 @@
-"""What is known of lens coefficients beforehand, in calibration and in resection.
+"""The prior of lens coefficients, in calibration and in resection.
 
 Dots do not tell all coefficients of a lens. Some stand in for each other (k1 and k4 of the rational model do
 at first order), and steps along such a direction end at a pole of the formula; and what a high power of the
@@ -58,7 +58,7 @@ class FoundLens:
 
     @property
     def is_open(self) -> bool:
-        """Whether the lens folds inside the picture, or its border is not determined."""
+        """True if the lens folds inside the picture, or its border is not determined."""
         if self.camera.model.coefficients == 0:
             return False
         if self.camera.share_without_rays > 0.0:
@@ -106,7 +106,7 @@ def narrow_is_better(wide: Sequence[Camera], narrow: Sequence[Camera], rms_ratio
 
 
 def _border_slopes(camera: Camera) -> Float64[np.ndarray, "n 2 coefficients"]:
-    """Return by how much coefficients move the border of an undistorted lens's picture, px."""
+    """Return the displacement of the border of the picture of an undistorted lens by each coefficient, px."""
     width, height = camera.size
     plain = replace(camera, dist=undistorted_dist(camera.model), T_cam_world=np.eye(4), window=None)
     u, v = np.meshgrid([0.0, 0.5 * (width - 1), width - 1.0], [0.0, 0.5 * (height - 1), height - 1.0])

@@ -1,4 +1,4 @@
-"""Where the calibration of one camera begins: a first lens and a first pose of the target in every view."""
+"""Initial values of the calibration of one camera: a lens, and poses of the target in every view."""
 
 from dataclasses import dataclass, replace
 from functools import reduce

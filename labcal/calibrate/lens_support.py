@@ -1,4 +1,4 @@
-"""Whether views determine a lens's coefficients at all."""
+"""Test whether views determine the coefficients of a lens."""
 
 import numpy as np
 

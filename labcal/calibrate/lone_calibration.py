@@ -1,4 +1,4 @@
-"""One camera calibrated from all its views of a target that was held in the hand."""
+"""Single-camera calibration from all views of a hand-held target."""
 
 from dataclasses import dataclass, replace
 
@@ -30,16 +30,16 @@ MIN_VIEWS = 3
 
 @dataclass(frozen=True)
 class HandheldSettings:
-    """How a hand-held target is used."""
+    """Settings of a calibration from a hand-held target."""
 
     lenses: Lenses = Lenses.FREE
-    """Whether lenses are estimated, or kept as `start` has them."""
+    """Lenses are estimated, or kept as in `start`."""
     start: Rig | None = None
-    """Where to begin; OpenCV begins where not given."""
+    """Initial values; OpenCV gives them if this is None."""
     free_dots: bool = False
-    """Whether the dots' places on the print are estimated."""
+    """True to estimate the places of dots on the print."""
     bias_rounds: int = ROUNDS
-    """How often centroid minus centre is predicted; 0 where the pixels are images of centres."""
+    """Number of computations of the eccentricity; 0 if pixels are images of centres."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class CameraAlone:
     dots: Detections
     result: AdjustedDots
     lone: LoneCamera
-    """What the rig's adjustment takes from it."""
+    """Its input to the adjustment of the rig."""
     two_lenses: TwoLenses | None = None
     """Groups of its views that were taken through different lenses; None where one lens explains all."""
 
@@ -99,7 +99,7 @@ def calibrate_alone(
 def _lens_start(
     dots: Detections, name: str, target: AnyTarget, lens: str, settings: HandheldSettings
 ) -> LensStart:
-    """Return where a camera begins, from the rig to start from or from its own pictures."""
+    """Return initial values of a camera, from a given rig or from its own pictures."""
     needed = MIN_VIEWS if settings.lenses is Lenses.FREE else 1
     if len(dots.views) < needed:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Whether the pictures that count as one camera's were taken through one lens.
+"""Test whether all pictures of a camera were taken through one lens.
 
 Each view tells by which change of the lens it would be explained better than by the common calibration. Views
 of one camera scatter about no change at all, as far as each is sure of it. Of two cameras that were taken for
@@ -34,7 +34,7 @@ _UNEVEN = 5.0
 _NARROW = ("pinhole", "brown-k1k2")
 """Lens models that may not suit, which also makes views differ; brown5 is the next larger one."""
 _TELLS = 0.02
-"""Of what a view tells on average: from this share on a direction of the lens's numbers counts as told."""
+"""Share of the mean information of a view above which a direction of the lens parameters is determined."""
 _AXES, _AROUND, _STEPS = 6, 16, 20
 
 
@@ -47,9 +47,9 @@ class TwoLenses:
     groups : two tuples of str
         Names of the views; the first one's group comes first.
     share : float
-        What the second lens takes off the squares that one lens leaves.
+        Decrease of the sum of squares by the second lens.
     ratio : float
-        What it takes off over what yet another lens for each view would, a number each.
+        This decrease over that by a further lens for each view, per parameter.
     """
 
     groups: tuple[tuple[str, ...], tuple[str, ...]]
@@ -59,7 +59,7 @@ class TwoLenses:
 
 @dataclass(frozen=True)
 class _Votes:
-    """What each view says of the lens: a change d takes ``2 b'd - d'A d`` off its cost; on average A is 1."""
+    """Quadratic forms of views in a lens change d: it decreases their cost by ``2 b'd - d'A d``."""
 
     A: Float64[np.ndarray, "views n n"]
     b: Float64[np.ndarray, "views n"]
@@ -70,23 +70,23 @@ class _Votes:
         return np.asarray(np.linalg.solve(self.A[group].sum(axis=0) + held, self.b[group].sum(axis=0)))
 
     def gains(self, change: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " views"]:
-        """Return what a change takes off every view's cost."""
+        """Return the decrease of the cost of every view by a change."""
         return np.asarray(2.0 * self.b @ change - np.einsum("i,vij,j->v", change, self.A, change))
 
     def gain(self, group: Bool[np.ndarray, " views"]) -> float:
-        """Return what a lens for a group, and another for the rest, take off the cost of all."""
+        """Return the decrease of the total cost by one lens for a group and another for the rest."""
         return float(sum(self.gains(self.best(part))[part].sum() for part in (group, ~group)))
 
     def left(self, group: Bool[np.ndarray, " views"]) -> tuple[float, int]:
-        """Return what a lens for every view takes off beyond that, and by how many numbers."""
+        """Return the further decrease by a lens for every view, and its number of parameters."""
         gain, numbers = 0.0, 0
         for part in (group, ~group):
             b = self.b[part] - self.A[part] @ self.best(part)
             curvature, axes = np.linalg.eigh(self.A[part])
             along = np.einsum("vij,vi->vj", axes, b)
-            told = curvature > _TELLS
-            gain += float((along[told] ** 2 / curvature[told]).sum())
-            numbers += int(told.sum()) - self.b.shape[1]
+            determined = curvature > _TELLS
+            gain += float((along[determined] ** 2 / curvature[determined]).sum())
+            numbers += int(determined.sum()) - self.b.shape[1]
         return gain, numbers
 
 
@@ -157,7 +157,7 @@ def apart(adjusted: Adjusted, observations: Observations, views: tuple[str, ...]
         return None
     gain = votes.gain(group) - votes.gain(np.ones(len(views), dtype=bool))
     more, numbers = votes.left(group)
-    white = dots.whitener.applied(adjusted.residual.T).T[~adjusted.outlier]
+    white = dots.whitener.whiten(adjusted.residual.T).T[~adjusted.outlier]
     share = gain / float((white**2).sum())
     ratio = (gain / votes.b.shape[1]) / max(more / max(numbers, 1), 1.0)
     if numbers < 1 or gain < LEAST_GAIN or share < LEAST_SHARE:
@@ -168,7 +168,7 @@ def apart(adjusted: Adjusted, observations: Observations, views: tuple[str, ...]
 
 
 def _votes(state: RigState, dots: Observations, views: int) -> _Votes | None:
-    """Return what each view says, its pose following the lens; None where it cannot be told."""
+    """Return the form of each view, with its pose eliminated; None if it is not determined."""
     freedom = Freedom(Lenses.FREE, np.zeros((state.dots.size, 0)))
     A, b = [], []
     for view in range(views):

@@ -1,4 +1,4 @@
-"""Dots that a calibration found where no noise puts them, by name."""
+"""Outliers of a calibration, by name."""
 
 from dataclasses import dataclass
 

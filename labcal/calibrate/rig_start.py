@@ -1,4 +1,4 @@
-"""Where the adjustment of a whole rig begins: each camera calibrated alone, brought into one world."""
+"""Initial values of the adjustment of a rig: single-camera calibrations in one world."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ _CANDIDATES = 100
 
 @dataclass(frozen=True)
 class LoneCamera:
-    """A camera in its own frame, and where it saw the target."""
+    """A camera in its own frame, and its poses of the target."""
 
     name: str
     camera: Camera

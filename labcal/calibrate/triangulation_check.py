@@ -1,4 +1,4 @@
-"""Whether rays miss each other by more than they did when the cameras were calibrated."""
+"""Comparison of triangulation residuals with those of the calibration."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.calibrate.ray_misses import RayMisses
+from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches
@@ -27,37 +27,37 @@ _FEWEST = 20
 
 @dataclass(frozen=True)
 class TriangulationCheck:
-    """The triangulation residual of points, beside what the calibration lets expect."""
+    """The triangulation residual of points, and its expectation from the calibration."""
 
     rms_px: float
     """Root mean square of the 2-D reprojection error over cameras and points; NaN where no rays meet."""
     expected_px: float
-    """What it would be with the noise of the pixels and the scatter that the calibration found."""
+    """Expected value by the noise of pixels and the variance component of the calibration."""
     assumed: bool
-    """Whether that scatter is assumed, :data:`UNKNOWN_SCATTER_PX`: the cameras do not say what it was."""
+    """True if the variance component is not stated, and :data:`UNKNOWN_SCATTER_PX` is assumed."""
     inconsistent: bool
-    """Whether the residual is far larger in all views, or over those that are not far off by themselves."""
+    """True if the residual is far larger than expected in all views, or in those not listed in `views`."""
     views: tuple[str, ...]
-    """Those in which it is."""
+    """Views in which it is."""
 
     @classmethod
     def of(
-        cls, misses: RayMisses, matches: Matches, calibration: CalibrationRecord | None
+        cls, residuals: TriangulationResiduals, matches: Matches, calibration: CalibrationRecord | None
     ) -> "TriangulationCheck":
-        """Judge the residuals of matched dots."""
+        """Compare the residuals of matched dots with their expectation."""
         left = None if calibration is None else calibration.scatter_px
         scatter = UNKNOWN_SCATTER_PX if left is None else max(LEAST_SCATTER_PX, left)
         expected = _expected(matches, scatter)
-        finite = np.isfinite(misses.px)
-        square = float((misses.px[finite] ** 2).mean()) if finite.any() else float("nan")
+        finite = np.isfinite(residuals.px)
+        square = float((residuals.px[finite] ** 2).mean()) if finite.any() else float("nan")
         by_view = matches.rows_by_view
         off = [
             view
             for view, rows in by_view.items()
-            if len(rows) >= _FEWEST and _times(misses, expected, rows) > _TIMES_IN_VIEW
+            if len(rows) >= _FEWEST and _times(residuals, expected, rows) > _TIMES_IN_VIEW
         ]
         rest = ~np.isin(matches.view, off)
-        inconsistent = _times(misses, expected, rest) > _TIMES if rest.any() else len(matches) > 0
+        inconsistent = _times(residuals, expected, rest) > _TIMES if rest.any() else len(matches) > 0
         views = tuple(by_view) if inconsistent else tuple(off)
         return cls(np.sqrt(square), float(np.sqrt(expected.mean())), left is None, inconsistent, views)
 
@@ -65,7 +65,7 @@ class TriangulationCheck:
 def calibration_record(
     cameras: Sequence[Camera], matches: Matches, causes: tuple[str, ...] = ()
 ) -> CalibrationRecord:
-    """Return what cameras that were calibrated from these dots left between their rays.
+    """Return the record of triangulation residuals after a calibration from these dots.
 
     Parameters
     ----------
@@ -78,15 +78,17 @@ def calibration_record(
     """
     if len(cameras) < 2 or len(matches) == 0:  # noqa: PLR2004 -- rays of one camera do not meet
         return CalibrationRecord(inconsistent=causes)
-    misses = RayMisses.of(cameras, matches)
-    finite = np.isfinite(misses.px)
+    residuals = TriangulationResiduals.of(cameras, matches)
+    finite = np.isfinite(residuals.px)
     if not finite.any():
         return CalibrationRecord(inconsistent=causes)
-    share = misses.freedom / len(cameras)
-    usual = float(np.median(misses.px**2)) * misses.freedom / chi2_quantile(0.5, misses.freedom) / share
+    share = residuals.freedom / len(cameras)
+    usual = (
+        float(np.median(residuals.px**2)) * residuals.freedom / chi2_quantile(0.5, residuals.freedom) / share
+    )
     noise = float(np.median(_variance(matches)))
     return CalibrationRecord(
-        triangulation_rms_px=float(np.sqrt((misses.px[finite] ** 2).mean())),
+        triangulation_rms_px=float(np.sqrt((residuals.px[finite] ** 2).mean())),
         scatter_px=float(np.sqrt(max(0.0, usual - noise))) if np.isfinite(usual) else None,
         inconsistent=causes,
     )
@@ -106,10 +108,10 @@ def _expected(matches: Matches, scatter_px: float) -> Float64[np.ndarray, " n"]:
 
 
 def _times(
-    misses: RayMisses,
+    residuals: TriangulationResiduals,
     expected: Float64[np.ndarray, " n"],
     rows: Bool[np.ndarray, " n"] | Int64[np.ndarray, " some"],
 ) -> float:
     """Return how many times the expected variance residuals have, by their median."""
-    usual = chi2_quantile(0.5, misses.freedom) / misses.freedom
-    return float(np.median(misses.px[rows] ** 2 / expected[rows])) / usual
+    usual = chi2_quantile(0.5, residuals.freedom) / residuals.freedom
+    return float(np.median(residuals.px[rows] ** 2 / expected[rows])) / usual

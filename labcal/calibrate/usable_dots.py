@@ -1,4 +1,4 @@
-"""Which detections enter a calibration, and what must not be among them."""
+"""Selection of the detections that enter a calibration."""
 
 from collections import Counter
 

@@ -1,4 +1,4 @@
-"""Views in which cameras contradict each other, or see what cannot be: told by name and left out."""
+"""Inconsistent views and impossible pictures, which are reported by name and left out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ from labcal.errors import InputError
 from labcal.geometry.poses import inverse, transform
 
 _FEWEST = 3
-"""Shared views from which on one that is off can be told from the others."""
+"""Shared views from which on one that is off can be expected from the others."""
 _TIMES = 10.0
-"""By how much more than in the median view cameras must miss each other."""
+"""Ratio of the residual of an inconsistent view to that of the median view."""
 _LEAST_PX = 2.0
 _EXCHANGED = 0.2
-"""What is left of the miss when two pictures change places, where it was they that were exchanged."""
+"""Largest share of the residual that remains if exchanged pictures are put right."""
 
 
 @dataclass(frozen=True)
-class OddPicture:
+class InconsistentPicture:
     """A picture that is left out."""
 
     camera: str
@@ -32,7 +32,7 @@ class OddPicture:
     """For people."""
 
 
-def seen_from_behind(lone: LoneCamera) -> list[OddPicture]:
+def seen_from_behind(lone: LoneCamera) -> list[InconsistentPicture]:
     """Return the pictures of one camera that show the target's back, which has no dots.
 
     Raises
@@ -48,10 +48,12 @@ def seen_from_behind(lone: LoneCamera) -> list[OddPicture]:
             "them, not as a mirror shows them, and number columns to the right and rows upwards."
         )
     reason = "it shows the target mirrored, or its dots are numbered in a mirror image"
-    return [OddPicture(lone.name, int(view), reason) for view in lone.views[behind]]
+    return [InconsistentPicture(lone.name, int(view), reason) for view in lone.views[behind]]
 
 
-def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dots 3"]) -> list[OddPicture]:
+def contradictions(
+    cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dots 3"]
+) -> list[InconsistentPicture]:
     """Return the pictures of views in which cameras do not agree on where the target is.
 
     Of three cameras or more those that agree with each other stay.
@@ -73,7 +75,7 @@ def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dot
     for one, other in combinations(range(len(cameras)), 2):
         shared = SharedViews.of(cameras[one], cameras[other])
         T_other_one = placed[other] @ inverse(placed[one])
-        misses = target_misses(cameras[other], T_other_one, shared, dots)
+        misses = target_residuals(cameras[other], T_other_one, shared, dots)
         if len(misses) < _FEWEST:
             continue
         usual = float(np.median(misses))
@@ -81,7 +83,10 @@ def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dot
             view = int(shared.views[at])
             against.setdefault(view, []).append((one, other))
             alone = SharedViews(shared.views[[at]], shared.first[[at]], shared.second[[at]])
-            if target_misses(cameras[other], inverse(T_other_one), alone, dots)[0] < _EXCHANGED * misses[at]:
+            if (
+                target_residuals(cameras[other], inverse(T_other_one), alone, dots)[0]
+                < _EXCHANGED * misses[at]
+            ):
                 cause = "their pictures seem to be exchanged"
             else:
                 cause = (
@@ -89,31 +94,31 @@ def contradictions(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dot
                     "numbered wrongly"
                 )
             reasons[view] = (
-                f"cameras '{cameras[one].name}' and '{cameras[other].name}' miss each other's dots by "
+                f"cameras '{cameras[one].name}' and '{cameras[other].name}' disagree on the dots by "
                 f"{misses[at]:.1f} px, in the median view by {usual:.1f} px: {cause}"
             )
     return [
-        OddPicture(cameras[number].name, view, reasons[view])
+        InconsistentPicture(cameras[number].name, view, reasons[view])
         for view, pairs in sorted(against.items())
-        for number in outvoted(pairs, [n for n, lone in enumerate(cameras) if view in lone.views])
+        for number in majority_outliers(pairs, [n for n, lone in enumerate(cameras) if view in lone.views])
     ]
 
 
-def target_misses(
+def target_residuals(
     camera: LoneCamera, T_camera_other: Pose, shared: SharedViews, dots: Float64[np.ndarray, "dots 3"]
 ) -> Float64[np.ndarray, " n"]:
-    """Return by how far another camera's target is off in this camera's pictures, RMS, px."""
+    """Return the residuals of the target of another camera in the pictures of this camera, RMS, px."""
     misses = []
     for T_other_target, T_camera_target in zip(shared.first, shared.second, strict=True):
-        told = camera.camera.image(transform(T_camera_other @ T_other_target, dots)).q
+        expected = camera.camera.image(transform(T_camera_other @ T_other_target, dots)).q
         seen = camera.camera.image(transform(T_camera_target, dots)).q
-        square = ((told - seen) ** 2).sum(axis=1)
+        square = ((expected - seen) ** 2).sum(axis=1)
         known = square[np.isfinite(square)]
         misses.append(float(np.sqrt(known.mean())) if len(known) else float("inf"))
     return np.array(misses)
 
 
-def outvoted(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:
+def majority_outliers(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:
     """Return the cameras of a view that are not in its largest group of two or more that agree."""
     groups: list[list[int]] = []
     for camera in cameras:

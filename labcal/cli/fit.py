@@ -14,8 +14,8 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.correspond.dot_source import DotSource
     from labcal.estimators.estimator import PointEstimator
+    from labcal.estimators.fitting import FitSettings
     from labcal.estimators.model import Model
-    from labcal.estimators.taught import FitSettings
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -83,10 +83,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
     from labcal.estimators.model_file import KIND
-    from labcal.pipeline import FitSettings, taught, training_of
+    from labcal.pipeline import FitSettings, fit_methods, training_of
     from labcal.report.fit_result import FitOutcome, fit_result, fit_table, fit_warnings
     from labcal.run.claims import FileOutput, claim_outputs
-    from labcal.run.standing import require_name
+    from labcal.run.output_place import require_name
     from labcal.wording import listed
 
     settings = FitSettings(
@@ -119,7 +119,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if training.held_out:
         session.say(f"left out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
     with session.progress() as progress:
-        learned = taught(training, estimators, settings, progress)
+        learned = fit_methods(training, estimators, settings, progress)
     if alone and isinstance(learned[0], InputError):
         raise learned[0]
     named = zip(paths, estimators, learned, strict=True)
@@ -142,7 +142,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
     """Return what the dots are of; a stage knows it."""
     from labcal.errors import InputError
-    from labcal.estimators.taught import on_stage
+    from labcal.estimators.fitting import on_stage
 
     if arguments.target is not None and given.shoot is not None and on_stage(given.shoot):
         raise InputError(

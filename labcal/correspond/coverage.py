@@ -1,4 +1,4 @@
-"""Where in a camera's picture dots were found, over all views."""
+"""Image coverage: the parts of a picture in which dots were found, over all views."""
 
 import numpy as np
 from jaxtyping import Int64

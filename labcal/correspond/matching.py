@@ -1,4 +1,4 @@
-"""Dots seen by all cameras at once, as the table that solvers learn from and predict on."""
+"""Dots seen by all cameras, as the table that methods are fitted to and predict from."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class Matches:
 
 
 def rows_by_name(names: np.ndarray) -> dict[str, Int64[np.ndarray, " rows"]]:
-    """Return which elements of an array of str are each name, names in order of appearance.
+    """Return the indices of each name in an array of str, names in order of appearance.
 
     Comparing the array with every name in turn takes minutes where a table has thousands of views.
     """
@@ -120,7 +120,7 @@ def require_on_target(detections: Detections, target: Target) -> None:
 
 
 def stage_points(matches: Matches, target: Target, T_world_target: Mapping[str, Pose]) -> Vectors3:
-    """Return where the matched dots are in the world, from the target's pose in each view.
+    """Return the world positions of matched dots, from the pose of the target in each view.
 
     Parameters
     ----------

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import cv2
 
 from labcal.correspond.detections import Detections, gather
+from labcal.correspond.orientation import resolve_orientation
 from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
-from labcal.correspond.way_up import settle_way_up
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.errors import InputError, InputTypeError, WorkerError
@@ -21,17 +21,17 @@ from labcal.targets.catalogue import AnyTarget
 
 @dataclass(frozen=True)
 class Measurement:
-    """What came of one picture."""
+    """The result of one picture."""
 
     source: Source
     dots: PictureDots | None
     """None where the file could not be read."""
     reason: str | None
-    """Why the picture has no ids, for people; None where it has."""
+    """The reason why the picture has no ids; None if it has."""
 
     @property
     def indexed(self) -> bool:
-        """Whether dots of this picture have ids."""
+        """True if the dots of this picture have ids."""
         return self.reason is None
 
 
@@ -58,7 +58,7 @@ def measure_picture(
 
 
 def _measurement(source: Source, dots: PictureDots) -> Measurement:
-    """Return what was found, with a reason where the picture is refused."""
+    """Return the detections, with a reason if the picture is refused."""
     reason = None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
     return Measurement(source, dots, reason)
 
@@ -86,7 +86,7 @@ def measure_pictures(
     A picture that ends each worker process that measures it (it makes a library crash, or takes all memory)
     is a result with a reason, as one that cannot be read: the other pictures are as good as without it.
     The tone curve is undone first; linear: the values are taken for light as they are.
-    Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.way_up`).
+    Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.orientation`).
     """
     progress.start("detecting dots", len(sources))
     cases = [(source, target, tone_curve) for source in sources]
@@ -100,15 +100,15 @@ def measure_pictures(
     found = [measured[number] for number in range(len(sources))]
     readable = [measurement for measurement in found if measurement.dots is not None]
     pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
-    settled = iter(settle_way_up([measurement.source for measurement in readable], pictures, target))
+    resolved = iter(resolve_orientation([measurement.source for measurement in readable], pictures, target))
     return [
-        measurement if measurement.dots is None else _measurement(measurement.source, next(settled))
+        measurement if measurement.dots is None else _measurement(measurement.source, next(resolved))
         for measurement in found
     ]
 
 
 def refusals(measurements: Sequence[Measurement]) -> list[tuple[str, str]]:
-    """Return which pictures have no ids, as given, and why."""
+    """Return pictures without ids, in the given order, with reasons."""
     return [(found.source.image, found.reason) for found in measurements if found.reason is not None]
 
 

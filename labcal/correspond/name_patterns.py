@@ -1,4 +1,4 @@
-"""Parts and patterns of picture names; a pattern, as ``--cameras`` takes it, tells camera and view."""
+"""Parts and patterns of picture names; a pattern, as of ``--cameras``, gives camera and view."""
 
 import os
 import re
@@ -49,7 +49,7 @@ def name_parts(images: Sequence[str]) -> list[NameParts]:
 
 
 def view_in(name: str, pattern: str) -> str | None:
-    """Return the view that a picture's name tells where it fits a pattern, else None.
+    """Return the view in the name of a picture that fits a pattern, else None.
 
     Parameters
     ----------
@@ -69,6 +69,6 @@ def view_in(name: str, pattern: str) -> str | None:
 
 
 def best_pattern(name: str, patterns: Mapping[str, str]) -> str | None:
-    """Return the pattern that a picture's name fits, that with most letters of its own; None for none."""
+    """Return the pattern that fits the name of a picture with most letters of its own, else None."""
     fitting = [pattern for pattern in patterns if view_in(name, pattern) is not None]
     return max(fitting, key=lambda pattern: len(pattern.replace(ANY, "")), default=None)

@@ -1,4 +1,4 @@
-"""Which cameras the names of loose pictures tell of: two cameras are never taken for one in silence.
+"""Cameras in the names of loose pictures: two cameras are never silently taken for one.
 
 A name is split into parts: folders, words, numbers, dates and times, what stands between. Pictures of
 several cameras differ in one part that takes every value in every view; those of one camera count on.
@@ -32,7 +32,7 @@ end of the names is the camera's."""
 
 @dataclass(frozen=True)
 class NamedCameras:
-    """Cameras that names tell of.
+    """Cameras that occur in names of pictures.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class NamedCameras:
     pictures: tuple[str, ...]
 
     def words(self) -> str:
-        """Return what the names look like and what to do about it, for people."""
+        """Return a message on the form of the names, with advice."""
         first, *others = (Path(picture) for picture in self.pictures)
         shown = [str(Path(path.parent.name) / path.name) for path in (first, *others)]
         apart = (
@@ -62,7 +62,7 @@ class NamedCameras:
 
 
 def named_cameras(images: Sequence[str]) -> NamedCameras | None:
-    """Return the cameras that the names of pictures tell of; None where they may be one camera's.
+    """Return the cameras in the names of pictures; None if there may be only one.
 
     Names tell of cameras where they differ in a side (left and right) or in the number or letter of what is
     called a camera, or where one part of them takes two values or more and crosses completely with the rest.
@@ -84,11 +84,11 @@ class _Names:
     splits: tuple[NameParts, ...]
 
     def cameras(self) -> NamedCameras | None:
-        """Return the cameras that these names tell of."""
-        told = [places for places in self._together() if self._tells(places)]
-        if not told:
+        """Return the cameras in these names."""
+        candidates = [places for places in self._together() if self._tells(places)]
+        if not candidates:
             return None
-        places = min(told, key=self._doubt)
+        places = min(candidates, key=self._doubt)
         values = self._values(places)
         pictures = [
             next(split.image for split in self.splits if self._at(split, places) == value) for value in values
@@ -96,7 +96,7 @@ class _Names:
         return NamedCameras(self._option(places), tuple(pictures))
 
     def _doubt(self, places: tuple[int, ...]) -> tuple[bool, int, int]:
-        """Return what to order places by: the likeliest to tell the camera comes first."""
+        """Return a sort key of places: the place that most likely names the camera is first."""
         return (not self._is_named(places), len(self._values(places)), -places[-1])
 
     def _together(self) -> list[tuple[int, ...]]:
@@ -116,7 +116,7 @@ class _Names:
         return sorted({self._at(split, places) for split in self.splits})
 
     def _tells(self, places: tuple[int, ...]) -> bool:
-        """Tell whether what stands at places is which camera it is."""
+        """Tell whether the parts at some places name the camera."""
         if len(self._values(places)) > _MOST_CAMERAS:
             return False
         return self._is_named(places) or (self._may_number(places) and self._crosses(places))
@@ -167,7 +167,7 @@ class _Names:
         return last and whole >= _FULL_VIEWS and len(self.splits) >= _FULL * cameras * len(views)
 
     def _option(self, places: tuple[int, ...]) -> str | None:
-        """Return what ``--cameras`` takes to tell the cameras apart."""
+        """Return the value of ``--cameras`` that distinguishes the cameras."""
         values = self._values(places)
         for pattern_of in (self._short, self._long):
             patterns = {pattern_of(value, places): _camera(value) for value in values}
@@ -187,7 +187,7 @@ class _Names:
         return len(views) == len(self.splits) and len(set(best)) == len(patterns)
 
     def _short(self, value: tuple[str, ...], places: tuple[int, ...]) -> str:
-        """Return the beginning or the end of the name, where the camera is told there alone."""
+        """Return the beginning or the end of the name if it alone gives the camera."""
         first, last = places[0], places[-1]
         if len(self.kinds) == 1:
             return self._long(value, places)
@@ -199,7 +199,7 @@ class _Names:
         return self._long(value, places)
 
     def _constant(self, place: int) -> str:
-        """Return what stands at a place, where that is the same in all names."""
+        """Return the part at a place if it is the same in all names."""
         if not (0 <= place < len(self.kinds) and self.kinds[place] in ("between", "word")):
             return ""
         texts = {split.parts[place] for split in self.splits}
@@ -207,24 +207,24 @@ class _Names:
 
     def _long(self, value: tuple[str, ...], places: tuple[int, ...]) -> str:
         """Return the whole name with stars for what changes from view to view."""
-        told = dict(zip(places, value, strict=True))
+        parts = dict(zip(places, value, strict=True))
         texts = []
         for place in range(len(self.kinds)):
             found = {split.parts[place] for split in self.splits}
-            texts.append(told.get(place, next(iter(found)) if len(found) == 1 else ANY))
+            texts.append(parts.get(place, next(iter(found)) if len(found) == 1 else ANY))
         return "".join(
             ANY if star else "".join(run) for star, run in groupby(texts, lambda text: text == ANY)
         )
 
 
 def _common_start(texts: set[str]) -> str:
-    """Return what all texts begin with."""
+    """Return the common beginning of texts."""
     first, last = min(texts), max(texts)
     return first[: next((n for n, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))]
 
 
 def _without(start: str, texts: set[str]) -> set[str]:
-    """Return texts without what they begin with."""
+    """Return texts without their common beginning."""
     return {text.removeprefix(start) for text in texts}
 
 

@@ -68,7 +68,7 @@ _RAW = frozenset(
 
 
 def left_out_words(paths: Sequence[str]) -> list[str]:
-    """Return which pictures in folders are not read for their format, and how to convert them, for people.
+    """Return a message about pictures in folders whose format is not read, and how to convert them.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def left_out_words(paths: Sequence[str]) -> list[str]:
         for folder in picture_folders(Path(given))
         for entry in sorted(folder.iterdir())
     ]
-    told = []
+    messages = []
     for endings, mend in (
         (_OTHER, "Convert them to PNG, which loses nothing (ImageMagick: magick mogrify -format png FILES)."),
         (
@@ -93,8 +93,8 @@ def left_out_words(paths: Sequence[str]) -> list[str]:
         names = [str(entry) for entry in entries if entry.suffix.lower() in endings]
         if names:
             kinds = ", ".join(sorted({Path(name).suffix.lower() for name in names}))
-            told.append(
+            messages.append(
                 f"{counted(len(names), 'picture')} left out, since files that end in {kinds} are not read: "
                 f"{listed(names, _SHOWN)}. {mend}"
             )
-    return told
+    return messages

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.bounds import MOST_INDEX, MOST_MM
-from labcal.geometry.covariances import stated_soundly
+from labcal.geometry.covariances import valid_or_not_stated
 from labcal.run.table_columns import TableLines, names_of_lines, table_parts
 from labcal.run.tables import refuse_twice
 from labcal.wording import has_control
@@ -82,7 +82,7 @@ def _columns(
     missing = (flag == PointFlag.NO_SOLUTION.value) & np.isnan(figures[:, :3]).all(axis=1)
     near = (np.abs(figures[:, :3]) <= MOST_MM).all(axis=1)
     part.require(missing | near, f"coordinates are numbers of at most {MOST_MM:g} mm")
-    part.require(stated_soundly(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
+    part.require(valid_or_not_stated(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
     part.refuse()
     return view, index, figures, flag.astype(np.str_)
 

@@ -1,4 +1,4 @@
-"""Pictures that are not used, told once for each reason, however many share it."""
+"""Pictures that are not used, reported once for each reason."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ _SHOWN = 3
 
 @dataclass(frozen=True)
 class SharedReason:
-    """Why some pictures are not used."""
+    """A reason why some pictures are not used."""
 
     images: tuple[str, ...]
     """As given, in their order."""
@@ -21,7 +21,7 @@ class SharedReason:
 
     @property
     def words(self) -> str:
-        """What to tell a person: the reason once, and of which pictures."""
+        """A message with the reason and the pictures."""
         first = self.images[0]
         if len(self.images) == 1:
             return self.reason if first in self.reason else f"{first}: {self.reason}"
@@ -31,7 +31,7 @@ class SharedReason:
 
 
 def shared_reasons(refused: Sequence[tuple[str, str]]) -> list[SharedReason]:
-    """Return the reasons of pictures, those that say the same but for the picture's name as one.
+    """Return the reasons of pictures; those that differ only in the name of the picture are one.
 
     Parameters
     ----------
@@ -52,10 +52,10 @@ def shared_reasons(refused: Sequence[tuple[str, str]]) -> list[SharedReason]:
 def no_picture_left(refused: Sequence[tuple[str, str]]) -> InputError:
     """Return the error for pictures of which not one can be used: each reason once."""
     number = len(refused)
-    told = f"None of the {number} pictures" if number > 1 else "The only picture"
+    subject = f"None of the {number} pictures" if number > 1 else "The only picture"
     verb = "can" if number > 1 else "cannot"
     reasons = " ".join(
         shared.reason if len(shared.images) == number else shared.words
         for shared in shared_reasons(refused)[:_SHOWN]
     )
-    return InputError(f"{told} {verb} be used. {reasons}")
+    return InputError(f"{subject} {verb} be used. {reasons}")

@@ -1,4 +1,4 @@
-"""Whether lines of detections can be measurements: near their pictures, each dot once, one picture a view."""
+"""Checks of lines of detections: near their pictures, each dot once, one picture per view."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,13 +20,13 @@ _MOST_LETTERS = 4096
 
 
 def near_picture(size: Int64[np.ndarray, "n 2"], position: Float64[np.ndarray, "n 2"]) -> Mask:
-    """Return which positions are in their pictures or near them; both px."""
+    """Return a mask of positions inside or near their pictures, px."""
     margin = MARGIN_SIDES * size
     return np.asarray(((-margin <= position) & (position <= size + margin)).all(axis=1))
 
 
 def covaries_soundly(size: Int64[np.ndarray, "n 2"], covariance: Float64[np.ndarray, "n 3"]) -> Mask:
-    """Return which covariances can be those of a position in a picture, or are left open (NaN).
+    """Return a mask of covariances that are possible for a position in a picture, or not stated (NaN).
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class PicturesOfLines:
         self._sizes: list[tuple[int, int]] = []
 
     def numbers(self, part: TableLines) -> Int64[np.ndarray, " lines"]:
-        """Return the number of every line's picture; what is wrong with one is noted in the part."""
+        """Return the index of the picture of every line; faults are recorded in the part."""
         numbers = np.empty(len(part), dtype=np.int64)
         last, number = None, 0
         for at, line in enumerate(part.lines):

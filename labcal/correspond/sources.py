@@ -1,4 +1,4 @@
-"""Where pictures come from: a shoot, or loose files whose names tell view and camera."""
+"""Sources of pictures: a shoot, or loose files whose names give view and camera."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Source:
     image: str
     """The path as given."""
     size: tuple[int, int] | None
-    """What the shoot says the size is; None for a loose picture."""
+    """Size that the shoot states; None for a loose picture."""
 
     def __post_init__(self) -> None:
         """Refuse a name that no table can hold, and that a terminal would obey."""
@@ -126,7 +126,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
 
 
 def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) -> None:
-    """Raise where names of pictures tell of several cameras, and nobody said which or that it is one.
+    """Raise if names of pictures suggest several cameras and `--cameras` was not given.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) ->
 
 
 def loose_source(image: str, endings: Mapping[str, str]) -> Source:
-    """Return what the name of a loose picture says about it.
+    """Return the source that the name of a loose picture gives.
 
     Raises
     ------

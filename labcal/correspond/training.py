@@ -1,4 +1,4 @@
-"""What a method learns from: matched dots whose places the stage tells."""
+"""Training data: matched dots at the places of a stage."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from labcal.shoot.manifest import Role
 
 @dataclass(frozen=True)
 class TrainingData:
-    """Pixels and the points that belong to them."""
+    """Pixels and their points."""
 
     cameras: tuple[str, ...]
     image_sizes: tuple[tuple[int, int], ...]

@@ -1,4 +1,4 @@
-"""Views that a calibration may not see, since its result is judged by them."""
+"""Views that are held out from a calibration, so that its result can be tested on them."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -4,7 +4,7 @@ Nothing marks a dot, so only a grid that is seen from edge to edge can be number
 places. A symmetric grid looks the same after half a turn, a square one after a quarter; of these numberings
 that one is given whose columns run most nearly to the right in the picture, as a board is usually held, and
 the others stand in `PictureDots.others`. Whoever sees the same board in more pictures may settle it
-(`labcal.correspond.way_up`). That a picture is mirrored cannot be seen.
+(`labcal.correspond.orientation`). That a picture is mirrored cannot be seen.
 """
 
 from collections.abc import Sequence

@@ -27,7 +27,7 @@ class Affine(PointEstimator):
     method: ClassVar[str] = "affine"
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (
             FittedArray("coefficients_", (1 + self.n_features_in_, self.n_outputs_)),
             FittedArray("centre_", (self.n_features_in_,)),

@@ -12,7 +12,7 @@ from labcal.estimators.gp_field.learned_camera import LearnedCamera
 
 _DISTANCES_MM = (60.0, 240.0, 1000.0)
 _TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
-"""Where the search for a window begins. From a place too far off, it may end with the glass at the lens."""
+"""Initial tilts of a window. From values too far off, the search may end with the glass at the lens."""
 
 
 class Bundle(CameraEstimator):

@@ -1,4 +1,4 @@
-"""What methods that model cameras have in common: they triangulate, and know how sure they are."""
+"""The common part of methods with cameras: triangulation, and its covariance."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ _CAMERAS = 2
 
 
 class CameraEstimator(PointEstimator):
-    """A method that finds a camera for each pair of columns and triangulates.
+    """A method that estimates a camera for each pair of columns, and triangulates.
 
     Points are the most likely ones for pixels with independent normal noise, and their covariances hold the
     noise as well as how sure the cameras are.
@@ -49,7 +49,7 @@ class CameraEstimator(PointEstimator):
     image_sizes: tuple[tuple[int, int], ...] | None
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         cameras, free = free_count(self.cameras_text_)
         n = self.n_trained_
         return (
@@ -81,7 +81,7 @@ class CameraEstimator(PointEstimator):
 
     @abstractmethod
     def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
-        """Return the camera that saw points (mm) at pixels."""
+        """Return the camera that was estimated from points (mm) and pixels."""
 
     @one_blas_thread()
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
@@ -118,12 +118,12 @@ class CameraEstimator(PointEstimator):
         return triangulated(self.learned_cameras_, pixels.reshape(len(pixels), -1, 2), covariance)
 
     def _own_noise(self, n: int) -> Float64[np.ndarray, "n cameras 2 2"]:
-        """Return the covariances of n points whose pixels are as noisy as the trained ones."""
+        """Return the covariances of n points with the pixel noise of training."""
         noise = self.figures_[:, 0]
         return np.tile(noise[:, None, None] ** 2 * np.eye(2), (n, 1, 1, 1))
 
     def _sizes(self, seen: Float64[np.ndarray, "n cameras 2"]) -> Sequence[tuple[int, int]]:
-        """Return the pictures' sizes by camera."""
+        """Return the picture sizes by camera."""
         if self.image_sizes is None:
             reach = np.ceil(np.maximum(seen.max(axis=0), 1.0)).astype(int) + 1
             return [(int(width), int(height)) for width, height in reach]

@@ -1,4 +1,4 @@
-"""Training data at the images of dots' centres, where the training views tell what centroids are off."""
+"""Training data at images of dot centres: the eccentricity is corrected with resected cameras."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -7,10 +7,10 @@ import numpy as np
 
 from labcal.arrays import Pixels, Pose, Vectors3
 from labcal.calibrate.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
-from labcal.calibrate.ray_misses import MOST_PX
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.calibrate.triangulation_check import calibration_record
+from labcal.calibrate.triangulation_residuals import MOST_PX
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches
@@ -30,23 +30,23 @@ _ON_ONE_PLANE = (
 
 @dataclass(frozen=True)
 class CentredTraining:
-    """Training data, and how they came to be."""
+    """Training data, and the correction that was applied."""
 
     data: TrainingData
     cameras: tuple[Camera, ...] | None
     """Resected from the training views; None where nothing was taken off."""
     bias: CentreBias | None
-    """What was taken off."""
+    """The corrected eccentricity."""
     reason: str | None
-    """Why nothing was, for people."""
+    """The reason why it was not corrected."""
     calibration: CalibrationRecord | None = None
-    """How well the cameras agree on the training data."""
+    """The triangulation residual of the cameras on the training data."""
 
 
 def centred_training(
     data: TrainingData, target: Target, T_world_target: Mapping[str, Pose]
 ) -> CentredTraining:
-    """Take centroid minus centre off training pixels, by cameras resected from the training views.
+    """Subtract the eccentricity from training pixels, with cameras resected from the training views.
 
     A method learns from pixels to points of dots' centres. Where the views fill a volume, each camera is
     resected, and what centroids are off follows from where the stage had the target. Of a single plane the
@@ -92,7 +92,7 @@ def centred_training(
 
 
 def _resected(q: Pixels, p: Vectors3, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:
-    """Return the camera that saw points (mm) at pixels, with the lens model of the round before."""
+    """Return the camera resected from points (mm) and pixels, with the lens model of the previous round."""
     if not before:
         return chosen_camera(_NAME, q, p, size)
     return resect(_NAME, q, p, camera_of_lens(before[0].camera.lens, size, None))

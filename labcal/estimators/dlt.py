@@ -40,7 +40,7 @@ class Dlt(PointEstimator):
     method: ClassVar[str] = "dlt"
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (FittedArray("projections_", (self.n_features_in_ // 2, 3, 4)),)
 
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:

@@ -1,4 +1,4 @@
-"""What all methods have in common: an estimator from pixels to points that checks what it is given."""
+"""The common base of all methods: an estimator from pixels to points that checks its input."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from labcal.arrays import AnyArray, float_array
 from labcal.errors import InputError, InputTypeError
-from labcal.estimators.pushed_noise import pushed_noise
+from labcal.estimators.propagation import propagated_covariance
 
 Estimator = TypeVar("Estimator", bound="PointEstimator")
 
@@ -29,7 +29,7 @@ class FittedArray(NamedTuple):
 
 
 class PointEstimator(RegressorMixin, BaseEstimator):
-    """A method that learns points from pixels; a scikit-learn regressor.
+    """A method that estimates points from pixels; a scikit-learn regressor.
 
     X is (n, 2 x cameras) in px with columns x1 y1 x2 y2 ..., Y is (n, 3) in mm, and further outputs where an
     experiment asks. A method fills in `_fit` and `_predict` and says which arrays it consists of when fitted.
@@ -50,7 +50,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         """The name, for messages and files; of labcal's own methods an attribute of the class."""
 
     def fit(self: Estimator, X: ArrayLike, Y: ArrayLike) -> Estimator:  # noqa: PYI019 - the checker of tests rejects Self
-        """Learn from pixels whose points are known.
+        """Fit to pixels and their known points.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         return self
 
     def predict(self, X: ArrayLike) -> Float64[np.ndarray, "n *outputs"]:
-        """Return the points that belong to pixels.
+        """Return the points of pixels.
 
         Parameters
         ----------
@@ -106,9 +106,9 @@ class PointEstimator(RegressorMixin, BaseEstimator):
     def predict_with_covariance(
         self, X: ArrayLike, pixel_covariance: AnyArray
     ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
-        """Return the points that belong to pixels, and how uncertain they are.
+        """Return the points of pixels, and their covariances.
 
-        Where a method knows no better, that is the pixels' noise pushed through its predictions, and the
+        Where a method knows no better, that is the pixels' noise propagated through its predictions, and the
         covariance of its errors on the training data, which stands for what it could not learn.
 
         Parameters
@@ -144,21 +144,21 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         return self._with_covariance(pixels, pixel_covariance)
 
     def stored_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays are kept of the fitted estimator: those of the method and of every method."""
+        """Return the arrays of the fitted estimator that are stored: its own and those of every method."""
         size = min(self.n_outputs_, COORDINATES)
         return (*self.fitted_arrays(), FittedArray("residual_covariance_", (size, size)))
 
     def stored_parameters(self) -> dict[str, Any]:
-        """Return which constructor arguments are kept of the fitted estimator."""
+        """Return the constructor arguments of the fitted estimator that are stored."""
         return dict(self.get_params())
 
     @abstractmethod
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of, for the present inputs and outputs."""
+        """Return the arrays that make up the fitted estimator, for the present inputs and outputs."""
 
     @abstractmethod
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
-        """Learn from checked arrays."""
+        """Fit to checked arrays."""
 
     @abstractmethod
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
@@ -176,7 +176,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
     ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
-        """Return predictions and their covariances; a method that knows better has its own."""
+        """Return predictions and their covariances; methods may override it."""
         return self._predict(pixels), self._covariance(pixels, pixel_covariance)
 
     def _covariance(
@@ -184,9 +184,9 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
     ) -> Float64[np.ndarray, "n dim dim"]:
-        """Return the covariances of predictions; a method that knows better has its own."""
-        pushed = pushed_noise(self._coordinates, pixels, pixel_covariance)
-        return np.asarray(pushed + self.residual_covariance_)
+        """Return the covariances of predictions; methods may override it."""
+        propagated = propagated_covariance(self._coordinates, pixels, pixel_covariance)
+        return np.asarray(propagated + self.residual_covariance_)
 
     def _coordinates(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n dim"]:
         """Predict X, Y and Z only."""
@@ -201,7 +201,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         return pixels, np.asarray(points, dtype=np.float64)
 
     def _inputs(self, X: ArrayLike) -> np.ndarray:
-        """Return pixels to predict from as a finite float64 array of the trained width."""
+        """Return pixels as a finite float64 array of the width used in training."""
         with _own_errors(self.method):
             return np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
 
@@ -214,7 +214,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
 
 @contextmanager
 def _own_errors(method: str) -> Iterator[None]:
-    """Turn scikit-learn's refusals into this project's."""
+    """Convert errors of scikit-learn into those of labcal."""
     try:
         yield
     except TypeError as error:

@@ -1,4 +1,4 @@
-"""Training data from a target that was held in the hand: its dots where a bundle adjustment put them."""
+"""Training data from a hand-held target that a bundle adjustment placed."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ from labcal.targets.target import Target
 
 
 def handheld_training(found: HandheldCalibration, detections: Detections, target: Target) -> CentredTraining:
-    """Return the dots that all cameras measured, where the target was in each view.
+    """Return the dots that all cameras measured, with their places in each view.
 
     Parameters
     ----------

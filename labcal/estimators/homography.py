@@ -36,7 +36,7 @@ class Homography(PointEstimator):
     method: ClassVar[str] = "homography"
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (FittedArray("homographies_", (self.n_features_in_ // 2, 3, 3)), FittedArray("plane_z_", ()))
 
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:

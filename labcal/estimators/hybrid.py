@@ -1,4 +1,4 @@
-"""Cameras resected from known points, with a field of pixels for what their lens formulas do not explain."""
+"""Cameras resected from known points, with a residual field in pixels."""
 
 from typing import ClassVar
 
@@ -50,7 +50,7 @@ class Hybrid(CameraEstimator):
 
     @property
     def field_px_(self) -> np.ndarray:
-        """What the field explains of the trained pixels, root mean square of its length, px, by camera."""
+        """RMS length of the field at training pixels, px, by camera."""
         return np.array(
             [
                 0.0

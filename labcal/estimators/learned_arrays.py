@@ -1,4 +1,4 @@
-"""Learned cameras as plain arrays and one text, for files, and back."""
+"""Conversion of estimated cameras to plain arrays and one text, and back."""
 
 import json
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ _RECORDS = TypeAdapter(tuple[CameraRecord, ...])
 
 @dataclass(frozen=True)
 class LearnedArrays:
-    """What :func:`to_arrays` gives; for cameras without a field the last two are 0.
+    """The result of :func:`to_arrays`; for cameras without a field the last two are 0.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
 from labcal.errors import InputError
-from labcal.estimators.rehearsed import Rehearsed
+from labcal.estimators.expected_error import ExpectedError
 from labcal.paths import AnyPath
 from labcal.public_object import PublicObject
 from labcal.wording import counted
@@ -43,11 +43,11 @@ class TrainingBox:
 
     @property
     def planar(self) -> bool:
-        """Whether all points were trained at one Z."""
+        """True if all training points have the same Z."""
         return bool(self.low_mm[2] == self.high_mm[2])
 
     def holds(self, points: Float64[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
-        """Return which points, in mm, lie inside or on the box; Z counts unless training was planar."""
+        """Return a mask of points (mm) inside or on the box; Z counts unless training was planar."""
         used = slice(2) if self.planar else slice(3)
         inside = (points[:, used] >= self.low_mm[used]) & (points[:, used] <= self.high_mm[used])
         return np.asarray(inside.all(axis=1))
@@ -72,14 +72,14 @@ class Model(PublicObject):
         What it was trained on.
     resected : tuple of Camera, optional
         Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
-    rehearsed : Rehearsed, optional
+    rehearsed : ExpectedError, optional
         How the method did on points between the trained ones; None where that could not be rehearsed.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data.
     calibrated_on : tuple of str
-        Names of the views that it was taught, as of a rig; empty where that is not known.
+        Names of the views that it was fitted to, as of a rig; empty where that is not known.
     held_out : tuple of str
-        Names of the views that it was not taught, since it is to be judged by them.
+        Names of the held-out views, on which it is to be tested.
     warnings : tuple of str
         What was not as it should be when it was fitted, for people; not kept in the file.
 
@@ -94,7 +94,7 @@ class Model(PublicObject):
     image_sizes: tuple[tuple[int, int], ...]
     box: TrainingBox
     resected: tuple[Camera, ...] | None = None
-    rehearsed: Rehearsed | None = None
+    rehearsed: ExpectedError | None = None
     calibration: CalibrationRecord | None = None
     calibrated_on: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
@@ -102,7 +102,7 @@ class Model(PublicObject):
 
     @property
     def misfit(self) -> bool:
-        """Whether the method is known to err by far more than the noise leaves, or by more than it says."""
+        """True if surrogate validation found errors far above noise or stated covariance."""
         return self.rehearsed is not None and self.rehearsed.misfit
 
     @classmethod

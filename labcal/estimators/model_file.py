@@ -12,11 +12,11 @@ from safetensors import SafetensorError, safe_open
 from labcal.bounds import MOST_MM, MOST_WEIGHT
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, LabcalError
+from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
-from labcal.estimators.rehearsed import Rehearsed
 from labcal.paths import AnyPath, as_path
-from labcal.run.file_kinds import told_by
+from labcal.run.file_kinds import recognised_by
 from labcal.run.file_reading import require_file
 from labcal.run.outputs import write_file
 
@@ -31,14 +31,14 @@ _MOST_BYTES = 2**28
 _MOST_COUNT = 2**31
 """Of an integer that an estimator is constructed with."""
 _HEADER_BEGINS = f'{{"__metadata__":{{"{METADATA_KEY}":'.encode()
-KIND = told_by(
+KIND = recognised_by(
     "a model",
     lambda content: content[LENGTH_BYTES:].startswith(_HEADER_BEGINS) and b"labcal-model" in content,
 )
 
 
 class ModelKind(StrEnum):
-    """What a MODEL on the command line can be."""
+    """The kinds of a MODEL on the command line."""
 
     FITTED = "fitted model"
     RIG = "rig"
@@ -160,7 +160,7 @@ def load_model(path: AnyPath, method: object | None = None) -> Model:
     )
 
 
-def views_taught(path: AnyPath) -> tuple[str, ...]:
+def training_views(path: AnyPath) -> tuple[str, ...]:
     """Return the names of the views that a model was taught, whatever its method; empty where not known.
 
     Raises
@@ -222,7 +222,7 @@ def _estimator(
     try:
         wanted = estimator.stored_arrays()
         if any(type(side) is not int for spec in wanted for side in spec.shape):
-            raise TypeError  # noqa: TRY301 -- told below, as what the method itself raises
+            raise TypeError  # noqa: TRY301 -- reported below, like errors of the method itself
     except LabcalError:
         raise
     except (TypeError, ValueError, LookupError, ArithmeticError) as error:
@@ -237,7 +237,7 @@ def _estimator(
 
 
 def _like(value: Value, default: object) -> bool:
-    """Tell whether a parameter is of its default's kind, and not beyond all bounds."""
+    """Tell whether a parameter has the type of its default and is within bounds."""
     match default:
         case bool() | str():
             return type(value) is type(default)
@@ -254,16 +254,20 @@ def _like(value: Value, default: object) -> bool:
             return all(type(count) is int and 1 <= count <= _MOST_COUNT for count in counts)
 
 
-def _figures(rehearsed: Rehearsed) -> dict[str, float | None]:
-    """Return a rehearsal's figures by name, with null for NaN, which JSON does not know."""
+def _figures(rehearsed: ExpectedError) -> dict[str, float | None]:
+    """Return an expected error as a mapping, with null for NaN, which JSON does not have."""
     return {name: None if np.isnan(value) else value for name, value in asdict(rehearsed).items()}
 
 
-def _rehearsed(path: Path, figures: dict[str, float | None]) -> Rehearsed:
-    """Return the rehearsal's figures."""
-    if figures.keys() != {field.name for field in fields(Rehearsed)}:
-        raise InputError(f"The model {path} has other figures of a rehearsal than this labcal knows.")
-    return Rehearsed(**{name: float("nan") if value is None else value for name, value in figures.items()})
+def _rehearsed(path: Path, figures: dict[str, float | None]) -> ExpectedError:
+    """Return the expected error of a mapping."""
+    if figures.keys() != {field.name for field in fields(ExpectedError)}:
+        raise InputError(
+            f"The model {path} has an expected error in a form that this version of labcal does not know."
+        )
+    return ExpectedError(
+        **{name: float("nan") if value is None else value for name, value in figures.items()}
+    )
 
 
 def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> TrainingBox:
@@ -283,7 +287,7 @@ def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> Trai
 
 
 def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """Return one array of the file if it is as the method needs it."""
+    """Return one array of the file if it has the shape that the method needs."""
     array = arrays.get(name)
     if array is None or array.dtype != np.float64 or array.shape != shape or not np.isfinite(array).all():
         raise InputError(f"The model {path} lacks the array '{name}' as finite float64 of shape {shape}.")

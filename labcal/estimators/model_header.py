@@ -47,11 +47,11 @@ class ModelHeader(BaseModel):
     resected : tuple of CameraRecord, optional
         The cameras that tell what a centroid is off its dot's centre; left out where there are none.
     rehearsed : mapping, optional
-        The figures of a `Rehearsed`, null for NaN; left out where there are none.
+        The figures of a `ExpectedError`, null for NaN; left out where there are none.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data; left out where that is not known.
     calibrated_on : tuple of str, optional
-        Names of the views that it was taught; left out where they are not known, as in older files.
+        Names of the views that it was fitted to; left out where they are not known, as in older files.
     held_out : tuple of str, optional
         Names of the views that were kept to test on; left out where there were none.
     digest : str

@@ -27,7 +27,7 @@ class Quadratic(PointEstimator):
     method: ClassVar[str] = "quadratic"
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (
             FittedArray("coefficients_", (_term_count(self.n_features_in_), self.n_outputs_)),
             FittedArray("centre_", (self.n_features_in_,)),

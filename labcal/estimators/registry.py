@@ -80,7 +80,7 @@ _METHODS = {
     ),
 }
 _PARTS = ("method", "fitted_arrays", "_fit", "_predict")
-"""What a class of one's own fills in."""
+"""The attributes that a user's class must define."""
 _REGISTERED: "dict[str, type[PointEstimator]]" = {}
 """Of programs that use labcal; those of this process only."""
 

@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.ray_misses import MOST_PX, RayMisses
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import resect
+from labcal.calibrate.triangulation_residuals import MOST_PX, TriangulationResiduals
 from labcal.cameras.camera import Camera
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
@@ -35,7 +35,7 @@ def refuse_swapped(cameras: Sequence[Camera], matches: Matches) -> None:
     InputError
         In a view, the rays of the dots meet far better when two cameras' pictures are exchanged.
     """
-    misses_px = RayMisses.of(cameras, matches).px
+    misses_px = TriangulationResiduals.of(cameras, matches).px
     for view, rows in matches.rows_by_view.items():
         given = float(np.median(misses_px[rows]))
         if given <= MOST_PX:
@@ -44,7 +44,10 @@ def refuse_swapped(cameras: Sequence[Camera], matches: Matches) -> None:
         for pair, order in _exchanges(len(cameras)):
             exchanged = replace(of_view, q=of_view.q[:, order], covariance=of_view.covariance[:, order])
             _refuse(
-                view, [matches.cameras[i] for i in pair], given, RayMisses.of(cameras, exchanged).typical_px
+                view,
+                [matches.cameras[i] for i in pair],
+                given,
+                TriangulationResiduals.of(cameras, exchanged).typical_px,
             )
 
 

@@ -63,7 +63,7 @@ class TwoPlane(PointEstimator):
         self.degree = degree
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         cameras, terms = len(self.degrees_), _term_count(max(self.degrees_))
         return (
             FittedArray("rotation_", (3, 3)),

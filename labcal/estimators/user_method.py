@@ -166,7 +166,7 @@ class UserMethod(PointEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Regressor:
         """Return a fitted copy of the regressor."""
-        with one_blas_thread(), _told(self.method, "fit"):
+        with one_blas_thread(), _reraised(self.method, "fit"):
             made = self._copy()
             try:
                 made.fit(pixels, points)
@@ -194,7 +194,7 @@ class UserMethod(PointEstimator):
         regressor: Regressor,
         pixels: Float64[np.ndarray, "n inputs"],
     ) -> Float64[np.ndarray, "n outputs"]:
-        with one_blas_thread(), _told(self.method, "predict"):
+        with one_blas_thread(), _reraised(self.method, "predict"):
             found = np.array(regressor.predict(pixels), dtype=np.float64)
         if found.shape == (len(pixels),) and self.n_outputs_ == 1:
             found = found[:, None]
@@ -231,7 +231,7 @@ def _takes_one_output(regressor: Regressor) -> bool:
 
 
 @contextmanager
-def _told(method: str, where: str) -> Iterator[None]:
+def _reraised(method: str, where: str) -> Iterator[None]:
     """Turn whatever the user's own code raises into an error that says where it comes from."""
     try:
         yield

@@ -45,7 +45,7 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     alignment: Alignment
     """`rigid` where the model's world is not the truth's, as with a hand-held target."""
     scored: str
-    """Which points count, in words."""
+    """Description of the scored points."""
     not_scored: int
     """Reconstructed points that do not count: trained on, outside the trained hull, or without a solution."""
     scored_views: ScoredPart = field(metadata={IN_JSON: InJson.FLAT})
@@ -88,7 +88,7 @@ def errors_against_truth(
     alignment: Alignment | None = None,
     learned: Collection[str] | None = None,
 ) -> TruthErrors:
-    """Compare points with where the dots truly were.
+    """Compare points with the true positions of the dots.
 
     Where the shoot has test views at known places, only their dots within the hull of the trained dots count;
     of a hand-held target, only views that were not learned from, where there are such.
@@ -152,7 +152,7 @@ def errors_against_truth(
 
 
 def _require_same_cameras(shoot: Shoot, file: str, cameras: Collection[str]) -> None:
-    """Raise unless a file of the truth is of the shoot's cameras.
+    """Raise unless a file of the truth belongs to the cameras of the shoot.
 
     Raises
     ------
@@ -169,11 +169,11 @@ def _require_same_cameras(shoot: Shoot, file: str, cameras: Collection[str]) -> 
 
 
 Places = dict[tuple[str, int, int], list[float]]
-"""Where dots truly were, mm, by view, col and row."""
+"""True positions of dots, mm, by view, col and row."""
 
 
 def _true_places(shoot: Shoot) -> Places:
-    """Return where every dot was when the first camera saw it, which is not always as printed by design."""
+    """Return the position of every dot when the first camera saw it, which may differ from the design."""
     places: Places = {}
     pictures = read_true_dots(shoot.folder)
     _require_same_cameras(shoot, "dots.csv", {picture.camera for picture in pictures})
@@ -184,21 +184,21 @@ def _true_places(shoot: Shoot) -> Places:
 
 
 def _true_points(view: np.ndarray, index: np.ndarray, places: Places) -> Vectors3:
-    """Return where dots truly were; NaN for those that the truth does not know."""
+    """Return the true positions of dots; NaN for those without truth."""
     unknown = [np.nan] * 3
     keys = zip(view.tolist(), *index.T.tolist(), strict=True)
     return np.array([places.get(key, unknown) for key in keys], dtype=np.float64).reshape(-1, 3)
 
 
 def _held_out(views: ScoredViews) -> str:
-    """Return which points of a hand-held target count, in words."""
+    """Return a mask of scored points of a hand-held target, and its description."""
     if not views.others:
         return "all points"
     return "points of views to test on" if views.calibrated_on is None else "points of views held out"
 
 
 def _scored(points: Points, true: Vectors3, shoot: Shoot, views: ScoredViews) -> tuple[Mask, str]:
-    """Return which points count, and that in words."""
+    """Return a mask of scored points, and its description."""
     nominal = shoot.nominal_poses()
     tested = {view.name for view in shoot.views(Role.TEST)}
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in nominal]
@@ -213,7 +213,7 @@ def _scored(points: Points, true: Vectors3, shoot: Shoot, views: ScoredViews) ->
 
 
 def _limit(kept: Points, shoot: Shoot, truth: Truth, places: Places, detections: Detections) -> float:
-    """Return the RMS error that exactly known cameras would leave, from the detections' covariances."""
+    """Return the RMS error with exactly known cameras, from the covariances of the detections."""
     matches = match(detections, shoot.cameras)
     wanted = {
         (view, *index)

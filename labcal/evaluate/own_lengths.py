@@ -35,10 +35,10 @@ class LengthErrors(OfScoredViews):
     """The JSON document of ``labcal evaluate`` where the truth is not known."""
 
     n: int
-    """How many lengths were compared."""
+    """Number of lengths that were compared."""
     length_error_mm: LengthError
     epipolar_rms_px: float
-    """NaN: points alone do not tell it; ``labcal calibrate`` does."""
+    """NaN: it cannot be computed from points; see ``labcal calibrate``."""
     scale_ppm: float
     """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
     scored_views: ScoredPart = field(metadata={IN_JSON: InJson.FLAT})
@@ -85,7 +85,7 @@ def errors_of_lengths(
         places, only those that were found count.
     learned : collection of str, optional
         Names of the views that were learned from: where there are others, only these count. Where left out,
-        those that told the places.
+        those that determined the places.
 
     Raises
     ------

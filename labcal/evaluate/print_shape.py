@@ -1,4 +1,4 @@
-"""What the places of freed dots say about a print: stretch, shear, bow, and the dots that are off."""
+"""The shape of a print from free dots: stretch, shear, bow, and displaced dots."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.adjustment.dot_freedom import Held
+from labcal.calibrate.adjustment.dot_freedom import Constrained
 from labcal.calibrate.freed_dots import FreedDots
 
 _WORST = 5
@@ -14,7 +14,7 @@ _WORST = 5
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure with its standard deviation; both NaN where the views do not tell it."""
+    """A figure with its standard deviation; both NaN if the views do not determine it."""
 
     value: float
     sigma: float
@@ -22,7 +22,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class DotShift:
-    """One dot that is off its declared place, mm."""
+    """The displacement of one dot from its declared place, mm."""
 
     col: int
     row: int
@@ -34,12 +34,12 @@ class DotShift:
 
 @dataclass(frozen=True)
 class PrintShape:
-    """A print in figures. The mean scale is the declared one: pictures alone tell no length."""
+    """Figures of a print. Its mean scale is the declared one: pictures alone do not determine lengths."""
 
     stretch_ppm: Figure
     """Scale along x minus scale along y."""
     shear_mrad: Figure
-    """By how much the angle between the rows and the columns is short of a right one."""
+    """Deviation of the angle between rows and columns from a right angle."""
     bow_x_mm: Figure
     """Height of the middle over the ends of the grid along x, towards the camera."""
     bow_y_mm: Figure
@@ -48,16 +48,16 @@ class PrintShape:
     rms_in_plane_mm: float
     """Of the 2-D displacements, stretch and shear included."""
     rms_unexplained_mm: float
-    """Of what is left when stretch and shear are taken out."""
+    """RMS of the remainder after removal of stretch and shear."""
     rms_height_mm: float
     sigma_in_plane_mm: float
     """RMS standard deviation of the 2-D places."""
     worst: tuple[DotShift, ...]
-    """The dots farthest off, without stretch, shear, bow and twist."""
+    """The dots with the largest displacement, without stretch, shear, bow and twist."""
     kept: tuple[tuple[int, int], ...]
     """(col, row) of the dots in too few pictures to be freed."""
     held: tuple[str, ...]
-    """What stays as declared since the views do not tell it."""
+    """Parts that a datum constraint keeps as declared, since the views do not determine them."""
 
 
 def print_shape(dots: FreedDots) -> PrintShape:
@@ -83,7 +83,7 @@ def print_shape(dots: FreedDots) -> PrintShape:
                         x * y / (half_x * half_y)], axis=-1)  # fmt: skip
     bent, bent_cov = _fit(heights, d[:, 2], _block(covariance, slice(2, 3)))
     rest = d - np.column_stack([(in_plane @ plane).reshape(-1, 2), heights @ bent])
-    stretch_known, heights_known = Held.STRETCH not in dots.held, Held.HEIGHTS not in dots.held
+    stretch_known, heights_known = Constrained.STRETCH not in dots.held, Constrained.HEIGHTS not in dots.held
     return PrintShape(
         stretch_ppm=_figure(plane, plane_cov, 1e6 * np.array([0, 0, 1, 0, 0, -1.0]), known=stretch_known),
         shear_mrad=_figure(plane, plane_cov, 1e3 * np.array([0, 0, 0, 1.0, 1, 0]), known=stretch_known),
@@ -96,12 +96,12 @@ def print_shape(dots: FreedDots) -> PrintShape:
         sigma_in_plane_mm=_rms(dots.sigma[freed][:, :2]),
         worst=_worst(dots, rest),
         kept=tuple((int(col), int(row)) for col, row in dots.target.indices()[~freed]),
-        held=tuple(part.name.lower() for part in Held if part in dots.held and part.name),
+        held=tuple(part.name.lower() for part in Constrained if part in dots.held and part.name),
     )
 
 
 def agreement(found: Sequence[FreedDots]) -> tuple[float, float]:
-    """Return how the x and the y displacements correlate that two cameras found, each alone.
+    """Return the correlations of x and of y displacements that two cameras found independently.
 
     Shift, rotation, scale, stretch and shear are taken out of both first: one camera alone leaves them open.
 

@@ -1,4 +1,4 @@
-"""Which views are scored: those that the cameras or the method did not learn from, where there are such."""
+"""Scored views: those from which the cameras or the method were not estimated, if there are any."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
@@ -15,16 +15,16 @@ from labcal.wording import counted
 
 @dataclass(frozen=True)
 class ScoredViews:
-    """The views of points that count.
+    """The scored views of points.
 
     Attributes
     ----------
     views : tuple of str
-        Those that count.
+        The scored ones.
     calibrated_on : int or None
-        How many of these the cameras or the method learned from; None where that is not known.
+        Number of these from which the cameras or the method were estimated; None if that is not known.
     others : int
-        Views that do not count, since they were learned from.
+        Number of views that are not scored, since the cameras were estimated from them.
     """
 
     views: tuple[str, ...]
@@ -33,7 +33,7 @@ class ScoredViews:
 
     @classmethod
     def of(cls, view: np.ndarray, learned: Collection[str] | None) -> "ScoredViews":
-        """Return which views of points count.
+        """Return the scored views of points.
 
         Parameters
         ----------
@@ -50,9 +50,10 @@ class ScoredViews:
 
     @classmethod
     def by_role(cls, view: np.ndarray, shoot: Shoot) -> "ScoredViews":
-        """Return the views of points that a shoot keeps to test on; all where points are of none of these.
+        """Return the test views of a shoot among those of points; all if there are none.
 
-        A shoot does not tell what cameras were really calibrated from: a table of its dots holds all views.
+        A shoot does not state from which views cameras were calibrated: a table of its dots contains all
+        views.
         """
         tested = {entry.name for entry in shoot.views(Role.TEST)}
         trained = {entry.name for entry in shoot.views(Role.TRAIN)}
@@ -60,7 +61,7 @@ class ScoredViews:
         return replace(cls.of(view, trained if of_test else None), calibrated_on=None)
 
     def holds(self, view: np.ndarray) -> Mask:
-        """Return which points are in views that count."""
+        """Return a mask of points in scored views."""
         return np.isin(view, self.views)
 
 
@@ -106,25 +107,25 @@ class OfScoredViews(PublicObject):
         return scored_warnings(self.n_ok, self.views_calibrated_on)
 
 
-def scored_words(scored: int, calibrated_on: int | None) -> str:
+def scored_description(scored: int, calibrated_on: int | None) -> str:
     """Return which views are scored, for people: how many, and how many of these were learned from."""
     views = counted(scored, "view")
     if calibrated_on is None:
-        return f"{views}; not known whether the cameras were calibrated from them (`rig` or the model tells)"
+        return f"{views}; not known whether the cameras were calibrated from them (`rig` states it)"
     if calibrated_on:
-        return f"{views}, all of them calibrated from: circular, no check of how right the points are"
+        return f"{views}, all of them calibrated from: circular, no check of the accuracy of the points"
     return f"{views} held out from the calibration"
 
 
 def scored_warnings(n_ok: int, calibrated_on: int | None) -> tuple[str, ...]:
-    """Return what a person who is told errors should not miss."""
+    """Return warnings that belong to the errors."""
     warnings = []
     if calibrated_on:
         warnings.append(
-            "these figures are circular: by their names, all views that are scored are views that the "
-            "cameras were calibrated from. They tell how well the calibration repeats itself, not how right "
-            "it is. Score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two."
+            "these figures are circular: by their names, all scored views are views that the "
+            "cameras were calibrated from. They show the repeatability of the calibration, not its "
+            "accuracy. Score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two."
         )
     if n_ok == 0:
-        warnings.append("not one of the points that are scored is flagged 'ok'")
+        warnings.append("none of the scored points is flagged 'ok'")
     return tuple(warnings)

@@ -1,4 +1,4 @@
-"""Figures that sum up 3-D errors."""
+"""Statistics of 3-D errors."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ class ErrorStatistics:
 
 
 def error_statistics(predicted: Vectors3, true: Vectors3) -> ErrorStatistics:
-    """Return the figures for points, of which at least one must be finite in both; the rest is left out.
+    """Return the statistics of points; at least one must be finite in both, the rest is ignored.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def error_statistics(predicted: Vectors3, true: Vectors3) -> ErrorStatistics:
 
 
 def coverage(error: Vectors3, covariance: PointCovariances) -> float:
-    """Return the share of errors that lie within their own 95% ellipsoid; NaN where no covariance is stated.
+    """Return the share of errors within their own 95% ellipsoids; NaN if no covariance is stated.
 
     Parameters
     ----------

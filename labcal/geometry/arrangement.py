@@ -30,7 +30,7 @@ def refuse_few(method: str, points: Float64[np.ndarray, "n dim"], needed: int) -
 
 
 def camera_count(method: str, columns: int) -> int:
-    """Return the number of cameras that so many columns belong to.
+    """Return the number of cameras of a matrix of pixels: half the number of its columns.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def refuse_collinear(method: str, points: Float64[np.ndarray, "n dim"]) -> None:
     Raises
     ------
     InputError
-        The second extent is nothing beside the first.
+        The second extent is negligible compared with the first.
     """
     first, second = extents(points)[:2]
     if second <= FLAT * first or first == 0:
@@ -90,7 +90,7 @@ def refuse_one_plane(method: str, points: Float64[np.ndarray, "n 3"]) -> None:
     Raises
     ------
     InputError
-        The third extent is nothing beside the first.
+        The third extent is negligible compared with the first.
     """
     if on_one_plane(points):
         raise InputError(
@@ -100,7 +100,7 @@ def refuse_one_plane(method: str, points: Float64[np.ndarray, "n 3"]) -> None:
 
 
 def refuse_one_pixel(method: str, pixels: Pixels) -> None:
-    """Raise where a camera, whose pixels these are, sees all dots at one of them.
+    """Raise where one camera sees all dots at the same pixel.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Covariances, which may come from a file."""
+"""Checks of covariances that may come from a file."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -24,8 +24,8 @@ def positive_definite(covariance: Float64[np.ndarray, "*batch dim dim"]) -> Mask
     return np.asarray(finite & (spread[..., 0] > 1e-14 * spread[..., -1]))
 
 
-def stated_soundly(covariance: Float64[np.ndarray, "n dim dim"], most: float) -> Mask:
-    """Return which covariances are left open (all NaN), or have no negative variance and none beyond a bound.
+def valid_or_not_stated(covariance: Float64[np.ndarray, "n dim dim"], most: float) -> Mask:
+    """Return a mask of covariances that are not stated (all NaN), or whose variances are within bounds.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The ellipsoids that covariances stand for."""
+"""Confidence ellipsoids of covariances."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,7 +11,7 @@ from labcal.geometry.covariances import positive_definite
 def within_ellipsoids(
     error: Float64[np.ndarray, "n dim"], covariance: Float64[np.ndarray, "n dim dim"], confidence: float
 ) -> Mask:
-    """Return which errors lie within the ellipsoids that should hold a share of normal ones.
+    """Return a mask of errors that lie inside the confidence ellipsoids of normal errors.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Whether two pictures' points can be images of the same points at all: the epipolar geometry of pinholes."""
+"""Epipolar geometry of two pinhole cameras: a test whether two sets of pixels can show the same points."""
 
 import numpy as np
 
@@ -8,10 +8,11 @@ _FEWEST = 9  # pairs: eight determine the matrix
 
 
 def epipolar_misfit(q_a: Pixels, q_b: Pixels) -> float:
-    """Return how far pairs of points are from the fundamental matrix that fits them best.
+    """Return the RMS Sampson distance of pairs of points from the fundamental matrix that fits them best.
 
     The matrix is that of the eight-point algorithm with normalised coordinates (Hartley 1997), the distance
-    Sampson's (Hartley and Zisserman, eq. 11.9). Lenses are taken as pinholes, so distortion counts as misfit.
+    Sampson's (Hartley and Zisserman, eq. 11.9). Lenses are assumed to be pinholes, so distortion adds to the
+    result.
 
     Parameters
     ----------

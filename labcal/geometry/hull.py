@@ -13,7 +13,7 @@ _FLAT = 1e-9
 def inside_hull(
     p: Float64[np.ndarray, "n 3"], hull_of: Float64[np.ndarray, "m 3"], tolerance_mm: float
 ) -> Mask:
-    """Return which points lie in the convex hull of others, its border included.
+    """Return a mask of points that lie in the convex hull of others, its border included.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The linear map that takes points nearest to the directions in which they are seen."""
+"""The linear map from points to the directions in which they are seen, by least squares."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ class RayMap:
 
 
 def map_from_rays(directions: Float64[np.ndarray, "n 3"], p: Float64[np.ndarray, "n dim"]) -> RayMap:
-    """Return the map whose images of points have the least cross products with their directions.
+    """Return the map with the least cross products between mapped points and their directions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Projective maps onto an image: by the direct linear transform, and where some points are wrong."""
+"""Projective maps to an image by the direct linear transform, and a robust one for data with outliers."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -86,7 +86,7 @@ def projective_map(
 
 
 def robust_homography(sources: Pixels, pixels: Pixels) -> Float64[np.ndarray, "3 3"] | None:
-    """Return the homography that suits most points best (least median of squares, Rousseeuw 1984).
+    """Return a homography that tolerates outliers (least median of squares, Rousseeuw 1984).
 
     Parameters
     ----------

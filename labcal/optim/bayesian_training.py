@@ -1,4 +1,4 @@
-"""Training with weight decay that the evidence sets anew every epoch."""
+"""Training with evidence-based weight decay, which is updated in every epoch (MacKay 1992)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,22 +9,22 @@ from jaxtyping import Float64
 
 from labcal.optim.damping import Damping
 from labcal.optim.evidence import Evidence
-from labcal.optim.levenberg_marquardt import begun, take_epoch
-from labcal.optim.restarts import Race
+from labcal.optim.levenberg_marquardt import initial_states, take_epoch
 from labcal.optim.solution import Stopping, StopReason
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.optim.weight_decay import Decayed, SquaresBatch
 
 Weights = Float64[torch.Tensor, " p"]
 
 SETTLED = 0.1
-"""Change of the log evidence by an epoch below which it stands still."""
-EPOCHS_AT_REST = 10
-"""Epochs in a row without a change after which it has settled."""
+"""Change of the log evidence in an epoch below which it counts as unchanged."""
+EPOCHS_UNCHANGED = 10
+"""Epochs in a row without a change after which it has converged."""
 
 
 @dataclass(frozen=True)
 class BayesianSolution:
-    """The end of one run.
+    """The result of one run.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class BayesianSolution:
     factor : float64 array, (p, p)
         Lower Cholesky factor of beta J'J + alpha I; the weights' covariance is half of its inverse.
     reason : StopReason
-        Why it stopped.
+        The reason why it stopped.
     epochs : int
         Accepted steps.
     history : float64 array, (epochs + 1,)
@@ -55,7 +55,7 @@ def train_by_evidence(
     starts: Sequence[Weights],
     max_epochs: int,
     damping: Damping,
-    race: Race | None = None,
+    halving: SuccessiveHalving | None = None,
 ) -> list[BayesianSolution]:
     """Train several runs at once, each with its own scales of weights and data.
 
@@ -72,16 +72,16 @@ def train_by_evidence(
         Accepted steps after which to stop.
     damping : Damping
         The first damping, and how it changes.
-    race : Race, optional
-        Which runs are given up on the way and which are kept, by the squared residuals to expect of new
-        data; without one, all are kept.
+    halving : SuccessiveHalving, optional
+        The rule by which runs are pruned and kept, by the squared residuals expected of new data; without
+        one, all are kept.
 
     Returns
     -------
     list of BayesianSolution
-        One a run that is kept; that the evidence has not settled is a result.
+        One for each run that is kept. Evidence that has not converged is a result, not an error.
     """
-    race = race or Race.without_losers(len(starts))
+    halving = halving or SuccessiveHalving.keeping_all(len(starts))
     everyone = range(len(starts))
     count = problem.residual_count
     squares = problem.squares(everyone, starts)
@@ -92,27 +92,27 @@ def train_by_evidence(
     histories = [[square / count] for square in squares]
     log_evidences: list[list[float]] = [[] for _ in everyone]
     decayed = Decayed(problem, [evidence.decay for evidence in evidences])
-    runs = begun(decayed, starts, Stopping(max_epochs=max_epochs), damping)
+    runs = initial_states(decayed, starts, Stopping(max_epochs=max_epochs), damping)
     while members := [number for number in everyone if runs[number].reason is None]:
         parameters = [runs[number].parameters for number in members]
         equations = problem.linearize(members, parameters)
         for place, square in enumerate(problem.squares(members, parameters)):
             number = members[place]
-            evidences[number] = evidences[number].again(equations, place, square, count)
+            evidences[number] = evidences[number].updated(equations, place, square, count)
             log_evidences[number].append(evidences[number].log_evidence)
             decayed.decays[number] = evidences[number].decay
-            if _at_rest(log_evidences[number]):
+            if _has_converged(log_evidences[number]):
                 runs[number].stop(StopReason.SETTLED)
-        race.judge(runs, [evidence.expected_square(count) for evidence in evidences])
+        halving.prune(runs, [evidence.expected_square(count) for evidence in evidences])
         for number, cost in zip(members, decayed.costs(members, parameters), strict=True):
-            runs[number].restate(cost)
+            runs[number].set_cost(cost)
         decayed.decay(equations, members)
         take_epoch(decayed, equations, runs, members)
         after = [runs[number].parameters for number in members]
         for number, square in zip(members, problem.squares(members, after), strict=True):
             if runs[number].epochs == len(histories[number]):
                 histories[number].append(square / count)
-    kept = race.kept(runs, [evidence.expected_square(count) for evidence in evidences])
+    kept = halving.kept(runs, [evidence.expected_square(count) for evidence in evidences])
     equations = problem.linearize(kept, [runs[number].parameters for number in kept])
     return [
         BayesianSolution(
@@ -127,7 +127,7 @@ def train_by_evidence(
     ]
 
 
-def _at_rest(log_evidence: list[float]) -> bool:
+def _has_converged(log_evidence: list[float]) -> bool:
     """Return whether the log evidence has hardly changed for several epochs."""
-    recent = np.array(log_evidence[-EPOCHS_AT_REST - 1 :])
-    return len(recent) > EPOCHS_AT_REST and bool(np.abs(np.diff(recent)).max() <= SETTLED)
+    recent = np.array(log_evidence[-EPOCHS_UNCHANGED - 1 :])
+    return len(recent) > EPOCHS_UNCHANGED and bool(np.abs(np.diff(recent)).max() <= SETTLED)

@@ -1,4 +1,4 @@
-"""How strongly a step is damped, and how that changes with success."""
+"""The damping of a step, and its change after success and failure."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ class Damping:
     ceiling: float = 1e10
 
     def __post_init__(self) -> None:
-        """Refuse what cannot work."""
+        """Refuse factors and bounds that are out of range."""
         if not (0 < self.start <= self.ceiling and 0 < self.decrease <= 1 < self.increase):
             raise InputError(
                 "Damping needs 0 < start <= ceiling and 0 < decrease <= 1 < increase, but got "

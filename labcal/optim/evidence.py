@@ -1,4 +1,4 @@
-"""How much decay of weights the data themselves ask for."""
+"""Evidence-based weight decay: the two scales of a Bayesian training (MacKay 1992)."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from labcal.optim.normal_equations import NormalEquations
 
 @dataclass(frozen=True)
 class Evidence:
-    """The two scales of a Bayesian training, and what they imply.
+    """The scales of weights and data in a Bayesian training, and what follows from them.
 
     The data are taken to be as likely as exp(-beta E_D) and the weights as exp(-alpha E_W), with E_D the sum
     of squared residuals and E_W that of the squared weights.
@@ -22,7 +22,7 @@ class Evidence:
     alpha, beta : float
         Of the weights and of the data. The residuals' variance is 1 / (2 beta).
     effective_parameters : float
-        gamma, how many of the parameters the data determine.
+        gamma, the effective number of parameters that the data determine.
     log_evidence : float
         Logarithm of the likelihood of the data with the weights integrated out (Laplace's method) under the
         scales that held before these; NaN at the start.
@@ -39,7 +39,7 @@ class Evidence:
         return self.alpha / self.beta
 
     def expected_square(self, residuals: int) -> float:
-        """Return the mean squared residual to expect of new data: generalised cross-validation.
+        """Return the mean squared residual expected of new data, by generalised cross-validation.
 
         Golub, Heath and Wahba 1979, "Generalized cross-validation as a method for choosing a good ridge
         parameter": n E_D / (n - gamma)^2, of so many residuals n.
@@ -49,7 +49,7 @@ class Evidence:
 
     @classmethod
     def start(cls, square: float, weights: float, counts: tuple[int, int]) -> "Evidence":
-        """Return the scales to begin with, as if the data determined every parameter.
+        """Return initial scales, as if the data determined every parameter.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class Evidence:
         residuals, parameters = counts
         return cls._of(min(float(parameters), 0.5 * residuals), square, weights, residuals, math.nan)
 
-    def again(self, equations: NormalEquations, place: int, square: float, residuals: int) -> "Evidence":
+    def updated(self, equations: NormalEquations, place: int, square: float, residuals: int) -> "Evidence":
         """Return the scales estimated anew at the present weights.
 
         Foresee and Hagan, "Gauss-Newton approximation to Bayesian learning", IJCNN 1997, after MacKay 1992:

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Generic
 
 from labcal.optim.damping import Damping
-from labcal.optim.descent import Descent
+from labcal.optim.lm_state import LevenbergMarquardtState
 from labcal.optim.problem import Batch, BatchLinearization, Linearization, Parameters, Problem
-from labcal.optim.restarts import Race
 from labcal.optim.solution import Solution, Stopping
+from labcal.optim.successive_halving import SuccessiveHalving
 
 
 def minimize(
@@ -28,7 +28,7 @@ def minimize(
     problem : Problem
         The cost, its linearisation, and the way its damped normal equations are solved.
     start : Parameters
-        Where to begin; what the problem understands.
+        Initial parameters, in the form that the problem uses.
     stopping : Stopping
         Goal, epochs and gradient at which to stop.
     damping : Damping
@@ -47,9 +47,9 @@ def minimize_batch(
     starts: Sequence[Parameters],
     stopping: Stopping,
     damping: Damping,
-    race: Race | None = None,
+    halving: SuccessiveHalving | None = None,
 ) -> list[Solution[Parameters]]:
-    """Lower the costs of several runs at once, each ending where it would alone unless it is outrun.
+    """Lower the costs of several runs at once; each ends as it would alone, unless it is pruned.
 
     All that are still running take their epochs together. See :func:`minimize`.
 
@@ -63,49 +63,52 @@ def minimize_batch(
         For every run.
     damping : Damping
         For every run; each has a damping of its own.
-    race : Race, optional
-        Which runs are given up on the way and which are kept, by their costs; without one, all are kept.
+    halving : SuccessiveHalving, optional
+        The rule by which runs are pruned and kept, by their costs; without one, all are kept.
 
     Returns
     -------
     list of Solution
         One a run that is kept.
     """
-    race = race or Race.without_losers(len(starts))
-    runs = begun(batch, starts, stopping, damping)
+    halving = halving or SuccessiveHalving.keeping_all(len(starts))
+    runs = initial_states(batch, starts, stopping, damping)
     while members := [number for number, run in enumerate(runs) if run.reason is None]:
         parameters = [runs[number].parameters for number in members]
         take_epoch(batch, batch.linearize(members, parameters), runs, members)
-        race.judge(runs, [run.cost for run in runs])
-    return [runs[number].solution() for number in race.kept(runs, [run.cost for run in runs])]
+        halving.prune(runs, [run.cost for run in runs])
+    return [runs[number].solution() for number in halving.kept(runs, [run.cost for run in runs])]
 
 
-def begun(
+def initial_states(
     batch: Batch[Parameters], starts: Sequence[Parameters], stopping: Stopping, damping: Damping
-) -> list[Descent[Parameters]]:
-    """Return the runs of a batch at their starts."""
+) -> list[LevenbergMarquardtState[Parameters]]:
+    """Return the states of the runs of a batch at their initial parameters."""
     costs = batch.costs(range(len(starts)), starts)
-    return [Descent(start, cost, stopping, damping) for start, cost in zip(starts, costs, strict=True)]
+    return [
+        LevenbergMarquardtState(start, cost, stopping, damping)
+        for start, cost in zip(starts, costs, strict=True)
+    ]
 
 
 def take_epoch(
     batch: Batch[Parameters],
     linearization: BatchLinearization[Parameters],
-    runs: Sequence[Descent[Parameters]],
+    runs: Sequence[LevenbergMarquardtState[Parameters]],
     members: Sequence[int],
 ) -> None:
-    """Take each member to its next accepted step, or to a reason to stop.
+    """Advance each member to its next accepted step, or until it stops.
 
     Parameters
     ----------
     batch : Batch
-        Tells the costs of candidates.
+        It computes the costs of candidates.
     linearization : BatchLinearization
         Of these members, in their order.
-    runs : sequence of Descent
+    runs : sequence of LevenbergMarquardtState
         All runs of the batch.
     members : sequence of int
-        The numbers of those that take part.
+        The indices of those that take part.
     """
     for number, norm in zip(members, linearization.gradient_norms, strict=True):
         runs[number].begin_step(norm)
@@ -116,10 +119,10 @@ def take_epoch(
         numbers, candidates = [number for number, _ in solved], [step for _, step in solved]
         costs = batch.costs(numbers, candidates) if solved else []
         for number, candidate, cost in zip(numbers, candidates, costs, strict=True):
-            runs[number].consider(candidate, cost)
+            runs[number].accept_if_lower(candidate, cost)
         for number in tried:
             if runs[number].is_stepping:
-                runs[number].damp()
+                runs[number].raise_damping()
 
 
 @dataclass(frozen=True)

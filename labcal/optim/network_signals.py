@@ -1,4 +1,4 @@
-"""What runs through the layers of several networks of one shape at once."""
+"""The values that enter and leave the layers of several networks of one shape."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,7 +12,7 @@ from labcal.optim.network import Network
 
 @dataclass(frozen=True)
 class Signals:
-    """What enters every layer of each network, and what leaves the last one; a row a neuron.
+    """The inputs of every layer of each network, and the outputs of the last one; one row per neuron.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ class NormalEquations:
     matrices: Float64[np.ndarray, "runs p p"]
     gradients: Float64[np.ndarray, "runs p"]
     scratch: Float64[np.ndarray, "p p"]
-    """Where a damped matrix is factored."""
+    """Memory in which a damped matrix is factored."""
 
     @classmethod
     def empty(cls, runs: int, count: int) -> "NormalEquations":

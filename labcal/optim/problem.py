@@ -1,4 +1,4 @@
-"""What the Levenberg-Marquardt loop asks of a least-squares problem."""
+"""The interface of a least-squares problem to the Levenberg-Marquardt loop."""
 
 from collections.abc import Sequence
 from typing import Protocol, TypeVar, runtime_checkable

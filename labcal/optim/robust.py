@@ -1,4 +1,4 @@
-"""What residuals cost: squares, or a loss that lets outliers weigh less."""
+"""Cost functions of residuals: squares, or a robust loss that gives outliers less weight."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -14,7 +14,7 @@ class Loss(Protocol):
     """A cost of squared residuals, each in units of its variance."""
 
     def cost(self, square: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " n"]:
-        """Return what each residual costs."""
+        """Return the cost of each residual."""
 
     def weight(self, square: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " n"]:
         """Return the slope of the cost, by which a square counts in the normal equations."""
@@ -38,7 +38,7 @@ SQUARES = Squares()
 
 @dataclass(frozen=True)
 class Huber:
-    """Squares up to a bound, and from there on straight (Huber 1964).
+    """Quadratic up to a bound, linear beyond it (Huber 1964).
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Huber:
     bound: float = 3.0
 
     def __post_init__(self) -> None:
-        """Refuse what bounds nothing."""
+        """Refuse a bound that is not positive."""
         if not self.bound > 0:
             raise InputError(f"A loss needs a bound above 0 standard deviations, but got {self.bound:g}.")
 

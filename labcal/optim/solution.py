@@ -1,4 +1,4 @@
-"""What an optimisation returns: where it ended, and why it stopped there."""
+"""The result of an optimisation: parameters, cost, history and the reason why it stopped."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -11,7 +11,7 @@ Parameters = TypeVar("Parameters")
 
 
 class StopReason(StrEnum):
-    """Why an optimisation stopped. None of these is an error."""
+    """The reason why an optimisation stopped. None of these is an error."""
 
     GOAL = "goal reached"
     EPOCHS = "epochs exhausted"
@@ -19,12 +19,12 @@ class StopReason(StrEnum):
     GRADIENT = "gradient vanished"
     NOT_FINITE = "cost not finite"
     SETTLED = "evidence settled"
-    OUTRUN = "outrun by other starts"
+    PRUNED = "pruned by successive halving"
 
 
 @dataclass(frozen=True)
 class Stopping:
-    """When to stop.
+    """Conditions under which an optimisation stops.
 
     Attributes
     ----------
@@ -59,12 +59,12 @@ class History:
 
 @dataclass(frozen=True)
 class Solution(Generic[Parameters]):
-    """The end of an optimisation.
+    """The result of an optimisation.
 
     Attributes
     ----------
     parameters : Parameters
-        The best parameters met.
+        The parameters with the lowest cost.
     cost : float
         Their cost.
     reason : StopReason

@@ -1,7 +1,7 @@
 """Residuals in units of their standard deviations, so that a sum of their squares is a chi-square.
 
-Of pixels with covariances of their own each (:class:`Whitener`), of points with one noise (:class:`Even`),
-and of points whose errors are correlated (:class:`Correlated`).
+Three kinds: pixels with a covariance each (:class:`Whitener`), points with one variance
+(:class:`UniformNoise`), and points whose errors are correlated (:class:`CorrelatedNoise`).
 """
 
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from jaxtyping import Float64
 class Whitener:
     """For each of n pixels the lower triangular matrix that makes its covariance the unit matrix.
 
-    It is the inverse of the covariance's Cholesky factor, in closed form; numbers of one place of the matrix
-    stand together, so that all pixels are treated at once.
+    It is the inverse of the covariance's Cholesky factor, in closed form; each element of the matrix is an
+    array over the pixels, so that all pixels are computed at once.
     """
 
     uu: Float64[np.ndarray, " n"]
@@ -26,21 +26,21 @@ class Whitener:
 
     @classmethod
     def of(cls, covariance: Float64[np.ndarray, "n 2 2"]) -> "Whitener":
-        """Return that of covariances (px squared), all of them positive definite."""
+        """Return the whitener of covariances (px squared), all of them positive definite."""
         uu = 1.0 / np.sqrt(covariance[:, 0, 0])
         along = covariance[:, 1, 0] * uu
         vv = 1.0 / np.sqrt(covariance[:, 1, 1] - along**2)
         return cls(uu, -along * uu * vv, vv)
 
     def rows(self, rows: slice) -> "Whitener":
-        """Return that of some of the pixels."""
+        """Return the whitener of some of the pixels."""
         return Whitener(self.uu[rows], self.vu[rows], self.vv[rows])
 
-    def times(self, weight: Float64[np.ndarray, " n"]) -> "Whitener":
-        """Return it with each pixel weighted."""
+    def weighted(self, weight: Float64[np.ndarray, " n"]) -> "Whitener":
+        """Return the whitener with each pixel weighted."""
         return Whitener(weight * self.uu, weight * self.vu, weight * self.vv)
 
-    def applied(self, values: Float64[np.ndarray, "*columns 2 n"]) -> Float64[np.ndarray, "*columns 2 n"]:
+    def whiten(self, values: Float64[np.ndarray, "*columns 2 n"]) -> Float64[np.ndarray, "*columns 2 n"]:
         """Return values along u and v (px, or per anything) in standard deviations."""
         whitened = np.empty(values.shape)
         np.multiply(self.uu, values[..., 0, :], out=whitened[..., 0, :])
@@ -51,25 +51,25 @@ class Whitener:
 
 @runtime_checkable  # so that tests can check annotations
 class Whitening(Protocol):
-    """Turns pixel errors of n points into numbers of unit covariance."""
+    """A map from pixel errors of n points to values of unit covariance."""
 
-    def white(self, values: Float64[np.ndarray, "n *rest"]) -> Float64[np.ndarray, "n *rest"]:
+    def whiten(self, values: Float64[np.ndarray, "n *rest"]) -> Float64[np.ndarray, "n *rest"]:
         """Return values, px, along the axis of the points, in standard deviations."""
 
 
 @dataclass(frozen=True)
-class Even:
-    """Every point has the same noise, and none knows of another's."""
+class UniformNoise:
+    """The same independent noise at every point."""
 
     sigma_px: float = 1.0
 
-    def white(self, values: Float64[np.ndarray, "n *rest"]) -> Float64[np.ndarray, "n *rest"]:
+    def whiten(self, values: Float64[np.ndarray, "n *rest"]) -> Float64[np.ndarray, "n *rest"]:
         """Return values, px, in standard deviations."""
         return np.asarray(values / self.sigma_px)
 
 
 @dataclass(frozen=True)
-class Correlated:
+class CorrelatedNoise:
     """Errors of points that share a covariance, the same for both coordinates (generalised least squares).
 
     Attributes
@@ -80,7 +80,7 @@ class Correlated:
 
     root_px: Float64[np.ndarray, "n n"]
 
-    def white(self, values: Float64[np.ndarray, "n *rest"]) -> Float64[np.ndarray, "n *rest"]:
+    def whiten(self, values: Float64[np.ndarray, "n *rest"]) -> Float64[np.ndarray, "n *rest"]:
         """Return values, px, in independent standard deviations."""
         flat = scipy.linalg.solve_triangular(
             self.root_px, values.reshape(len(values), -1), lower=True, check_finite=False

@@ -1,4 +1,4 @@
-"""The data of rows 17 to 23: dots detected in rendered pictures, which stand in for the paper's hardware."""
+"""The data of rows 17 to 23: dots detected in rendered pictures instead of the hardware of the paper."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ BETWEEN_POSITIONS = "half-way between the trained positions"
 
 @dataclass(frozen=True)
 class _Tested:
-    """Matched dots of the test views, and where they truly were."""
+    """Matched dots of the test views, and their true positions."""
 
     view: np.ndarray
     X: np.ndarray
@@ -30,7 +30,7 @@ class _Tested:
 
 
 def pictured_problems(data: Data, shoot: Shoot, detections: Detections) -> dict[str, Problem]:
-    """Return what a row from pictures learns from and is tested on, by the name of the reading.
+    """Return training and test data of a row from pictures, by the name of the reading.
 
     Test dots are those of the test views within the hull of the trained dots; the truth is their place.
 
@@ -64,7 +64,7 @@ def _tested(shoot: Shoot, detections: Detections) -> _Tested:
 
 
 def _position_problems(shoot: Shoot, trained: TrainingData, tested: _Tested) -> dict[str, Problem]:
-    """Return row 23: every fifth dot at each of five positions, the cameras' distance as fourth output.
+    """Return row 23: every fifth dot at each of five positions, with the camera distance as fourth output.
 
     Cameras that are raised by s see what they would see if the target were lowered by s, which is what the
     stage does. Points count in the frame that stays with the target, so the stage's way down is s.
@@ -89,6 +89,6 @@ def _position_problems(shoot: Shoot, trained: TrainingData, tested: _Tested) -> 
 
 
 def _with_distance(p: Vectors3, view: np.ndarray, stage_mm: dict[str, float], reference: float) -> np.ndarray:
-    """Return points in the target's own frame, and the cameras' distance from the reference, mm."""
+    """Return points in the frame of the target, and the distance of the cameras from the reference, mm."""
     distance = np.array([reference - stage_mm[name] for name in view.tolist()])
     return np.column_stack([p[:, :2], p[:, 2] + distance, distance])

@@ -1,4 +1,4 @@
-"""What an experiment gives a solver: data to learn from, and other data to be tested on."""
+"""The data of an experiment: training data and separate test data."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 @dataclass(frozen=True)
 class Problem:
-    """Pixels (or image coordinates) and what belongs to them; no test point is a trained point."""
+    """Pixels (or image coordinates) and their outputs; no test point is a training point."""
 
     X: Float64[np.ndarray, "n inputs"]
     Y: Float64[np.ndarray, "n outputs"]

@@ -1,4 +1,4 @@
-"""The paper's experiments, all rows or some: shoots, detections, training runs, one document."""
+"""The experiments of the paper, all rows or some: shoots, detections, training runs, one document."""
 
 import json
 import time
@@ -40,7 +40,7 @@ _VOLUMES = frozenset({Data.VOLUME, Data.VOLUME_RANDOM, Data.WEBCAM_VOLUME})
 
 @dataclass(frozen=True)
 class ReproduceSettings:
-    """What is reproduced, and how thoroughly."""
+    """Settings of a reproduction."""
 
     rows: tuple[PaperRow, ...] = ROWS
     quick: bool = False
@@ -53,7 +53,7 @@ class ReproduceSettings:
 
     @property
     def runs(self) -> int:
-        """How many runs every reading has."""
+        """Number of runs of every reading."""
         return self.seeds or (QUICK_SEEDS if self.quick else FULL_SEEDS)
 
     @property
@@ -63,7 +63,7 @@ class ReproduceSettings:
 
     @property
     def restrictions(self) -> tuple[str, ...]:
-        """What is left out, in words."""
+        """Description of what is left out."""
         if not self.quick:
             return ()
         return (
@@ -111,7 +111,7 @@ def reproduce(folder: Path, settings: ReproduceSettings, progress: Progress) -> 
 def _pictured(
     working: Path, settings: ReproduceSettings, progress: Progress
 ) -> tuple[dict[Data, dict[str, Problem]], tuple[ShownPicture, ...]]:
-    """Return the problems of the rows from pictures, and one picture of every shoot."""
+    """Return the problems of rows from pictures, and one picture of every shoot."""
     problems: dict[Data, dict[str, Problem]] = {}
     pictures = []
     for data in dict.fromkeys(row.data for row in settings.rows if row.pictured):
@@ -161,14 +161,14 @@ def _summarise(
     rows = []
     for row in settings.rows:
         readings: dict[str, list[TrainingOutcome]] = {}
-        beside: dict[str, list[TrainingOutcome]] = {}
+        pixel_readings: dict[str, list[TrainingOutcome]] = {}
         for case, outcome in zip(cases, outcomes, strict=True):
             if case.row == row:
-                kind = beside if case.noise is NoiseReading.PIXEL else readings
+                kind = pixel_readings if case.noise is NoiseReading.PIXEL else readings
                 kind.setdefault(case.reading, []).append(outcome)
         figures = [figures_of(reading, of_reading) for reading, of_reading in readings.items()]
-        figures_beside = [figures_of(reading, of_reading) for reading, of_reading in beside.items()]
-        rows.append(row_result(row, figures, figures_beside, settings.runs))
+        pixel_figures = [figures_of(reading, of_reading) for reading, of_reading in pixel_readings.items()]
+        rows.append(row_result(row, figures, pixel_figures, settings.runs))
     return tuple(rows)
 
 
@@ -185,6 +185,6 @@ def _command(settings: ReproduceSettings) -> str:
 
 
 def _provenance(settings: ReproduceSettings, seconds: float) -> bytes:
-    """Return ``run.json``: what differs from run to run."""
+    """Return ``run.json``, which differs between runs."""
     versions = {package: package_version(package) for package in _PACKAGES}
     return provenance_text({"seconds": seconds, "workers": settings.workers, "versions": versions})

@@ -1,4 +1,4 @@
-"""The 22 rows that the paper reports (tables 1 to 3), and what contradicts itself in them.
+"""The 22 rows that the paper reports (tables 1 to 3), with its contradictions.
 
 The paper's page of this project, docs/reproduction.md, says how each was read.
 """
@@ -11,14 +11,14 @@ from labcal.errors import InputError, UnknownNameError
 
 
 class Solver(StrEnum):
-    """The paper's two ways to solve."""
+    """The two solvers of the paper."""
 
     NETWORK = "NN"
     LEAST_SQUARES = "LS"
 
 
 class Data(StrEnum):
-    """Where a row's points come from."""
+    """The source of the points of a row."""
 
     PLANE = "simulated, plane"
     OTHER_PLANE = "simulated, another plane"
@@ -42,7 +42,7 @@ SCENES: dict[Data, str] = {
 
 @dataclass(frozen=True)
 class PaperRow:
-    """One row as the paper prints it, and how it is set up here."""
+    """One row as printed in the paper, and its settings here."""
 
     exp: str
     solver: Solver
@@ -57,13 +57,13 @@ class PaperRow:
     goal: float | None = None
     paper_epochs: int | None = None
     noisy: bool = False
-    """Whether 5% Gaussian error is added to the image coordinates."""
+    """True if 5% Gaussian error is added to image coordinates."""
     contradiction: str | None = None
-    """What in the paper contradicts the row."""
+    """The contradiction within the paper that concerns the row."""
 
     @property
     def pictured(self) -> bool:
-        """Whether the row comes from pictures."""
+        """True if the row comes from pictures."""
         return self.data in SCENES
 
 
@@ -134,7 +134,7 @@ def row_named(exp: str) -> PaperRow:
 
 
 def rows_named(names: Sequence[str]) -> tuple[PaperRow, ...]:
-    """Return the rows of these numbers in the paper's order, or all where none is named.
+    """Return the rows with these numbers in the order of the paper, or all if none is given.
 
     See :func:`row_named` for the errors.
     """

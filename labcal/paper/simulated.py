@@ -37,7 +37,7 @@ _GRIDS: dict[tuple[Data, int], tuple[int, ...]] = {
 
 
 class NoiseReading(StrEnum):
-    """What "a Gaussian error of 5%" is five percent of."""
+    """The quantity of which a Gaussian error is 5%."""
 
     NONE = "none"
     SPREAD = "5% of the coordinate's standard deviation"
@@ -104,7 +104,7 @@ def _sigma(X: np.ndarray, noise: NoiseReading) -> np.ndarray:
 
 
 def _two_focal_lengths(row: PaperRow, rng: np.random.Generator) -> Problem:
-    """Return points seen by both camera models; two further outputs tell the focal lengths, mm."""
+    """Return points seen by both camera models, with focal lengths (mm) as two further outputs."""
     low, high = _box(row)
     parts = []
     for focal_length in (FOCAL_LENGTH_MM, FOCAL_RATIO * FOCAL_LENGTH_MM):

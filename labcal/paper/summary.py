@@ -1,4 +1,4 @@
-"""From the outcomes of all seeds to one row beside the paper's: medians, the nearest reading, a verdict."""
+"""The summary of all seeds for one row, next to the values of the paper: medians, reading, verdict."""
 
 from collections.abc import Sequence
 from statistics import median
@@ -36,9 +36,9 @@ def figures_of(reading: str, outcomes: Sequence[TrainingOutcome]) -> Figures:
 
 
 def row_result(
-    row: PaperRow, readings: Sequence[Figures], beside: Sequence[Figures], seeds: int
+    row: PaperRow, readings: Sequence[Figures], pixel_readings: Sequence[Figures], seeds: int
 ) -> RowResult:
-    """Return a row beside the paper's.
+    """Return a row with the values of the paper.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def row_result(
     readings : sequence of Figures
         For least squares the one whose mean signed error is nearest to the paper's becomes the row; for a
         network the first.
-    beside : sequence of Figures
+    pixel_readings : sequence of Figures
         Readings that are shown and never become the row: noise of 5% of a pixel.
     seeds : int
         How many runs each reading's medians are of.
@@ -79,12 +79,12 @@ def row_result(
         seconds=chosen.seconds,
         verdict=_verdict(row, chosen),
         contradiction=row.contradiction,
-        readings=(*readings, *beside),
+        readings=(*readings, *pixel_readings),
     )
 
 
 def _verdict(row: PaperRow, chosen: Figures) -> str:
-    """Return whether an error no larger than the paper's came out, and in about its epochs."""
+    """Return whether the error is at most that of the paper, in about the same number of epochs."""
     if row.contradiction is not None:
         return "paper contradicts itself"
     if abs(chosen.mean_signed_m) > abs(row.paper_abs_m) + RESOLUTION_M:

@@ -1,4 +1,4 @@
-"""One case of the reproduction: a solver learns one reading of one row from one seed, and is tested."""
+"""One case of the reproduction: a solver is trained on one reading of one row from one seed, and tested."""
 
 import time
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from labcal.paper.simulated import NoiseReading, simulate
 
 @dataclass(frozen=True)
 class TrainingRun:
-    """What to learn, with what, from which seed."""
+    """The definition of one training run."""
 
     row: PaperRow
     method: str
     noise: NoiseReading
     variant: str
-    """Which of several problems from the same pictures; empty where there is one."""
+    """Name of one of several problems from the same pictures; empty if there is one."""
     problem: Problem | None
     """The data of a row from pictures; None where they are simulated from the seed."""
     seed: int
@@ -31,7 +31,7 @@ class TrainingRun:
 
     @property
     def reading(self) -> str:
-        """The reading in words."""
+        """Description of the reading."""
         noise = "" if self.noise is NoiseReading.NONE else f"noise {self.noise}"
         return ", ".join(part for part in (self.method, noise, self.variant) if part)
 
@@ -43,7 +43,7 @@ class TrainingRun:
 
 
 class TrainingOutcome(BaseModel):
-    """How it went, on points that were not trained on."""
+    """The result on test points."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -63,7 +63,7 @@ class TrainingOutcome(BaseModel):
 
 
 def run_training(case: TrainingRun) -> TrainingOutcome:
-    """Learn and test one case."""
+    """Train and test one case."""
     problem = case.problem or simulate(case.row, case.noise, case.seed)
     estimator = _estimator(case)
     began = time.perf_counter()
@@ -90,7 +90,7 @@ def run_training(case: TrainingRun) -> TrainingOutcome:
 
 
 def _estimator(case: TrainingRun) -> PointEstimator:
-    """Return the row's solver, not yet fitted."""
+    """Return the solver of the row, not yet fitted."""
     estimator = make_estimator(case.method)
     if case.row.solver is Solver.NETWORK:
         estimator.set_params(

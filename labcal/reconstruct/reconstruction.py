@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.calibrate.centre_bias import CentreBias, centred, shifts_of_matches
-from labcal.calibrate.ray_misses import RayMisses
 from labcal.calibrate.triangulation_check import TriangulationCheck
+from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
@@ -15,9 +15,9 @@ from labcal.correspond.matching import Matches, match, require_on_target
 from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model
-from labcal.estimators.model_file import ModelKind, load_model, model_kind, views_taught
-from labcal.estimators.sound_points import predicted, within_sense
+from labcal.estimators.model_file import ModelKind, load_model, model_kind, training_views
 from labcal.estimators.swapped_pictures import refuse_swapped
+from labcal.estimators.valid_points import predicted, within_sense
 from labcal.paths import AnyPath
 from labcal.public_object import PublicObject
 from labcal.targets.target import Target
@@ -45,7 +45,7 @@ def load_reconstructor(path: AnyPath, method: object | None = None) -> Model | R
     return read_rig(path)
 
 
-def views_learned(path: AnyPath) -> tuple[str, ...]:
+def calibration_views(path: AnyPath) -> tuple[str, ...]:
     """Return the names of the views that a MODEL comes from; empty where that is not known.
 
     Raises
@@ -53,7 +53,7 @@ def views_learned(path: AnyPath) -> tuple[str, ...]:
     InputError
         The file is neither a model nor a rig, or is damaged.
     """
-    return read_rig(path).calibrated_on if model_kind(path) is ModelKind.RIG else views_taught(path)
+    return read_rig(path).calibrated_on if model_kind(path) is ModelKind.RIG else training_views(path)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,14 +71,14 @@ class Reconstruction(PublicObject):
 
     points: Points
     bias: CentreBias | None
-    """None where nothing was."""
+    """None if it was not corrected."""
     miss_px: float | None
-    """By how much the rays of a dot miss each other, the median; infinite where they meet nowhere; None where
-    the model has no cameras."""
+    """Median triangulation residual of dots, px; infinite if their rays do not intersect; None if the model
+    has no cameras."""
     check: TriangulationCheck | None
-    """Whether that is more than the calibration lets expect; None where the model has no cameras."""
+    """Comparison of this with the value expected from the calibration; None if the model has no cameras."""
     warnings: tuple[str, ...] = ()
-    """What is not as it should be, for people."""
+    """Warnings in words."""
 
     def _summary(self) -> Mapping[str, object]:
         told: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
@@ -88,7 +88,7 @@ class Reconstruction(PublicObject):
 
 
 def reconstruct_points(model: Model | Rig, detections: Detections, target: Target | None = None) -> Points:
-    """Return the points of :func:`reconstruct_centres`; without a target, of the centroids as they are."""
+    """Return the points of :func:`reconstruct_centres`; without a target, those of the centroids."""
     return reconstruct_centres(model, detections, target).points
 
 
@@ -102,9 +102,8 @@ def reconstruct_centres(model: Model | Rig, detections: Detections, target: Targ
         triangulates, with covariances from the pixels', in its own world.
     detections : Detections
     target : Target, optional
-        Where given, what centroids are off the images of centres is taken off: by the rig, or by the cameras
-        that a fitted method has where it was taught centres. The target's pose comes from the points that the
-        centroids give.
+        If given, the eccentricity of centroids is corrected, with the cameras of the rig, or with those of a
+        method that was fitted to centres. The pose of the target comes from the points of the centroids.
 
     Raises
     ------
@@ -149,15 +148,15 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
             if not _inconsistent(rig.calibration):
                 raise  # else it is the rig that puts points nowhere near the target
     found = triangulate(cameras, matches.q, matches.covariance)
-    misses = RayMisses.at(cameras, matches, found)
-    check = TriangulationCheck.of(misses, matches, rig.calibration)
+    residuals = TriangulationResiduals.at(cameras, matches, found)
+    check = TriangulationCheck.of(residuals, matches, rig.calibration)
     doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration)
-    flag = np.where(misses.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
+    flag = np.where(residuals.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
         Points(matches.view, matches.index, found.point, found.covariance, flag),
         bias,
-        misses.typical_px,
+        residuals.typical_px,
         check,
     )
 
@@ -170,9 +169,9 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
             roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
             shift = shifts_of_matches(model.resected, matches, roughly, target)
             matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
-        misses = RayMisses.of(model.resected, matches)
-        check = TriangulationCheck.of(misses, matches, model.calibration)
-        outlying, typical_px = misses.outlying | np.isin(matches.view, check.views), misses.typical_px
+        residuals = TriangulationResiduals.of(model.resected, matches)
+        check = TriangulationCheck.of(residuals, matches, model.calibration)
+        outlying, typical_px = residuals.outlying | np.isin(matches.view, check.views), residuals.typical_px
     outputs, covariance = predicted(model.estimator, matches)
     point = np.ascontiguousarray(outputs[:, :3])
     misfit = model.misfit or _inconsistent(model.calibration)
@@ -184,5 +183,5 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
 
 
 def _inconsistent(calibration: CalibrationRecord | None) -> bool:
-    """Tell whether the views that cameras were calibrated from contradict each other."""
+    """Tell whether the calibration views of the cameras contradict each other."""
     return calibration is not None and bool(calibration.inconsistent)

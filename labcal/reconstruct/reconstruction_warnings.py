@@ -1,4 +1,4 @@
-"""What a reconstruction is told to be careful of."""
+"""Warnings of a reconstruction."""
 
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
@@ -12,13 +12,13 @@ from labcal.wording import counted, listed
 def reconstruction_warnings(
     model: Model | Rig, detections: Detections, found: Reconstruction, target_known: str | None
 ) -> tuple[str, ...]:
-    """Return what is not as it should be, for people.
+    """Return the warnings in words.
 
     Parameters
     ----------
     model : Model or Rig
     detections : Detections
-        What was reconstructed from.
+        Pixels of the reconstructed dots.
     found : Reconstruction
     target_known : str or None
         Name of the target; None where it is not known.
@@ -31,9 +31,9 @@ def reconstruction_warnings(
         )
     if isinstance(model, Model) and model.misfit:
         warnings.append(
-            f"when it was fitted, '{model.estimator.method}' was found to err by far more than the noise "
-            "leaves, or than it says: its points are flagged 'model-misfit'. Fit another method; 'hybrid' is "
-            "the one to begin with."
+            f"surrogate validation of '{model.estimator.method}' found errors far above the noise limit "
+            "or its stated covariance: its points are flagged 'model-misfit'. Fit another method, 'hybrid' "
+            "first."
         )
     if model.calibration is not None and model.calibration.inconsistent:
         warnings.append(
@@ -49,24 +49,24 @@ def reconstruction_warnings(
         views = counted(len(without), "view")
         warnings.append(f"no dot was measured by all cameras in {views}: {listed(without)}")
     if not (found.points.flag == PointFlag.OK.value).any():
-        warnings.append("not one of the points is 'ok': see their flags before they are used")
+        warnings.append("none of the points is flagged 'ok': see their flags before you use them")
     return tuple(warnings)
 
 
 def _residual_warnings(check: TriangulationCheck) -> list[str]:
-    """Return what speaks against points whose rays miss each other, for people."""
+    """Return the warnings about triangulation residuals, in words."""
     if check.inconsistent:
-        told = (
-            f"rays miss each other by {check.rms_px:.3g} px RMS, but the calibration lets expect "
-            f"{check.expected_px:.3g} px: the cameras are not as they were when they were calibrated, or not "
-            "the same. All points are flagged 'model-misfit'. Calibrate again."
+        warning = (
+            f"the triangulation residual is {check.rms_px:.3g} px RMS, but {check.expected_px:.3g} px is "
+            "expected from the calibration: a camera has changed since it was calibrated, or is another "
+            "one. All points are flagged 'model-misfit'. Calibrate again."
         )
-        return [told]
+        return [warning]
     if check.views:
-        told = (
-            "in some views rays miss each other by far more than the calibration lets expect: a camera or "
-            f"the target moved there. Their points are flagged 'model-misfit'. Views: "
+        warning = (
+            "in some views the triangulation residual is far larger than expected from the calibration: a "
+            f"camera or the target moved there. Their points are flagged 'model-misfit'. Views: "
             f"{listed(check.views)}."
         )
-        return [told]
+        return [warning]
     return []

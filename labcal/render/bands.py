@@ -1,4 +1,4 @@
-"""Pictures worked through in bands of rows, so that large ones need little more memory than themselves."""
+"""Processing of pictures in bands of rows, which limits the memory."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ class Band:
         return slice(self.first, self.last)
 
     def widened(self, picture: np.ndarray, halo: int) -> np.ndarray:
-        """Return the band of a picture with up to `halo` rows more on both sides, where there are any."""
+        """Return the band with up to `halo` more rows on both sides, as far as the picture reaches."""
         return picture[max(0, self.first - halo) : self.last + halo]
 
     def narrowed(self, wide: np.ndarray, halo: int) -> np.ndarray:
-        """Return the band's own rows of what was :meth:`widened` by `halo`."""
+        """Return the rows of the band itself from the result of :meth:`widened` with the same `halo`."""
         above = self.first - max(0, self.first - halo)
         return wide[above : above + self.last - self.first]
 

@@ -1,4 +1,4 @@
-"""What is in a scene, as Mitsuba takes it: shapes, what they are made of, and lamps."""
+"""The contents of a scene for Mitsuba: shapes, materials and lamps."""
 
 from types import ModuleType
 from typing import Any
@@ -57,7 +57,7 @@ def contents(mi: ModuleType, scene: Scene, paint: Paint, dots: Jit) -> dict[str,
 
 
 def _paper(board: Board, dots: Jit) -> dict[str, Any]:
-    """Return what the print is made of: matt paper, or paper under a clear coat."""
+    """Return the material of the print: matt paper, or paper with a clear coat."""
     if board.gloss_roughness is None:
         return {"type": "diffuse", "reflectance": dots}
     return {
@@ -70,7 +70,7 @@ def _paper(board: Board, dots: Jit) -> dict[str, Any]:
 
 
 def _room(mi: ModuleType, scene: Scene, paint: Paint) -> dict[str, dict[str, Any]]:
-    """Return what floor, wall and the table's top are made of."""
+    """Return the materials of floor, wall and table top."""
     from labcal.render.patterns import planks, plaster, tiles  # noqa: PLC0415 -- imports Dr.Jit
 
     room = scene.room
@@ -87,7 +87,7 @@ def _room(mi: ModuleType, scene: Scene, paint: Paint) -> dict[str, dict[str, Any
 
 
 def _lamps(scene: Scene, paint: Paint) -> dict[str, dict[str, Any]]:
-    """Return what panels and rings are: black where they do not shine."""
+    """Return panels and rings, which are black on the side that does not radiate."""
     return {
         f"lamp-{number}": {
             "bsdf": paint.matt(BLACK),

@@ -1,4 +1,4 @@
-"""From the light of one picture to its file, in the format that the scene asks for."""
+"""The conversion of the light of one picture into its file, in the format of the scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from labcal.shoot.pictures import write_picture
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a picture goes, and what is said about it."""
+    """The destination of a picture, and the texts in its header."""
 
     path: Path
     texts: Mapping[str, str]

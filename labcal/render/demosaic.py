@@ -22,7 +22,7 @@ HALO = 2
 
 
 def mosaic(light: np.ndarray) -> np.ndarray:
-    """Return what a sensor behind a Bayer mosaic of rows RG, GB receives.
+    """Return the light that a sensor behind a Bayer mosaic of rows RG, GB receives.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From the codes of a sensor to the picture that its camera delivers: colour, tone curve, 8 or 16 bits."""
+"""The development of sensor codes into a delivered picture: colour, tone curve, 8 or 16 bits."""
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def develop(codes: np.ndarray, photometry: Photometry, exposure: Exposure) -> np
 
 
 def delivered(linear: np.ndarray, photometry: Photometry) -> np.ndarray:
-    """Return linear values (full scale at 1) as the camera delivers them; those out of range are cut off."""
+    """Return linear values (full scale at 1) as the camera delivers them, clipped to its range."""
     kind = _kind(photometry)
     values = tone(np.clip(linear, 0.0, 1.0), photometry.tone_curve)
     whole: np.ndarray = np.rint(np.iinfo(kind).max * values).astype(kind)

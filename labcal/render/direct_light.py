@@ -1,4 +1,4 @@
-"""The light that rays bring: what lamps shine on the first surface met, without interreflection."""
+"""Direct light: the radiance of the first surface that a ray meets, without interreflection."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ LAMP = 1
 
 @dataclass(frozen=True)
 class Light:
-    """What light a scene has, and what it falls on."""
+    """The kinds of light and surfaces in a scene."""
 
     ambient: tuple[float, ...]
     """Radiance that comes from everywhere and that nothing shades, in every channel."""
     lamps: bool
-    """Whether there are lamps at all."""
+    """True if there are lamps."""
     matt: bool
-    """Whether every surface is diffuse, so that one reflectance says all about it."""
+    """True if every surface is diffuse, so that its reflectance is all that is needed."""
 
 
 @dataclass(frozen=True)
 class LitScene:
-    """A scene as rays meet it."""
+    """A scene for tracing rays."""
 
     mi: Jit
     """Mitsuba with the variant in use."""
@@ -38,7 +38,7 @@ class LitScene:
 
 
 def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
-    """Return the radiance that each ray brings (one shadow ray each).
+    """Return the radiance along each ray (one shadow ray each).
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def radiance(lit: LitScene, ray: Jit, samples: Samples) -> Jit:
     ray : Ray3f
     samples : Samples
     """
-    import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+    import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
     mi, scene, light = lit.mi, lit.scene, lit.light
     if lit.panels is None:

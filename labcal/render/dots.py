@@ -17,7 +17,7 @@ def dots_plugin(variant: str) -> str:
     variant : str
         The variant in use.
     """
-    import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+    import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
     import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
 
     from labcal.render.ink import Ink  # noqa: PLC0415 -- imports Dr.Jit
@@ -29,7 +29,7 @@ def dots_plugin(variant: str) -> str:
             super().__init__(props)
 
         def show(self, made: TruePrint, dark: tuple[float, ...], light: tuple[float, ...]) -> None:
-            """Become a print, with reflectances in the variant's number of channels."""
+            """Set the print, with reflectances in the number of channels of the variant."""
             offsets = made.dot_offsets().astype(np.float32)
             self.ink = Ink(made, mi.Float(offsets[:, 0].copy()), mi.Float(offsets[:, 1].copy()))
             self.is_even = made.amplitude == 0.0
@@ -47,7 +47,7 @@ def dots_plugin(variant: str) -> str:
             return dr.mean(self.light)
 
         def is_spatially_varying(self) -> bool:
-            """Return that it varies."""
+            """Return True."""
             return True
 
         def to_string(self) -> str:

@@ -9,7 +9,7 @@ from labcal.cameras.mathematics import Number
 
 @dataclass(frozen=True)
 class DrjitMathematics:
-    """float64 arrays of Dr.Jit: in single precision a picture of 20 megapixels would lose its last digits."""
+    """Mathematics on float64 arrays: float32 would lose the last digits of a 20-megapixel picture."""
 
     newton_steps: int
     settled: float = 1e-4
@@ -48,5 +48,5 @@ class DrjitMathematics:
         return terms[0]
 
     def all_below(self, _a: Number, _limit: float) -> bool:
-        """Return False: to know it would end the kernel here."""
+        """Return False: the value would end the kernel here."""
         return False

@@ -29,7 +29,7 @@ class Facets:
     """(n, 3), of a curved surface; none for one that is flat facet by facet."""
 
     def mesh(self, mi: ModuleType, name: str, T_world_body: Pose, inside: dict[str, Any]) -> Jit:
-        """Return Mitsuba's mesh at a pose, with what is to be inside it (``bsdf``, ``emitter``)."""
+        """Return Mitsuba's mesh at a pose, with its inner objects (``bsdf``, ``emitter``)."""
         properties = mi.Properties()
         for key, value in inside.items():
             properties[key] = mi.load_dict(value)
@@ -50,7 +50,7 @@ class Facets:
         return mesh
 
     def at(self, T_world_body: Pose) -> dict[str, np.ndarray]:
-        """Return the parameters of Mitsuba's mesh that make it stand at a pose, float32."""
+        """Return the parameters of Mitsuba's mesh that place it at a pose, float32."""
         placed = {"vertex_positions": transform(T_world_body, self.vertices)}
         if self.normals is not None:
             placed["vertex_normals"] = self.normals @ T_world_body[:3, :3].T
@@ -91,7 +91,7 @@ def ring_facets(inner_mm: float, outer_mm: float) -> Facets:
 
 
 def sheet_facets(surface: Surface) -> Facets:
-    """Return a board's surface, cut so finely that no facet is farther from it than 0.0005 mm.
+    """Return the surface of a board in facets that deviate from it by at most 0.0005 mm.
 
     Texture coordinates run from 0 to 1 along the board's edges and are exact everywhere, since the bend moves
     points along z alone.

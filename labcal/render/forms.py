@@ -1,4 +1,4 @@
-"""The shapes of a laboratory by name: where its flat rectangles stand in a view, and its other bodies."""
+"""The shapes of a laboratory by name: flat rectangles with their poses in a view, and other bodies."""
 
 from dataclasses import dataclass
 
@@ -16,13 +16,13 @@ from labcal.scene.solids import Block
 from labcal.scene.surface import Surface
 
 FAR_MM = 12000.0
-"""How far floor and wall reach."""
+"""Extent of floor and wall."""
 NEAR_MM = 200.0
 """A camera this near to the plane of a face counts as seeing it."""
 
 
 def _face(x: tuple[int, int, int], y: tuple[int, int, int]) -> Pose:
-    """Return the face of a cube from -1 to 1 that has these edges."""
+    """Return the face of a cube from -1 to 1 with these edges."""
     normal = np.cross(x, y)
     return pose(np.stack([x, y, normal], axis=1).astype(np.float64), normal.astype(np.float64))
 
@@ -47,8 +47,8 @@ class Flat:
     """(4, 4), affine: takes the square from -1 to 1 into the world, mm; it faces +z."""
     colour: Colour | None = None
     """Its reflectance, where it has but one."""
-    in_the_way: bool = True
-    """Whether it can come between a surface and a lamp; the bounds of the room never do."""
+    occludes: bool = True
+    """True if it can hide a lamp from a surface; false for floor and wall."""
 
 
 @dataclass(frozen=True)
@@ -120,8 +120,8 @@ def _room(scene: Scene) -> dict[str, Form]:
     on_floor = pose(np.eye(3), np.array([0.0, wall_y - 0.5 * depth, floor_z]))
     on_wall = pose(upright, np.array([0.0, wall_y, floor_z + 0.5 * height]))
     return {
-        "floor": Flat(on_floor @ np.diag([FAR_MM, 0.5 * depth, 1.0, 1.0]), in_the_way=False),
-        "wall": Flat(on_wall @ np.diag([FAR_MM, 0.5 * height, 1.0, 1.0]), in_the_way=False),
+        "floor": Flat(on_floor @ np.diag([FAR_MM, 0.5 * depth, 1.0, 1.0]), occludes=False),
+        "wall": Flat(on_wall @ np.diag([FAR_MM, 0.5 * height, 1.0, 1.0]), occludes=False),
     }
 
 
@@ -134,7 +134,7 @@ def _faces(name: str, block: Block, which: tuple[str, ...]) -> dict[str, Form]:
 
 
 def _seen_of_table(scene: Scene, table: Block) -> tuple[str, ...]:
-    """Return the table's faces that face a camera; its top throws the whole shadow of so thin a thing."""
+    """Return the faces of the table towards the cameras; the top casts the whole shadow of the thin body."""
     size = np.diag([*(0.5 * np.array(table.size_mm)), 1.0])
     eyes = np.array([camera.eye_mm for camera in scene.cameras.values()])
     seen = []

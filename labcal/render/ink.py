@@ -1,4 +1,4 @@
-"""Where a print is inked, on Dr.Jit's float32 arrays: from the distance to the nearest dot's centre."""
+"""The inked areas of a print on float32 arrays of Dr.Jit, by the distance to the nearest dot centre."""
 
 from dataclasses import dataclass
 
@@ -12,15 +12,15 @@ from labcal.targets.grid import Layout, Polarity
 
 @dataclass(frozen=True)
 class Ink:
-    """A print whose places are told by uv, from 0 to 1 along the board's edges."""
+    """A print with positions in uv, from 0 to 1 along the edges of the board."""
 
     made: TruePrint
     offset_x: Jit
-    """How far each dot is off along x, as the design sees it, mm; one float an entry."""
+    """Displacement of each dot along x in the design, mm; one float per entry."""
     offset_y: Jit
 
     def designed(self, uv: Jit) -> tuple[Jit, Jit]:
-        """Return what place of the design, in mm, is printed at a place on the board."""
+        """Return the position in the design, mm, of a position on the board."""
         surface = self.made.surface
         (x_middle, y_middle), (width, height) = surface.middle.tolist(), (2.0 * surface.half).tolist()
         x, y = (uv.x - 0.5) * width, (uv.y - 0.5) * height
@@ -30,7 +30,7 @@ class Ink:
         return x + x_middle, y + y_middle
 
     def is_dark(self, uv: Jit) -> Jit:
-        """Return where the print is the darker of its two colours."""
+        """Return a mask of positions at which the print has the darker of its two colours."""
         target = self.made.target
         x, y = self.designed(uv)
         col, row, shift = self._nearest(x, y)
@@ -49,7 +49,7 @@ class Ink:
         return inked if target.polarity is Polarity.BLACK_ON_WHITE else ~inked
 
     def _nearest(self, x: Jit, y: Jit) -> tuple[Jit, Jit, Jit]:
-        """Return column and row of the dot nearest to a place of the design, and its row's shift in mm."""
+        """Return column and row of the nearest dot in the design, and the shift of its row in mm."""
         target = self.made.target
         if target.layout is Layout.SYMMETRIC:
             col = dr.clip(dr.round(x / target.pitch_x_mm), 0, target.cols - 1)
@@ -64,7 +64,7 @@ class Ink:
         return dr.round(col), row, 0.5 * target.pitch_x_mm * odd
 
     def evenness(self, uv: Jit) -> Jit:
-        """Return the factor by which the paper is darker or lighter in places, or 1 for even paper."""
+        """Return the factor of the local unevenness of the paper; 1 for even paper."""
         width, height = (2.0 * self.made.surface.half).tolist()
         factor: Jit = 1.0
         for along_x, along_y, phase in self.made.waves.tolist():

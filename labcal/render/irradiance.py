@@ -1,4 +1,4 @@
-"""One picture's light, linear and free of sensor noise: bands of rows and sub-frames put together."""
+"""The light of one picture, linear, without sensor noise: the sum of bands of rows and sub-frames."""
 
 import math
 from dataclasses import dataclass
@@ -27,12 +27,12 @@ class Case:
 
     @property
     def camera(self) -> str:
-        """Name of the camera that takes the picture, whatever name it is delivered under."""
+        """Name of the camera that takes the picture, which may differ from the delivered name."""
         return self.take.taken_by
 
 
 def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
-    """Return the radiance that each pixel of a picture receives, on average over its exposure.
+    """Return the radiance at each pixel of a picture, the mean over its exposure.
 
     Everything is added in a fixed order, so that the bytes are the same each time. The rays a pixel are
     shared among the sub-frames of a moving target, each having at least one, so that no row has more noise

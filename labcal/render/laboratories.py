@@ -1,4 +1,4 @@
-"""Laboratories that are compiled once in a process and serve all of its pictures."""
+"""Compiled laboratories that are used for all pictures of a process."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +26,7 @@ class Laboratories:
     """Of the run; the print's own defects are drawn from it."""
 
     def of_size(self, size: tuple[int, int]) -> Laboratory:
-        """Return the laboratory whose film has a width and height (px); a height may be of some rows only."""
+        """Return the laboratory for a film size (px); the height may be that of some rows only."""
         # A scene cannot be hashed, its JSON can.
         return _laboratory(self.mi, self.mi.variant(), self.scene.model_dump_json(), (size, self.seed))
 

@@ -1,4 +1,4 @@
-"""A scene compiled for Mitsuba once, in which the target then moves from view to view."""
+"""A scene that is compiled for Mitsuba once; the target then moves from view to view."""
 
 from dataclasses import dataclass
 from types import ModuleType
@@ -31,7 +31,7 @@ PIXEL = 0
 
 @runtime_checkable  # so that tests can check annotations
 class Rays(Protocol):
-    """What gives a picture's rays."""
+    """The source of the rays of a picture."""
 
     def rays(self, pixels: Pixels) -> tuple[Jit, Jit]:
         """Return rays in the world and their weights."""
@@ -39,7 +39,7 @@ class Rays(Protocol):
 
 @dataclass(frozen=True)
 class Draw:
-    """Some of a pixel's samples."""
+    """A part of the samples of a pixel."""
 
     seed: int
     """Of the picture; 32 bits."""
@@ -48,7 +48,7 @@ class Draw:
     first: int
     """Number of the first sample wanted."""
     count: int
-    """How many are wanted."""
+    """Number of samples."""
 
 
 class Laboratory:
@@ -81,14 +81,14 @@ class Laboratory:
         self.lit: LitScene | None = None
 
     def place(self, T_world_target: Pose) -> None:
-        """Move the target, and what carries it, to a pose (mm)."""
+        """Move the target, and everything attached to it, to a pose (mm)."""
         found = forms(self.description, T_world_target)
         flats = [form for form in found.values() if isinstance(form, Flat)]
         shapes, panels = self.scene.shapes_dr(), None
         if len(flats) == len(found):
             # Mitsuba's own shapes stay where they are: it is asked for materials and lamps only.
-            places, in_the_way = [form.T_world_panel for form in flats], [form.in_the_way for form in flats]
-            panels = Panels(self.mi, places, in_the_way)
+            places, occludes = [form.T_world_panel for form in flats], [form.occludes for form in flats]
+            panels = Panels(self.mi, places, occludes)
             shapes = panels.of_shapes(shapes, [self.numbers[name] for name in found])
         else:
             self._move(found)
@@ -107,7 +107,7 @@ class Laboratory:
         self.parameters.update()
 
     def sensor(self, camera: Camera, aperture: Aperture | None = None) -> Sensor:
-        """Return a camera's rays, with the fall-off of light that the scene's photometry asks for."""
+        """Return the rays of a camera, with the fall-off of light of the photometry of the scene."""
         photometry = self.description.photometry
         shading = Shading(fall_off=photometry.fall_off, vignetting=photometry.vignetting)
         return Sensor(self.mi, camera, aperture, shading)
@@ -119,12 +119,12 @@ class Laboratory:
         return (height, width, 3) if self.colour else (height, width)
 
     def rows_at_once(self, count: int) -> int:
-        """Return how many rows are traced at once with `count` samples a pixel."""
+        """Return the number of rows that are traced together with `count` samples per pixel."""
         width, height = self.size
         return min(height, max(1, RAYS_AT_ONCE // (width * count)))
 
     def trace(self, sensor: Rays, rows: slice, draw: Draw) -> np.ndarray:
-        """Return the radiance in a band of rows, the mean of some of a pixel's samples.
+        """Return the radiance in a band of rows, the mean of some of the samples of each pixel.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Laboratory:
         ndarray, shape (rows, width) or (rows, width, 3)
             float32.
         """
-        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         mi, width, count = self.mi, self.size[0], draw.count
         lane = dr.arange(mi.UInt32, (rows.stop - rows.start) * width * count)

@@ -1,4 +1,4 @@
-"""The LLVM library that Dr.Jit compiles with on processors: found before Dr.Jit looks for one itself.
+"""The LLVM library of Dr.Jit on processors, located before Dr.Jit searches for one itself.
 
 Left alone, Dr.Jit takes whatever LLVM the system has, and some versions end the process without an error
 that Python could catch (version 15 of Debian 12 does).
@@ -23,11 +23,11 @@ _USUAL_PLACES = {
     "Darwin": ("/opt/homebrew/opt/llvm/lib/libLLVM.dylib", "/usr/local/opt/llvm/lib/libLLVM.dylib"),
     "Windows": (r"C:\Program Files\LLVM\bin\LLVM-C.dll",),
 }
-"""Where the installations that are advised put the library; on Linux every distribution has its own."""
+"""Paths of the library in the recommended installations; on Linux every distribution has its own."""
 
 
 def ensure_llvm() -> Path:
-    """Point Dr.Jit at an LLVM library that works; call it before Dr.Jit is first used.
+    """Set an LLVM library that works for Dr.Jit; call it before Dr.Jit is first used.
 
     Sets ``DRJIT_LIBLLVM_PATH`` for this process, unless the user has set it. Calling it again does nothing
     more.
@@ -56,7 +56,7 @@ def ensure_llvm() -> Path:
 
 
 def install_advice() -> str:
-    """Return what to install, and what to set, on this system."""
+    """Return advice on packages to install and variables to set on this system."""
     system = platform.system()
     if system == "Linux" and platform.machine() == "x86_64":
         return f"Install the Python package {PACKAGE}, and leave {VARIABLE} unset."
@@ -77,7 +77,7 @@ def _packaged_library() -> Path | None:
 
 
 def _installed_library() -> Path | None:
-    """Return the library where the system's own installation puts it, if it is there."""
+    """Return the library of an installation of the operating system, if there is one."""
     for place in _USUAL_PLACES.get(platform.system(), ()):
         if Path(place).is_file():
             return Path(place)

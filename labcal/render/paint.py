@@ -1,4 +1,4 @@
-"""Colours as the variant in use takes them: red, green and blue, or one grey."""
+"""Colours in the variant of Mitsuba: red, green and blue, or one grey value."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +10,10 @@ from labcal.scene.lighting import REC709
 
 @dataclass(frozen=True)
 class Paint:
-    """What turns a scene's colours into Mitsuba's."""
+    """A converter from colours of a scene to Mitsuba's."""
 
     colour: bool
-    """Whether the variant has three channels; else each colour becomes its luminance."""
+    """True if the variant has three channels; otherwise each colour is its luminance."""
 
     def channels(self, colour: tuple[float, float, float]) -> tuple[float, ...]:
         """Return a colour's value in every channel of the variant."""
@@ -25,5 +25,5 @@ class Paint:
         return {"type": "rgb", "value": list(values if self.colour else 3 * values)}
 
     def matt(self, colour: tuple[float, float, float]) -> dict[str, Any]:
-        """Return a surface that reflects a colour evenly in all directions."""
+        """Return a diffuse surface of a colour."""
         return {"type": "diffuse", "reflectance": self.spectrum(colour)}

@@ -1,4 +1,4 @@
-"""Rays against flat rectangles, tested one by one.
+"""Intersection of rays with flat rectangles, one by one.
 
 A laboratory is a dozen or two of rectangles. Testing all of them takes a third of the time of Embree's tree
 (docs/decisions.md), since every lane does the same work. Scenes with other shapes go through Mitsuba.
@@ -14,12 +14,12 @@ from labcal.render.variant import Jit
 
 @dataclass(frozen=True)
 class Hit:
-    """What rays meet first."""
+    """The first intersection of rays."""
 
     t: Jit
     """Distance along the ray, mm; infinite where nothing is met."""
     number: Jit
-    """Which panel."""
+    """Index of the panel."""
     u: Jit
     v: Jit
     """Place on the panel, from -1 to 1."""
@@ -34,12 +34,12 @@ class Panels:
         Mitsuba with the variant in use.
     T_world_panel : list of ndarray, shape (4, 4)
         Affine: the columns are half the edges, the normal, and the middle, mm.
-    in_the_way : list of bool
+    occludes : list of bool
         For each panel whether it can come between a surface and a lamp.
     """
 
-    def __init__(self, mi: Jit, T_world_panel: list[Pose], in_the_way: list[bool]) -> None:
-        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+    def __init__(self, mi: Jit, T_world_panel: list[Pose], occludes: list[bool]) -> None:
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         self._mi, self._dr = mi, dr
         # Opaque numbers, so that the kernel stays the same when panels move.
@@ -47,18 +47,18 @@ class Panels:
             [[dr.opaque(mi.Float, float(n)) for n in row] for row in np.linalg.inv(T)[:3]]
             for T in T_world_panel
         ]
-        self._rows_in_the_way = [rows for rows, here in zip(self._rows, in_the_way, strict=True) if here]
+        self._rows_in_the_way = [rows for rows, here in zip(self._rows, occludes, strict=True) if here]
         normals = np.array([np.cross(T[:3, 0], T[:3, 1]) for T in T_world_panel])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = mi.Normal3f(normals.T.astype(np.float32))
 
     def of_shapes(self, shapes: Jit, numbers: list[int]) -> Jit:
-        """Return the shape of every panel, from all shapes and each panel's number among them."""
+        """Return the shapes of the panels from all shapes, by the index of each panel."""
         dr, mi = self._dr, self._mi
         return dr.gather(mi.ShapePtr, shapes, mi.UInt32(numbers))
 
     def closest(self, ray: Jit) -> Hit:
-        """Return the first panel that each ray meets."""
+        """Return the first intersection of each ray with a panel."""
         mi, dr = self._mi, self._dr
         t, number = mi.Float(dr.inf), mi.UInt32(0)
         u, v = mi.Float(0.0), mi.Float(0.0)
@@ -70,7 +70,7 @@ class Panels:
         return Hit(t, number, u, v)
 
     def blocked(self, ray: Jit) -> Jit:
-        """Return whether anything that can be in the way is met before the end of each ray."""
+        """Return a mask of rays that meet an occluding panel before their end."""
         blocked = self._mi.Bool(False)
         for rows in self._rows_in_the_way:
             t, _, _, meets = self._meet(rows, ray)
@@ -102,7 +102,7 @@ class Panels:
         return si
 
     def _meet(self, rows: list[list[Jit]], ray: Jit) -> tuple[Jit, Jit, Jit, Jit]:
-        """Return distance and place where rays meet a panel's plane, and whether that is on the panel."""
+        """Return distance and position of the intersection with the plane of a panel, and a mask of hits."""
         dr = self._dr
         o, d = ray.o, ray.d
         (ux, uy, uz, u0), (vx, vy, vz, v0), (nx, ny, nz, n0) = rows

@@ -1,4 +1,4 @@
-"""How light or dark a surface is from place to place, on Dr.Jit's float32 arrays; places in mm."""
+"""Patterns of surfaces on float32 arrays of Dr.Jit; positions in mm."""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ SKIRTING_MM = 90.0
 
 
 def tiles(tile_mm: float) -> Pattern:
-    """Return square tiles, every other one darker, no two quite alike, with joints between them."""
+    """Return square tiles, alternately darker and slightly different, with joints between them."""
 
     def factor(x: Jit, y: Jit) -> Jit:
         col, row = dr.floor(x / tile_mm), dr.floor(y / tile_mm)
@@ -29,7 +29,7 @@ def tiles(tile_mm: float) -> Pattern:
 
 
 def planks(x: Jit, y: Jit) -> Jit:
-    """Return boards of wood that run along x: each of its own shade, grained, with dark joints."""
+    """Return wooden boards along x, each with its own shade and grain, with dark joints."""
     plank = dr.floor(y / PLANK_MM)
     own = _scatter(plank)
     bent = y + 9.0 * dr.sin(x / (130.0 + 90.0 * own) + 40.0 * own)  # a grain is never straight
@@ -46,6 +46,6 @@ def plaster(x: Jit, y: Jit) -> Jit:
 
 
 def _scatter(n: Jit) -> Jit:
-    """Return a number from 0 to 1 for each whole number, near ones far apart (golden ratio)."""
+    """Return a number from 0 to 1 for each integer, different for neighbours (golden ratio)."""
     product = 0.6180339887 * n
     return product - dr.floor(product)

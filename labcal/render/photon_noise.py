@@ -1,4 +1,4 @@
-"""Photon noise: Poisson counts of many pixels, several times faster than drawing each by rejection."""
+"""Photon noise: Poisson counts of many pixels, several times faster than by rejection sampling."""
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def poisson(mean: np.ndarray, random: np.random.Generator) -> np.ndarray:
 
 
 def _quantile(mean: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """Return the Poisson counts that have the rank of normal numbers."""
+    """Return the Poisson counts with the same quantiles as normal numbers."""
     kind = mean.dtype.type
     root = np.sqrt(mean)
     square = w * w

@@ -1,4 +1,4 @@
-"""One picture from a scene to its file: the unit of work that is spread over processes."""
+"""The rendering of one picture into its file: the unit of parallel work."""
 
 import json
 import time
@@ -16,7 +16,7 @@ from labcal.scene.model import Scene
 
 @dataclass(frozen=True)
 class Job:
-    """One picture, and everything it depends on."""
+    """One picture, and everything that determines it."""
 
     scene: Scene
     """The scene as it really stands."""
@@ -26,7 +26,7 @@ class Job:
 
 
 def render_picture(job: Job) -> float:
-    """Render one picture into its file and return the seconds that took.
+    """Render one picture into its file, and return the duration in seconds.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def render_picture(job: Job) -> float:
 
 
 def _texts(job: Job) -> dict[str, str]:
-    """Return what the header of an EXR file says, in JSON: the camera as in ``truth.json``, the picture."""
+    """Return the texts in the header of an EXR file, in JSON: camera (as in ``truth.json``) and picture."""
     picture = {
         "view": job.case.view,
         "camera": job.case.camera,

@@ -1,4 +1,4 @@
-"""A camera's sensor: from light to the codes of its converter, in the order and the terms of EMVA 1288.
+"""The sensor of a camera: from light to codes of the converter, in the terms of EMVA 1288.
 
 The linear model of EMVA 1288 (Release 4 Linear): a pixel gathers mu_e electrons on average, of which the dark
 signal mu_d is a part; their number is Poisson's, so its variance is mu_e; the electronics add the temporal
@@ -25,7 +25,7 @@ from labcal.scene.photometry import Photometry
 
 @dataclass(frozen=True)
 class Exposure:
-    """The settings a photographer makes once for all pictures of a scene."""
+    """The exposure settings of all pictures of a scene."""
 
     gain: float
     """Share of the sensor's saturation per unit of radiance."""
@@ -35,7 +35,7 @@ class Exposure:
 
 @dataclass(frozen=True)
 class Shot:
-    """The picture that random numbers are drawn for."""
+    """The picture for which random numbers are drawn."""
 
     seed: int
     """Seed of the whole run."""
@@ -43,16 +43,16 @@ class Shot:
     camera: str
 
     def temporal(self, band: Band) -> np.random.Generator:
-        """Return what draws the noise of this picture alone."""
+        """Return the generator of the noise of this picture."""
         return generator(self.seed, self.view, self.camera, "sensor noise", f"row {band.first}")
 
     def pattern(self, kind: str, band: Band) -> np.random.Generator:
-        """Return what draws the camera's fixed pattern of a kind, the same in all of its pictures."""
+        """Return the generator of a fixed pattern of the camera, the same in all its pictures."""
         return generator(self.seed, self.camera, kind, f"row {band.first}")
 
 
 def exposure_for(photometry: Photometry, brightest: np.ndarray) -> Exposure:
-    """Return the exposure under which a bare board nowhere exceeds ``photometry.white``.
+    """Return the exposure at which no bare board exceeds ``photometry.white``.
 
     ``photometry.exposure_stops`` brightens or darkens it from there. The exposure time takes no part: lamps
     and aperture are thought to suit it.
@@ -139,7 +139,7 @@ def _exposed(light: np.ndarray, band: Band, photometry: Photometry, exposure: Ex
 
 
 def _gathered(signal: np.ndarray, photometry: Photometry, shot: Shot | None, band: Band) -> np.ndarray:
-    """Return the electrons that are read from a band, of the mean photo-electrons `signal`."""
+    """Return the electrons that are read in a band with mean photo-electrons `signal`."""
     full_well = np.float32(photometry.full_well_e)
     if shot is None:
         return np.minimum(signal + np.float32(photometry.dark_e), full_well)
@@ -158,7 +158,7 @@ def _gathered(signal: np.ndarray, photometry: Photometry, shot: Shot | None, ban
 
 
 def _normal(random: np.random.Generator, shape: tuple[int, ...], deviation: float) -> np.ndarray:
-    """Return normal numbers of a standard deviation, float32."""
+    """Return normal random numbers with a standard deviation, float32."""
     numbers: np.ndarray = random.standard_normal(shape, dtype=np.float32)
     numbers *= np.float32(deviation)
     return numbers

@@ -1,4 +1,4 @@
-"""Where within a pixel, a lamp and an aperture rays are sent: scrambled (0, 2)-sequences.
+"""Sample positions in pixels, lamps and apertures: scrambled (0, 2)-sequences.
 
 Any power of two of consecutive points has one in every elementary interval of the square (Sobol 1967; Kollig
 and Keller 2002 for the scrambling by exclusive or). Every pixel has its own scrambling from the seed, so that
@@ -13,7 +13,7 @@ _TO_UNIT = 2.0**-24
 
 
 class Samples:
-    """The samples of a wavefront, `count` for each pixel, one after the other.
+    """The samples of a wavefront, `count` per pixel, in succession.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Samples:
         self._bits = max(1, (count - 1).bit_length())
 
     def square(self, purpose: int) -> Jit:
-        """Return a point of the unit square for each lane; other purposes give independent points."""
+        """Return a point of the unit square for each lane; different purposes give independent points."""
         mi = self._mi
         scramble_x, scramble_y = mi.sample_tea_32(self._pixel, self._seed + purpose, 4)
         # Which sample of one purpose meets which of another is drawn for every pixel, too.

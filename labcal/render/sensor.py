@@ -1,4 +1,4 @@
-"""The rays of a camera's picture: distortion and glass bend the ray itself, no picture is resampled."""
+"""The rays of a picture: lens and glass are applied to the ray, no picture is resampled."""
 
 from dataclasses import dataclass
 
@@ -19,12 +19,12 @@ APERTURE = 2
 _FALL_OFF_DEGREE = 10
 _FALL_OFF_RADII = 64
 _FALL_OFFS: dict[FallOff | None, tuple[float, ...]] = {FallOff.COS4: (1.0,), FallOff.EVEN: (1.0, 1.0)}
-"""What :func:`_fall_off` returns for lenses that are not traced."""
+"""Results of :func:`_fall_off` for lenses that are not traced."""
 
 
 @dataclass(frozen=True)
 class Shading:
-    """How light falls off towards the rim of the picture."""
+    """Fall-off of light towards the rim of the picture."""
 
     fall_off: bool = False
     """The lens's own, as it declares it: cos^4 of the angle to the axis, traced, or none."""
@@ -58,7 +58,7 @@ class Sensor:
     """
 
     def __init__(self, mi: Jit, camera: Camera, aperture: Aperture | None, shading: Shading) -> None:
-        import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         from labcal.render.drjit_mathematics import DrjitMathematics  # noqa: PLC0415 -- imports Dr.Jit
 
@@ -78,7 +78,7 @@ class Sensor:
         self._vignetting = opaque(middle) if shading.vignetting > 0.0 else ()
 
     def rays(self, pixels: Pixels) -> tuple[Jit, Jit]:
-        """Return rays in the world and their weights; where the lens has no ray the weight is 0.
+        """Return rays in the world and their weights; the weight is 0 where the lens has no ray.
 
         The rays of a central camera share one origin, of width 1.
         """
@@ -109,7 +109,7 @@ class Sensor:
         return m.fma(row[0], vector[0], m.fma(row[1], vector[1], row[2] * vector[2]))
 
     def _light(self, r2: Jit, cosine: Jit, pixels: Pixels) -> Jit:
-        """Return the share of light that a pixel gets, from its ideal radius squared and its angle."""
+        """Return the relative light of a pixel, from its ideal radius squared and its angle."""
         weight = 0.0 * r2 + 1.0
         if self._fall_off:
             scale, *coefficients = self._fall_off
@@ -139,7 +139,7 @@ def _pupil(camera: Camera, aperture: Aperture) -> Pupil:
 
 
 def _fall_off(camera: Camera, pupil: Pupil | None) -> tuple[float, ...]:
-    """Return what the fall-off takes: nothing but a 1 for cos^4, or a polynomial in the radius squared.
+    """Return the parameters of the fall-off: 1 for cos^4, or a polynomial in the radius squared.
 
     A prescription that is open loses its light on the way; one that is closed, as if it were open.
 

@@ -1,4 +1,4 @@
-"""A rendered shoot: every picture of a scene, its manifest, and its truth in a folder apart."""
+"""A rendered shoot: the pictures of a scene, the manifest, and the truth in a separate folder."""
 
 import json
 import time
@@ -12,7 +12,7 @@ from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
 from labcal.run.executor import finished, open_executor
-from labcal.run.given_up import refuse_given_up
+from labcal.run.failed_cases import raise_failed_cases
 from labcal.run.machine import package_version
 from labcal.run.made import PROVENANCE, make_folder, provenance_text
 from labcal.run.outputs import write_file
@@ -36,7 +36,7 @@ PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headle
 
 @dataclass(frozen=True)
 class RenderSettings:
-    """How a scene is rendered."""
+    """Settings of the rendering of a scene."""
 
     spp: int | None = None
     """Rays a pixel; the scene's own number where left out."""
@@ -62,7 +62,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
         The shoot to appear.
     settings : RenderSettings
     progress : Progress
-        Told of every picture.
+        Notified of every picture.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
 
 
 def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, float]:
-    """Render the pictures that are not there yet; return the seconds of each by file name."""
+    """Render the missing pictures, and return the duration of each in seconds by file name."""
     # A power cut may leave an empty file of that name.
     missing = [job for job in jobs if not (job.path.exists() and job.path.stat().st_size > 0)]
     progress.start("render", len(jobs))
@@ -123,17 +123,17 @@ def _render(jobs: list[Job], workers: int, progress: Progress) -> dict[str, floa
                 given_up[name] = error
             else:
                 progress.advance()
-    refuse_given_up(given_up, len(jobs), "pictures", _ADVICE)
+    raise_failed_cases(given_up, len(jobs), "pictures", _ADVICE)
     return dict(sorted(seconds.items()))
 
 
 def _image(scene: Scene, view: str, camera: str) -> str:
-    """Return where a picture lies in the shoot."""
+    """Return the path of a picture in the shoot."""
     return f"images/{view}_{camera}.{scene.photometry.format.value}"
 
 
 def _command(scene: Scene, settings: RenderSettings) -> str:
-    """Return everything that determines the bytes."""
+    """Return the text of everything that determines the bytes."""
     return "render " + json.dumps(
         {"render": scene.model_dump(mode="json"), "seed": settings.seed, "views": settings.views},
         sort_keys=True,
@@ -141,7 +141,7 @@ def _command(scene: Scene, settings: RenderSettings) -> str:
 
 
 def _manifest(scene: Scene, views: tuple[PlannedView, ...]) -> Manifest:
-    """Return what the measuring arm is told."""
+    """Return the manifest, which holds no truth."""
     entries = []
     for view in views:
         nominal = view.T_world_target_nominal
@@ -158,7 +158,7 @@ def _manifest(scene: Scene, views: tuple[PlannedView, ...]) -> Manifest:
 
 
 def _write_truth(working: Path, scene: Scene, outcome: Outcome, seed: int) -> None:
-    """Write the scene, the cameras and poses, and every dot."""
+    """Write the scene, cameras, poses, and every dot."""
     cameras = {name: CameraRecord.of(camera) for name, camera in scene.true_cameras().items()}
     truth = Truth(
         cameras=cameras,
@@ -177,7 +177,7 @@ def _write_truth(working: Path, scene: Scene, outcome: Outcome, seed: int) -> No
 
 
 def _write_run(working: Path, seconds: dict[str, float], total: float, settings: RenderSettings) -> None:
-    """Write ``run.json``: times and provenance, which differ from run to run."""
+    """Write ``run.json``: times and provenance, which differ between runs."""
     run = {
         "format": "labcal-run",
         "format_version": 1,

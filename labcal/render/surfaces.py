@@ -1,4 +1,4 @@
-"""Surfaces of the room that are not all one shade, as a Mitsuba texture."""
+"""Patterned surfaces of the room, as a Mitsuba texture."""
 
 from functools import cache
 
@@ -14,19 +14,19 @@ def surface_plugin(variant: str) -> str:
     variant : str
         The variant in use.
     """
-    import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
+    import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
     import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
 
     from labcal.render.patterns import Pattern  # noqa: PLC0415 -- imports Dr.Jit
 
     class SurfaceTexture(mi.Texture):
-        """One colour, lighter and darker in a pattern."""
+        """A colour that varies in a pattern."""
 
         def __init__(self, props: Jit) -> None:
             super().__init__(props)
 
         def show(self, colour: tuple[float, ...], size_mm: tuple[float, float], pattern: Pattern) -> None:
-            """Become a surface of a size with uv from 0 to 1, its colour in the variant's channels."""
+            """Set a surface of a size with uv from 0 to 1, its colour in the channels of the variant."""
             self.colour, self.pattern = mi.Spectrum(*colour), pattern
             self.size_mm = size_mm
 
@@ -41,7 +41,7 @@ def surface_plugin(variant: str) -> str:
             return dr.mean(self.colour)
 
         def is_spatially_varying(self) -> bool:
-            """Return that it varies."""
+            """Return True."""
             return True
 
         def to_string(self) -> str:

@@ -1,4 +1,4 @@
-"""A tiny render in a process of its own, to see whether Mitsuba works on this machine.
+"""A small render in a process of its own, which tests whether Mitsuba works on this machine.
 
 An LLVM library that does not fit ends the process without an error that Python could catch, so the question
 cannot be put within the caller's process.
@@ -11,14 +11,14 @@ import numpy as np
 
 from labcal.errors import DeviceError
 from labcal.render.llvm import ensure_llvm, install_advice
-from labcal.run.tied_program import tied
+from labcal.run.bound_program import bound_to_this_process
 
 _SECONDS = 300.0
 _SIDE = 8
 
 
 def try_render() -> str:
-    """Render a few pixels in a subprocess and return what did it: Mitsuba's version and the LLVM library.
+    """Render a few pixels in a subprocess, and return the version of Mitsuba and the LLVM library.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def try_render() -> str:
         It does not work; the message says what to install.
     """
     ensure_llvm()
-    command = tied([sys.executable, "-m", "labcal.render.trial"])
+    command = bound_to_this_process([sys.executable, "-m", "labcal.render.trial"])
     try:
         # The command is this module in this interpreter; nothing of it comes from outside.
         done = subprocess.run(  # noqa: S603
@@ -47,7 +47,7 @@ def try_render() -> str:
 
 
 def _advice(reason: str) -> str:
-    """Return how to mend what a trial picture failed of."""
+    """Return advice for a trial picture that failed."""
     if "libatomic" in reason:
         return "Install libatomic, which Dr.Jit needs (libatomic1 on Debian and Ubuntu)."
     if "No module named" in reason:

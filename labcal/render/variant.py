@@ -1,4 +1,4 @@
-"""Which of Mitsuba's variants is in use, and for how long: it is chosen where a picture is traced only."""
+"""The variant of Mitsuba, which is set only while a picture is traced."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ COLOUR = "llvm_ad_rgb"
 
 @contextmanager
 def renderer(variant: str) -> Iterator[ModuleType]:
-    """Give Mitsuba with one variant in use, on one thread, and put back what was in use before.
+    """Yield Mitsuba with one variant on one thread, and restore the previous variant afterwards.
 
     One thread, because a case shall give the same bytes however many cases run beside it; processes spread
     the work.
@@ -32,7 +32,7 @@ def renderer(variant: str) -> Iterator[ModuleType]:
         Dr.Jit has no LLVM library to compile with.
     """
     ensure_llvm()
-    import mitsuba  # noqa: PLC0415 -- its Dr.Jit must not look for LLVM before it is told where
+    import mitsuba  # noqa: PLC0415 -- its Dr.Jit must not search for LLVM before ensure_llvm
 
     before = mitsuba.variant()
     mitsuba.set_variant(variant)

@@ -25,7 +25,7 @@ def at_most(name: str, value: float, limit: float) -> Check:
 
 
 class Figure(BaseModel):
-    """A figure reported beside the checks: of other software, or of what no limit is set for."""
+    """A figure for comparison: of other software, or without a limit."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -44,11 +44,11 @@ class BenchResult(BaseModel):
     beside: tuple[Figure, ...] = ()
     """For comparison; without a limit."""
     notes: tuple[str, ...] = ()
-    """What was left out, and why."""
+    """Notes on checks that were left out, with the reason."""
 
     @property
     def failed(self) -> int:
-        """How many checks are not good."""
+        """Number of failed checks."""
         return sum(not check.ok for check in self.checks)
 
 

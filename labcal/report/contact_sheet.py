@@ -1,4 +1,4 @@
-"""All pictures of a shoot on one sheet, with what matters about each, and where dots were found."""
+"""A sheet with all pictures of a shoot, their main properties and their dots."""
 
 import math
 from collections.abc import Sequence
@@ -25,14 +25,14 @@ class SheetTile:
     thumbnail: UInt8[np.ndarray, "h w 3"] | None
     """None where the picture cannot be read."""
     lines: tuple[str, ...]
-    """What is written below; the first one in ink."""
+    """Lines below the picture; the first one in ink."""
     refused: bool
-    """Whether something is wrong with it: it gets a red frame, and its last line is red."""
+    """True if the picture is refused: its frame and its last line are red."""
 
 
 @dataclass(frozen=True)
 class SheetCoverage:
-    """Where in a camera's picture dots were found."""
+    """Image coverage of a camera: the cells in which dots were found."""
 
     title: str
     size: tuple[int, int]
@@ -43,7 +43,7 @@ class SheetCoverage:
 
 @dataclass(frozen=True)
 class SheetLayout:
-    """How the tiles stand: so many in a row, of such a size."""
+    """Layout of the tiles: number in a row, and size."""
 
     columns: int
     rows: int
@@ -52,7 +52,7 @@ class SheetLayout:
 
 
 def plan_layout(pictures: int, together: int, aspect: float) -> SheetLayout:
-    """Choose how large thumbnails are and how many stand side by side.
+    """Choose the size of thumbnails and their number in a row.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far the dots of a print are off, as arrows on the grid."""
+"""Displacements of the dots of a print, as arrows on the grid."""
 
 from io import BytesIO
 

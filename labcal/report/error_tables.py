@@ -6,7 +6,7 @@ from rich.table import Table
 
 from labcal.evaluate.against_truth import TruthErrors
 from labcal.evaluate.own_lengths import LengthErrors
-from labcal.evaluate.scored_views import scored_words
+from labcal.evaluate.scored_views import scored_description
 from labcal.wording import counted
 
 
@@ -19,7 +19,7 @@ def _against_truth(errors: TruthErrors) -> Table:
     x, y, z = errors.mean_signed_mm
     caption = (
         f"scored: {errors.scored}, {counted(errors.not_scored, 'other')} not; alignment: {errors.alignment}\n"
-        f"{scored_words(len(errors.views_scored), errors.views_calibrated_on)}"
+        f"{scored_description(len(errors.views_scored), errors.views_calibrated_on)}"
     )
     table = Table("error against truth", "mm", caption=caption)
     table.add_row("points", str(errors.n))
@@ -39,7 +39,7 @@ def _against_truth(errors: TruthErrors) -> Table:
 
 
 def _of_lengths(errors: LengthErrors) -> Table:
-    told = scored_words(len(errors.views_scored), errors.views_calibrated_on)
+    told = scored_description(len(errors.views_scored), errors.views_calibrated_on)
     table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {told}")
     table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")

@@ -1,4 +1,4 @@
-"""How figures of results are written: signs, missing values, the paper's number of digits."""
+"""Formats of numbers in results: signs, missing values, digits of the paper."""
 
 import math
 

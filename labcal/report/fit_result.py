@@ -10,9 +10,9 @@ from labcal.cameras.blind_pixels import blind_pixels
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.estimators.camera_estimator import CameraEstimator
+from labcal.estimators.expected_error import ExpectedError
+from labcal.estimators.fitting import Training
 from labcal.estimators.model import Model
-from labcal.estimators.rehearsed import Rehearsed
-from labcal.estimators.taught import Training
 from labcal.evaluate.statistics import error_statistics
 from labcal.paths import AnyPath
 from labcal.report.handheld_result import HandheldResult, handheld_result
@@ -32,7 +32,7 @@ class MethodResult:
     """Lens models by camera, of methods that have cameras."""
     share_without_rays: tuple[float, ...] | None
     """Of each camera's picture, where its lens folds."""
-    expected: Rehearsed | None
+    expected: ExpectedError | None
     """What to expect between the trained dots, by a rehearsal with cameras like these; null where the dots
     determine none."""
     misfit: bool

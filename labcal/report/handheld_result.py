@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from labcal.estimators.taught import Training
+from labcal.estimators.fitting import Training
 from labcal.report.inconsistent_result import InconsistentResult, inconsistent_result
 from labcal.wording import counted
 

@@ -14,11 +14,11 @@ from labcal.report import figures_text
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
 from labcal.report.thumbnail import thumbnail
-from labcal.run.file_kinds import told_by
+from labcal.run.file_kinds import recognised_by
 from labcal.shoot.pictures import read_picture
 
 _HEAD_BYTES = 1024
-KIND = told_by(
+KIND = recognised_by(
     "a page of 'labcal reproduce'", lambda content: b"of the paper's tables</title>" in content[:_HEAD_BYTES]
 )
 _PICTURE_WIDTH = 640

@@ -5,18 +5,18 @@ from math import isnan
 from labcal.evaluate.print_shape import Figure, PrintShape
 
 _CLEAR = 3.0
-"""Standard deviations from which on a figure is told as a finding."""
+"""Number of standard deviations beyond which a figure is a finding."""
 
 
 def print_words(shape: PrintShape) -> str:
     """Return what the freed dots say about a print, a line each."""
     lines = [
         "scale: the mean is that of the declared pitch; pictures alone tell no length",
-        _told("stretch, x over y", shape.stretch_ppm, "ppm", ".0f"),
-        _told("shear", shape.shear_mrad, "mrad", ".3f"),
-        _told("bow along x", shape.bow_x_mm, "mm", ".4f"),
-        _told("bow along y", shape.bow_y_mm, "mm", ".4f"),
-        _told("twist", shape.twist_mm, "mm", ".4f"),
+        _described("stretch, x over y", shape.stretch_ppm, "ppm", ".0f"),
+        _described("shear", shape.shear_mrad, "mrad", ".3f"),
+        _described("bow along x", shape.bow_x_mm, "mm", ".4f"),
+        _described("bow along y", shape.bow_y_mm, "mm", ".4f"),
+        _described("twist", shape.twist_mm, "mm", ".4f"),
         (
             f"dots off their places: RMS {shape.rms_in_plane_mm:.4f} mm in the plane (each known to "
             f"{shape.sigma_in_plane_mm:.4f} mm), {shape.rms_unexplained_mm:.4f} mm without stretch and "
@@ -35,8 +35,8 @@ def print_words(shape: PrintShape) -> str:
     return "\n".join(lines)
 
 
-def _told(what: str, figure: Figure, unit: str, form: str) -> str:
+def _described(what: str, figure: Figure, unit: str, form: str) -> str:
     if isnan(figure.value):
-        return f"{what}: not told by these views"
+        return f"{what}: not determined by these views"
     clear = "" if abs(figure.value) >= _CLEAR * figure.sigma else ", no more than its uncertainty allows"
     return f"{what}: {figure.value:+{form}} ± {figure.sigma:{form}} {unit}{clear}"

@@ -51,7 +51,7 @@ class Figures(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     reading: Words
-    """Which method, and what "5%" of noise was taken to be where there is noise."""
+    """The method, and the reading of "5%" of noise if there is noise."""
     mean_signed_m: Measured
     """Mean of predicted minus true over held-out points and all three coordinates, as in the paper."""
     rel: Measured
@@ -64,7 +64,7 @@ class Figures(BaseModel):
     epochs: Amount | None
     """Accepted training steps; null for least squares."""
     goal_reached: bool | None
-    """Whether most seeds ended at the goal; null for least squares."""
+    """True if most seeds reached the goal; null for least squares."""
     seconds: Amount
     """Of training."""
     mean_signed_range_m: tuple[Measured, Measured]
@@ -86,7 +86,7 @@ class RowResult(BaseModel):
     goal: Amount | None
     seeds: Count
     reading: Words
-    """Which of the readings the row holds: for least squares the one nearest to the paper."""
+    """The reading of the row; for least squares the one nearest to the paper."""
     epochs: Amount | None
     paper_epochs: Count | None
     goal_reached: bool | None
@@ -102,7 +102,7 @@ class RowResult(BaseModel):
     seconds: Amount
     verdict: Words
     contradiction: Words | None
-    """What in the paper contradicts the row."""
+    """The contradiction within the paper that concerns the row."""
     readings: Annotated[tuple[Figures, ...], Field(max_length=_MOST)]
 
 
@@ -138,7 +138,7 @@ class Reproduction(BaseModel):
     claims: Annotated[tuple[Claim, ...], Field(max_length=_MOST)] = ()
     quick: bool
     restrictions: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
-    """What ``--quick`` left out, in words; empty for a full run."""
+    """Description of what ``--quick`` left out; empty for a full run."""
     pictures: Annotated[tuple[ShownPicture, ...], Field(max_length=_MOST)]
 
 

@@ -1,1 +1,1 @@
-"""How work is spread and how results reach the disk; knows nothing of cameras."""
+"""Distribution of work over processes, and results on disk; independent of cameras."""

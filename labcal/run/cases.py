@@ -1,4 +1,4 @@
-"""Many independent cases, one result file each, so that an interrupted run goes on where it stopped."""
+"""Independent cases with one result file each, so that an interrupted run resumes where it stopped."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from labcal.errors import InputError, WorkerError
 from labcal.run.executor import finished
-from labcal.run.given_up import refuse_given_up
+from labcal.run.failed_cases import raise_failed_cases
 from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
@@ -18,7 +18,7 @@ from labcal.run.progress import Progress
 
 @runtime_checkable  # so that tests can check annotations
 class Case(Protocol):
-    """A piece of work with a name of its own."""
+    """A named unit of work."""
 
     @property
     def key(self) -> str:
@@ -81,12 +81,12 @@ def run_cases(
         write_file(files[key], text, force=True)
         results[key] = result_type.model_validate_json(text)  # as it will be read
         progress.advance()
-    refuse_given_up(given_up, len(cases), "cases", "Free memory, or use fewer workers.")
+    raise_failed_cases(given_up, len(cases), "cases", "Free memory, or use fewer workers.")
     return [result for case in cases if (result := results[case.key]) is not None]
 
 
 def _kept_result(file: Path, result_type: type[R]) -> R | None:
-    """Return a result that an earlier run has left; None where there is none, or not a whole one.
+    """Return the result of an earlier run; None if there is none, or an incomplete one.
 
     A file that a power cut has cut short, or that another version wrote, is made anew.
     """

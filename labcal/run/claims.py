@@ -1,4 +1,4 @@
-"""What a command reads and writes, checked in one call before its work begins."""
+"""Claims of outputs: all that a command reads and writes is checked before its work begins."""
 
 import os
 import unicodedata
@@ -8,17 +8,17 @@ from itertools import combinations
 from pathlib import Path
 
 from labcal.errors import OutputError
-from labcal.run.aside import settle
 from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import unfinished_home
-from labcal.run.standing import (
+from labcal.run.output_place import (
     holds,
-    old_of,
+    old_place_of,
     require_file_place,
     require_folder_place,
     require_name,
-    working_of,
+    working_place_of,
 )
+from labcal.run.replacement import recover
 from labcal.run.unfinished import require_working_place
 
 
@@ -38,18 +38,18 @@ class FolderOutput:
 
     path: Path
     command: str | None = None
-    """What :func:`~labcal.run.unfinished.unfinished_folder` will be told, where that is known already."""
+    """The `command` of :func:`~labcal.run.unfinished.unfinished_folder`, if it is known already."""
 
 
 Output = FileOutput | FolderOutput
 
 
 def claim_outputs(outputs: Sequence[Output], inputs: Iterable[str | Path], *, force: bool) -> None:
-    """Raise where one of a command's outputs may not be written, before any work is done.
+    """Raise if one of a command's outputs may not be written, before any work is done.
 
     Everything is looked at again when it is put in its place
-    (:func:`~labcal.run.outputs.write_file`, :func:`~labcal.run.unfinished.unfinished_folder`), but for what
-    only this function is told: the inputs.
+    (:func:`~labcal.run.outputs.write_file`, :func:`~labcal.run.unfinished.unfinished_folder`), except for
+    the inputs, which only this function knows.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def claim_outputs(outputs: Sequence[Output], inputs: Iterable[str | Path], *, fo
     ------
     OutputError
         An output is an input or holds one; two outputs are the same or inside each other; one lies in an
-        unfinished folder, or is a part of a finished one; something stands in its place that may not be
+        unfinished folder, or is a part of a finished one; something is in its place that may not be
         replaced; or its folder is missing or not writable.
     """
     given = [Path(one) for one in inputs if os.path.lexists(one)]
@@ -99,7 +99,7 @@ def _claim_file(output: FileOutput, *, force: bool) -> None:
 def _claim_folder(output: FolderOutput, *, force: bool) -> None:
     path = output.path
     try:
-        settle(path)
+        recover(path)
     except OSError as error:
         raise OutputError(f"{path} cannot be written: {error.strerror or error}.") from error
     require_folder_place(path, force=force)
@@ -153,7 +153,9 @@ def _require_apart(first: Output, second: Output) -> None:
 def _places(output: Output) -> list[Path]:
     """Return the directory entries that an output needs."""
     entry = _entry(output.path)
-    return [entry, working_of(entry), old_of(entry)] if isinstance(output, FolderOutput) else [entry]
+    return (
+        [entry, working_place_of(entry), old_place_of(entry)] if isinstance(output, FolderOutput) else [entry]
+    )
 
 
 def _entry(path: Path) -> Path:
@@ -162,5 +164,5 @@ def _entry(path: Path) -> Path:
 
 
 def _spelled(path: Path) -> tuple[str, ...]:
-    """Return the parts of a path as a file system might take them that ignores case and composition."""
+    """Return the parts of a path in the form of a file system that ignores case and Unicode composition."""
     return tuple(unicodedata.normalize("NFC", part).casefold() for part in path.parts)

@@ -1,4 +1,4 @@
-"""Descriptions in YAML, found by name among those shipped or by the path of one's own file."""
+"""Descriptions in YAML, found by name among those that ship with labcal or by the path of a file."""
 
 import re
 from difflib import get_close_matches
@@ -36,7 +36,7 @@ def description_names(folder: str) -> list[str]:
 
 
 def explain_validation(error: ValidationError, model: type[BaseModel] | None = None) -> str:
-    """Return what pydantic found wrong, with the path of each key.
+    """Return the faults that pydantic found, with the path of each key.
 
     Where `model` is given, the nearest key that it has at that place is offered for an unknown one.
     """
@@ -48,17 +48,17 @@ def explain_validation(error: ValidationError, model: type[BaseModel] | None = N
             continue  # it only counts what those within it left over
         where = clipped(".".join(clipped(str(part), 40) for part in fault["loc"]), 120) or "the whole"
         lines.append(f"{where}: {_plainly(fault, model)}")
-    told = "; ".join(lines[:_MOST_FAULTS])
+    shown_faults = "; ".join(lines[:_MOST_FAULTS])
     more = len(faults) - min(len(lines), _MOST_FAULTS)
-    return told if len(faults) <= _MOST_FAULTS else f"{told}; and {more} more"
+    return shown_faults if len(faults) <= _MOST_FAULTS else f"{shown_faults}; and {more} more"
 
 
 _MOST_FAULTS = 8
-"""That are told of one file."""
+"""Number of faults that are reported of one file."""
 
 
 def _plainly(fault: ErrorDetails, model: type[BaseModel] | None) -> str:
-    """Return what is wrong at one place, and how to mend it."""
+    """Return the fault at one key, and its remedy."""
     context, given = fault.get("ctx", {}), fault["input"]
     match fault["type"]:
         case "extra_forbidden":
@@ -84,7 +84,7 @@ _BOUNDS = {
 
 
 def _not_among(given: object, expected: str) -> str:
-    """Return that a word is none of those expected, with the nearest of them."""
+    """Return the message for a word that is not expected, with the nearest one that is."""
     short = clipped(given) if isinstance(given, str) else shown(given)
     nearest = get_close_matches(short, re.findall(r"'([^']*)'", expected), n=1, cutoff=0.5)
     mend = f" (did you mean '{nearest[0]}'?)" if nearest else ""
@@ -92,7 +92,7 @@ def _not_among(given: object, expected: str) -> str:
 
 
 def _mend(place: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
-    """Return what to do about an unknown key."""
+    """Return the advice for an unknown key."""
     known = [] if model is None else keys_at(model, place[:-1])
     if place[-1] in known:
         return "another kind has it, this one does not, so remove it"

@@ -35,7 +35,7 @@ def read_document(model: type[Document], what: str, path: Path) -> Document:
 
 
 def _refuse_other_kind(model: type[BaseModel], content: object, what: str, path: Path) -> None:
-    """Raise where a JSON file says that it is something else, or of a version that is not read here."""
+    """Raise if a JSON file states another format, or a version that labcal does not read."""
     if not isinstance(content, dict):
         raise InputError(
             f"{path} is not a {what}: it holds {shown(content)}, not a mapping of keys to values."

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 _NOT_OFFERED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS, errno.EACCES, errno.EPERM, errno.EBADF}
-"""How systems say that a folder cannot be flushed there."""
+"""Error numbers of systems on which a folder cannot be flushed."""
 
 
 def flush_file(path: Path) -> None:

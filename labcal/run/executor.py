@@ -1,4 +1,4 @@
-"""How independent cases are spread, serially or over processes: the standard library's own interface."""
+"""Executors for independent cases, serial or over processes, with the interface of the standard library."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, as_completed
@@ -14,7 +14,7 @@ Result = TypeVar("Result")
 
 
 class SerialExecutor(Executor):
-    """Runs each case at once, in the caller's own thread."""
+    """An executor that runs each case at once, in the caller's own thread."""
 
     def submit(
         self, fn: Callable[Arguments, Result], /, *args: Arguments.args, **kwargs: Arguments.kwargs
@@ -30,7 +30,7 @@ class SerialExecutor(Executor):
 
 @contextmanager
 def open_executor(workers: int) -> Iterator[Executor]:
-    """Give an executor, and end it with what it has not begun when the caller fails.
+    """Yield an executor, and cancel what it has not begun if the caller fails.
 
     Worker processes are started afresh (*spawn*), so that none inherits the state of a renderer or of
     threads. A program that asks for more than one must therefore keep its start under
@@ -59,7 +59,7 @@ def open_executor(workers: int) -> Iterator[Executor]:
 
 @contextmanager
 def open_pool(workers: int) -> Iterator[WorkerPool]:
-    """Give a pool of processes, be it of one; see :func:`open_executor`."""
+    """Yield a pool of processes, also of a single one; see :func:`open_executor`."""
     refuse_unguarded()
     pool = WorkerPool(workers)
     try:
@@ -75,7 +75,7 @@ def open_pool(workers: int) -> Iterator[WorkerPool]:
 def finished(
     executor: Executor, work: Callable[..., Result], cases: Sequence[tuple[object, ...]]
 ) -> Iterator[tuple[int, Future[Result]]]:
-    """Submit cases and give each one's number with its future, as soon as that is finished.
+    """Submit cases, and yield the index and the future of each as soon as it is finished.
 
     Parameters
     ----------

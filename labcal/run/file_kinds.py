@@ -1,4 +1,4 @@
-"""Kinds of files that are results by themselves, and which of them labcal may replace."""
+"""Kinds of files that are results by themselves, and checks whether labcal may replace one."""
 
 import os
 import unicodedata
@@ -18,24 +18,24 @@ _OF_A_SHOOT = frozenset({"images", "truth"})
 
 @dataclass(frozen=True)
 class FileKind:
-    """A kind of file, and how one that labcal wrote is told from others."""
+    """A kind of file, and the functions that recognise it."""
 
     name: str
-    """For people: ``"a table of detections"``."""
+    """Its name in messages: ``"a table of detections"``."""
     recognises: Callable[[bytes], bool]
-    """Takes a file's content, and tells whether it is of the kind, whoever wrote it."""
+    """A function that tells from a file's content whether it is of the kind, whichever program wrote it."""
     mark: FileMark
-    """Tells whether labcal wrote it."""
+    """The mark that tells whether labcal wrote it."""
 
 
-def told_by(name: str, tells: Callable[[bytes], bool]) -> FileKind:
-    """Return a kind of file that nobody but labcal writes."""
-    return FileKind(name, tells, FormatMark(tells))
+def recognised_by(name: str, is_of_kind: Callable[[bytes], bool]) -> FileKind:
+    """Return a kind of file that only labcal writes, by the function that recognises it."""
+    return FileKind(name, is_of_kind, FormatMark(is_of_kind))
 
 
 def beginning_with(name: str, *starts: bytes) -> FileKind:
-    """Return a kind of file that nobody but labcal writes, and that begins in one of these ways."""
-    return told_by(name, lambda content: content.startswith(starts))
+    """Return a kind of file that only labcal writes, by the bytes that it may begin with."""
+    return recognised_by(name, lambda content: content.startswith(starts))
 
 
 def require_replaceable(path: Path, kind: FileKind) -> None:
@@ -52,10 +52,10 @@ def require_replaceable(path: Path, kind: FileKind) -> None:
     except FileNotFoundError:
         return
     except OSError as error:
-        reason = f"it cannot be read ({error.strerror}), so nothing tells whether labcal made it"
+        reason = f"it cannot be read ({error.strerror}), so it is not known whether labcal made it"
         raise OutputError(_refusal(path, reason)) from error
     if size > _MOST_BYTES:
-        raise OutputError(_refusal(path, f"it is too large to be {kind.name} of labcal's"))
+        raise OutputError(_refusal(path, f"it is too large to be {kind.name} of labcal"))
     if size == 0:
         return
     if not kind.recognises(content):
@@ -64,7 +64,7 @@ def require_replaceable(path: Path, kind: FileKind) -> None:
     if judgement is Judgement.CHANGED:
         raise OutputError(_refusal(path, "it has been changed since labcal wrote it"))
     if judgement is Judgement.UNMARKED:
-        reason = "it has no mark of labcal's: somebody else made it, or an older version"
+        reason = "it has no mark of labcal, so another program made it, or an older version of labcal"
         raise OutputError(_refusal(path, reason))
 
 
@@ -72,7 +72,7 @@ def require_no_part(path: Path, but_of: Path | None = None) -> None:
     """Raise where a file is, or would be, a part of a finished folder or of a shoot.
 
     Such a folder lists its files (``.labcal-made``), or holds ``shoot.json``: whatever is in its ``images/``
-    and ``truth/`` is data then, whoever wrote it.
+    and ``truth/`` is data then, whichever program wrote it.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def require_no_part(path: Path, but_of: Path | None = None) -> None:
 
 
 def _same(entry: Path, name: Path, home: Path, listed: str) -> bool:
-    """Tell whether a name is the one that a folder lists, on a disk that ignores capitals, too."""
+    """Tell whether a name is the one that a folder lists, also on a disk that ignores capital letters."""
     spelled = name.as_posix()
     if spelled == listed:
         return True

@@ -1,7 +1,7 @@
-"""Marks in single files, by which labcal knows again what it wrote, and that nobody has changed it since.
+"""Marks in single files, by which labcal recognises its own files and sees whether they were changed.
 
-A mark is a comment, or what a format has in its place, and holds SHA-256 of all else in the file. Readers of
-the format pass over it. Formats of labcal's own need none: they are told by how they begin.
+A mark is a comment, or the like in that format, and holds the SHA-256 of the rest of the file. Readers of the
+format ignore it. Formats of labcal's own need no mark: their first bytes identify them.
 """
 
 import hashlib
@@ -20,7 +20,7 @@ _XML_DECLARATION = re.compile(rb"(?:<\?xml[^>]*>\n)?")
 
 
 class Judgement(Enum):
-    """What a file's mark says of it."""
+    """The result of the check of a file's mark."""
 
     AS_WRITTEN = "labcal wrote it so"
     CHANGED = "labcal wrote it, but it has been changed since"
@@ -29,12 +29,12 @@ class Judgement(Enum):
 
 @dataclass(frozen=True)
 class DigestMark:
-    """A mark for formats that others write, too."""
+    """A mark for formats that other programs write, too."""
 
     block: Callable[[bytes], bytes]
-    """Takes what the mark says; returns the piece of the file that says it."""
+    """A function from the text of the mark to the bytes that hold it in the file."""
     place: Callable[[bytes], int]
-    """Takes the content without a mark; returns where in it the piece goes."""
+    """A function from the content without a mark to the position at which these bytes are inserted."""
 
     def put(self, content: bytes) -> bytes:
         """Return a file's content with the mark."""
@@ -42,7 +42,7 @@ class DigestMark:
         return content[:at] + self._piece(content) + content[at:]
 
     def judge(self, content: bytes) -> Judgement:
-        """Return what a file's whole content says."""
+        """Return the judgement of a file, from its whole content."""
         found = _MARK.search(content)
         if found is None:
             return Judgement.UNMARKED
@@ -55,29 +55,29 @@ class DigestMark:
 
 @dataclass(frozen=True)
 class FormatMark:
-    """The mark of a format that nobody but labcal writes: the format itself."""
+    """The mark of a format that only labcal writes: the format itself."""
 
-    tells: Callable[[bytes], bool]
-    """Takes a file's content."""
+    is_of_format: Callable[[bytes], bool]
+    """A function that tells from a file's content whether it is of the format."""
 
     def put(self, content: bytes) -> bytes:
         """Return the content as it is."""
         return content
 
     def judge(self, content: bytes) -> Judgement:
-        """Return what a file's content says: whether it is of the format."""
-        return Judgement.AS_WRITTEN if self.tells(content) else Judgement.UNMARKED
+        """Return the judgement of a file: whether it is of the format."""
+        return Judgement.AS_WRITTEN if self.is_of_format(content) else Judgement.UNMARKED
 
 
 class TextMark:
-    """A comment in a text: of XML where it begins as XML does, else a line."""
+    """A comment in a text: an XML comment if the text begins like XML, else a comment line."""
 
     def put(self, content: bytes) -> bytes:
         """Return a file's content with the mark."""
         return self._mark(content).put(content)
 
     def judge(self, content: bytes) -> Judgement:
-        """Return what a file's whole content says."""
+        """Return the judgement of a file, from its whole content."""
         return self._mark(content).judge(content)
 
     def _mark(self, content: bytes) -> DigestMark:
@@ -85,24 +85,24 @@ class TextMark:
 
 
 FileMark = DigestMark | TextMark | FormatMark
-"""How files of a format that labcal wrote are told from all others."""
+"""The kinds of marks, by which files that labcal wrote are distinguished from others."""
 
 
-def _png_chunk(says: bytes) -> bytes:
-    """Return a text with the keyword that PNG has for the program that made a picture."""
-    chunk = b"tEXt" + b"Software\0" + says
+def _png_chunk(text: bytes) -> bytes:
+    """Return a PNG text chunk with the keyword of the program that made the picture."""
+    chunk = b"tEXt" + b"Software\0" + text
     return (len(chunk) - 4).to_bytes(4, "big") + chunk + zlib.crc32(chunk).to_bytes(4, "big")
 
 
 def _after_jfif(content: bytes) -> int:
-    """Return where the first segment of a JPEG file may stand: JFIF's own must be before it."""
+    """Return the position of the first segment of a JPEG file behind JFIF's own, which must come first."""
     if content[_SOI_BYTES : _SOI_BYTES + 2] != _JFIF:
         return _SOI_BYTES
     return _SOI_BYTES + 2 + int.from_bytes(content[_SOI_BYTES + 2 : _SOI_BYTES + 4], "big")
 
 
 def _matched(pattern: re.Pattern[bytes]) -> Callable[[bytes], int]:
-    """Return what tells the end of something at the beginning of a file, which may be missing."""
+    """Return a function that finds the end of an optional pattern at the beginning of a file."""
 
     def end(content: bytes) -> int:
         found = pattern.match(content)
@@ -113,19 +113,19 @@ def _matched(pattern: re.Pattern[bytes]) -> Callable[[bytes], int]:
 
 PNG_TEXT = DigestMark(_png_chunk, lambda _: _IHDR_END)
 """A chunk ``tEXt`` behind the header."""
-JPEG_COMMENT = DigestMark(lambda says: b"\xff\xfe" + (len(says) + 2).to_bytes(2, "big") + says, _after_jfif)
+JPEG_COMMENT = DigestMark(lambda text: b"\xff\xfe" + (len(text) + 2).to_bytes(2, "big") + text, _after_jfif)
 """A segment ``COM``."""
-TRAILER = DigestMark(lambda says: b"\n" + says + b"\n", len)
-"""Behind the end, of TIFF and BMP files: both say where in them what stands, and nothing points there."""
-PDF_COMMENT = DigestMark(lambda says: b"% " + says + b"\n", lambda content: content.rfind(b"startxref"))
-"""A comment behind all that the file's table of places points to."""
-XML_COMMENT = DigestMark(lambda says: b"<!-- " + says + b" -->\n", _matched(_XML_DECLARATION))
+TRAILER = DigestMark(lambda text: b"\n" + text + b"\n", len)
+"""Bytes behind the end, for TIFF and BMP, in which nothing refers to that position."""
+PDF_COMMENT = DigestMark(lambda text: b"% " + text + b"\n", lambda content: content.rfind(b"startxref"))
+"""A comment behind everything that the file's cross-reference table points to."""
+XML_COMMENT = DigestMark(lambda text: b"<!-- " + text + b" -->\n", _matched(_XML_DECLARATION))
 """A comment behind the declaration, also in SVG."""
-LINE_COMMENT = DigestMark(lambda says: b"# " + says + b"\n", _matched(_COMMENTS))
+LINE_COMMENT = DigestMark(lambda text: b"# " + text + b"\n", _matched(_COMMENTS))
 """A line behind the first comments and directives, in YAML and ``.cameramodel``."""
 TEXT_COMMENT = TextMark()
 """One of these two."""
-VNL_COMMENT = DigestMark(lambda says: b"## " + says + b"\n", lambda _: 0)
+VNL_COMMENT = DigestMark(lambda text: b"## " + text + b"\n", lambda _: 0)
 """The first line: with one ``#`` it would be the names of the columns."""
-JSON_KEY = DigestMark(lambda says: b'"mark": "' + says + b'",\n  ', lambda content: content.find(b'"'))
+JSON_KEY = DigestMark(lambda text: b'"mark": "' + text + b'",\n  ', lambda content: content.find(b'"'))
 """The first key of an object."""

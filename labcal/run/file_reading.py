@@ -1,4 +1,4 @@
-"""Files read whole: regular files of a sensible size, and nothing that waits or never ends."""
+"""Reading of whole files: regular files of a reasonable size, no pipes or devices."""
 
 import codecs
 import errno
@@ -29,7 +29,7 @@ _BEGINNINGS = {
     "a ZIP archive (or a spreadsheet, which programs save as CSV, too)": re.compile(rb"PK\x03\x04"),
     "compressed with gzip": re.compile(rb"\x1f\x8b"),
 }
-"""How files that are no text in UTF-8 begin, by their kind, for messages."""
+"""First bytes of files that are no text in UTF-8, by their kind, for messages."""
 
 
 def require_file(path: Path, what: str, most: int) -> None:
@@ -68,7 +68,7 @@ def require_file(path: Path, what: str, most: int) -> None:
 
 
 def read_bytes(path: Path, what: str, most: int) -> bytes:
-    """Return what a file holds; see :func:`require_file` for the parameters and errors."""
+    """Return the bytes of a file; see :func:`require_file` for the parameters and errors."""
     require_file(path, what, most)
     try:
         with path.open("rb") as handle:

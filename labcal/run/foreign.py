@@ -1,4 +1,4 @@
-"""What in a folder labcal did not make, and how it removes what it made."""
+"""Foreign entries of a folder: those that labcal did not make; and the removal of its own."""
 
 import stat
 from collections.abc import Iterator
@@ -21,13 +21,13 @@ class _Entry:
     name: str
     """Its path in the folder that is walked through."""
     known: bool
-    """Whether labcal made it."""
+    """True if labcal made it."""
     remark: str = ""
-    """What else there is to say of one that labcal did not make."""
+    """The reason why an entry is foreign, in brackets, for messages."""
 
 
 def foreign_entries(folder: Path) -> list[str]:
-    """Return what in a folder labcal did not make, or what was changed since; nothing where all is its own.
+    """Return the entries of a folder that labcal did not make, or that were changed since.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def foreign_entries(folder: Path) -> list[str]:
 def remove_made(folder: Path) -> None:
     """Remove what labcal made in a folder, and the folder itself where nothing else is in it.
 
-    What cannot be removed is left, and the mark with it, so that labcal knows the rest again.
+    What cannot be removed is left, together with the mark, so that labcal recognises the rest later.
     """
     with suppress(OSError):
         for entry in _entries(folder):
@@ -61,7 +61,7 @@ def remove_made(folder: Path) -> None:
 
 
 def _entries(folder: Path) -> list[_Entry]:
-    """Return all that is in a folder, what is in a folder before itself; its own marks are left out."""
+    """Return all entries of a folder without its marks; the content of an inner folder comes before it."""
     made = made_in(folder) or noted_in(folder)
     return list(_walk(folder, folder, made))
 
@@ -88,7 +88,7 @@ def _walk(root: Path, folder: Path, made: Made) -> Iterator[_Entry]:
 
 
 def _walk_folder(root: Path, path: Path, made: Made, folders: set[str]) -> Iterator[_Entry]:
-    """Walk through a folder inside; one that is not known is told as a whole."""
+    """Walk through an inner folder; one that labcal did not make is one entry."""
     name = path.relative_to(root).as_posix()
     if name not in folders or is_mount(path):
         yield _Entry(path, f"{name}/", known=False)

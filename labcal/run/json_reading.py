@@ -1,4 +1,4 @@
-"""JSON as it is read here: every key once, numbers that are finite, and not too deep."""
+"""Reading of JSON: each key once, finite numbers, limited depth."""
 
 import json
 from collections import Counter
@@ -14,7 +14,7 @@ Document = TypeVar("Document", bound=BaseModel)
 
 
 def json_content(text: str, source: str) -> object:
-    """Return what a JSON text holds.
+    """Return the content of a JSON text.
 
     Parameters
     ----------
@@ -25,13 +25,13 @@ def json_content(text: str, source: str) -> object:
     Raises
     ------
     InputError
-        The text is no JSON, a key stands twice, or a number is NaN, infinite or of thousands of digits.
+        The text is no JSON, a key occurs twice, or a number is NaN, infinite or of thousands of digits.
     """
     try:
         return json.loads(text, object_pairs_hook=_each_once, parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        told = clipped(str(error), 300) or type(error).__name__
-        raise InputError(f"{source} is no JSON that is read here: {told}.") from error
+        reason = clipped(str(error), 300) or type(error).__name__
+        raise InputError(f"{source} is not valid JSON: {reason}.") from error
 
 
 def read_json(model: type[Document], text: str, source: str) -> Document:
@@ -54,7 +54,7 @@ def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(content) < len(pairs):
         number = Counter(key for key, _ in pairs)
         twice = next(key for key, times in number.items() if times > 1)
-        raise ValueError(f"the key {shown(twice)} stands twice in one object")
+        raise ValueError(f"the key {shown(twice)} occurs twice in one object")
     return content
 
 

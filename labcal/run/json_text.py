@@ -1,4 +1,4 @@
-"""JSON as labcal writes it: what does not apply is null, and nothing is guessed."""
+"""Writing of JSON: a value that does not apply is null."""
 
 import dataclasses
 import json

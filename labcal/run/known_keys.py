@@ -1,4 +1,4 @@
-"""Which keys a description may have at a place in it."""
+"""The keys that a description may have at each place."""
 
 from typing import Any, get_args
 

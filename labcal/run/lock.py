@@ -1,4 +1,4 @@
-"""A lock on a file that ends with the process that holds it, however that ends."""
+"""A lock on a file, which ends with the process that holds it."""
 
 import os
 from collections.abc import Iterator
@@ -8,11 +8,11 @@ from pathlib import Path
 
 @contextmanager
 def locked(path: Path) -> Iterator[bool]:
-    """Lock a file that exists, and say whether that was possible.
+    """Lock a file that exists, and yield whether that succeeded.
 
     It was not where another process holds it, or has meanwhile put another file in its place, or none.
 
-    Where the system or its disk offers no locks (Windows, some network disks), nobody is kept out.
+    Where the system or its disk offers no locks (Windows, some network disks), the lock always succeeds.
     """
     try:
         import fcntl  # noqa: PLC0415 -- POSIX only

@@ -1,9 +1,9 @@
-"""Marks by which labcal knows its own files and folders again.
+"""Marks by which labcal recognises its own files and folders.
 
 While a folder is being made it holds the command (:data:`COMMAND`) and a list of what is written
 (:data:`JOURNAL`); when it is done, one file that lists all that labcal made (:data:`MADE`). Whatever is not
-listed, or has been changed since, is somebody else's. Another mark stays in a folder while it is moved aside
-for its successor (:data:`ASIDE`).
+listed, or has been changed since, counts as foreign. Another mark is in a folder while it is being replaced
+(:data:`ASIDE`).
 """
 
 import hashlib
@@ -29,7 +29,7 @@ ASIDE = ".labcal-aside"
 """In a folder that is being replaced: its name."""
 MARKS = (JOURNAL, COMMAND, MADE, ASIDE)
 SCRAP = ".labcal-part-"
-"""How the names of files begin that are being written."""
+"""Prefix of the names of files that are being written."""
 PROVENANCE = "run.json"
 """Times and versions, which differ from run to run: its digest would make the folder's mark differ, too, so
 it has a mark of its own (:func:`provenance_text`)."""
@@ -53,14 +53,14 @@ class Made(BaseModel):
 
     @property
     def all_folders(self) -> set[str]:
-        """Every folder inside, also those that are only there for a file."""
+        """All inner folders, including those that only hold files."""
         homes = {name.rpartition("/")[0] for name in (*self.files, *self.folders)}
         homes |= {*self.homes, *self.folders}
         return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
 
 
 def command_in(folder: Path) -> str | None:
-    """Return the command that a folder is marked with as unfinished, if it is."""
+    """Return the command in the mark of an unfinished folder; None if there is no such mark."""
     mark = folder / COMMAND
     return (
         mark.read_text(encoding="utf-8", errors="replace")
@@ -75,21 +75,21 @@ def unfinished_home(path: Path) -> Path | None:
 
 
 def provenance_text(content: Mapping[str, object]) -> bytes:
-    """Return what to write into :data:`PROVENANCE`."""
+    """Return the bytes to write into :data:`PROVENANCE`."""
     return JSON_KEY.put(json.dumps(content, indent=2).encode() + b"\n")
 
 
 def is_unchanged(path: Path, digest: str | None) -> bool:
-    """Return whether a file that a mark lists is as labcal wrote it; where no digest is listed, it says."""
+    """Return whether a listed file is as labcal wrote it; without a digest, by the mark inside the file."""
     if digest is None:
         return JSON_KEY.judge(path.read_bytes()) is Judgement.AS_WRITTEN
     return digest_of(path) == digest
 
 
 def note_made(path: Path, content: Path) -> None:
-    """Note, in the folder under construction that a file lies in, that labcal makes it; else do nothing.
+    """Note in the folder under construction that labcal makes this file; do nothing elsewhere.
 
-    To be called before the file appears, so that none is there that is not noted.
+    Call it before the file appears, so that no file is there without a note.
 
     Parameters
     ----------
@@ -114,10 +114,10 @@ def make_folder(folder: Path) -> None:
 
 
 def _note(home: Path, note: dict[str, str]) -> None:
-    """Append a line to the list of what is written; one that a power cut tore does not spoil it."""
+    """Append a line to the list of written files; an incomplete line before it does no harm."""
     line = f"\n{json.dumps(note)}\n".encode()
-    # Workers append at the same time: a line in one piece, at the end of the file. It is not waited for until
-    # it is on the disk: what a power cut takes from the list counts as somebody else's, and stays.
+    # Workers append at the same time: a line in one piece, at the end of the file. It is not flushed to
+    # the disk: a file whose line a power cut takes from the list counts as foreign, and stays.
     descriptor = os.open(home / JOURNAL, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
     try:
         os.write(descriptor, line)
@@ -126,7 +126,7 @@ def _note(home: Path, note: dict[str, str]) -> None:
 
 
 def mark_as_made(folder: Path, verb: str) -> Made:
-    """Turn the list of what has been written in a folder into the mark of a finished one, and return it."""
+    """Convert the list of written files of a folder into the mark of a finished folder, and return it."""
     noted = noted_in(folder)
     names = [name for name in sorted(noted.files) if (folder / name).is_file()]
     kept = {
@@ -146,7 +146,7 @@ def mark_as_made(folder: Path, verb: str) -> Made:
 
 
 def reopen(folder: Path) -> None:
-    """Turn the mark of a finished folder back into the list of an unfinished one, if it has one."""
+    """Convert the mark of a finished folder, if it has one, back into the list of written files."""
     made = made_in(folder)
     if made is None:
         return
@@ -172,7 +172,7 @@ def is_as_made(path: Path) -> bool:
 
 
 def renew(path: Path) -> None:
-    """Put a file that labcal has written anew into the mark of its folder, where that has one."""
+    """Update the digest of a rewritten file in the mark of its folder, if there is one."""
     made = made_in(path.parent)
     if made is not None:
         files = dict(sorted({**made.files, path.name: digest_of(path)}.items()))
@@ -180,7 +180,7 @@ def renew(path: Path) -> None:
 
 
 def made_in(folder: Path) -> Made | None:
-    """Return the mark of a finished folder; None where there is none that this version reads."""
+    """Return the mark of a finished folder; None if there is none that this version can read."""
     path = folder / MADE
     if path.is_symlink() or not path.is_file():
         return None
@@ -190,7 +190,7 @@ def made_in(folder: Path) -> Made | None:
 
 
 def noted_in(folder: Path) -> Made:
-    """Return what the list in an unfinished folder says; lines that a kill cut off say nothing."""
+    """Return the list of an unfinished folder; incomplete lines are ignored."""
     files: dict[str, str | None] = {}
     homes: list[str] = []
     folders: list[str] = []

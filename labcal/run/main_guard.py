@@ -1,4 +1,4 @@
-"""Scripts without ``if __name__ == "__main__":``, whose worker processes would do the script's work again.
+"""Detection of scripts without ``if __name__ == "__main__":``, which each worker would execute again.
 
 A worker process is started afresh and imports the script that started it. A script without the guard would
 then start workers of its own from within each worker.
@@ -17,7 +17,7 @@ from labcal.errors import InputError
 WORKER_NAME = "labcal-worker"
 """The name of every worker process: it has it before it imports the script."""
 UNGUARDED_STATUS = 87
-"""With this exit status a worker tells its parent that the script has no guard."""
+"""The exit status by which a worker reports to its parent that the script has no guard."""
 _STARTING = Lock()
 
 
@@ -27,9 +27,9 @@ def _imports_script() -> bool:
 
 
 def end_unguarded_worker() -> None:
-    """End this process where it is a worker that does the work of its parent's script instead of a case.
+    """End this process if it is a worker that executes its parent's script instead of a case.
 
-    Called where work begins that is not to be done twice. It ends without a word: the parent tells.
+    Call it where work begins that must not be done twice. The process ends silently: its parent reports.
     """
     if _imports_script() and multiprocessing.current_process().name == WORKER_NAME:
         os._exit(UNGUARDED_STATUS)
@@ -52,8 +52,8 @@ def unguarded_script() -> InputError:
     """Return the error that shows what the script should look like."""
     return InputError(
         f"{_script()} uses several workers outside of 'if __name__ == \"__main__\":'. Each worker is a "
-        "process that imports the script again, and would do all of it again. Put what the script does into "
-        "a function, and call that so:\n\n"
+        "process that imports the script, and would execute all of it again. Put the code of the script into "
+        "a function, and call it like this:\n\n"
         "def main():\n"
         "    ...\n\n"
         'if __name__ == "__main__":\n'
@@ -63,19 +63,18 @@ def unguarded_script() -> InputError:
 
 
 def advice_on_script() -> str:
-    """Return what to do where workers end before their first case; empty where they import no script."""
+    """Return advice for workers that end before their first case; empty if they import no script."""
     path = getattr(sys.modules["__main__"], "__file__", None)
     if path is None or Path(path).name == "__main__.py":  # which the standard library leaves out
         return ""
     return (
-        f"Workers import {path} again: keep what it does under 'if __name__ == \"__main__\":', or use one "
-        "worker."
+        f"Workers import {path} again: keep its code under 'if __name__ == \"__main__\":', or use one worker."
     )
 
 
 @contextmanager
 def lost_script_left_out() -> Iterator[None]:
-    """Let a process start without the script, where that is no file that could be read once more.
+    """Start a process without the script if that is not a file that can be read again.
 
     Such is one from standard input (Python says that its file is ``<stdin>``), one from a pipe, or one that
     was deleted meanwhile. Cases are functions of the package and do not need it.

@@ -1,4 +1,4 @@
-"""Where other disks, or other folders of the same disk, are mounted."""
+"""Mount points of other disks, or of other folders of the same disk."""
 
 import os
 from contextlib import suppress
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def is_mount(path: Path) -> bool:
-    """Return whether something is mounted there, also another folder or file of the same disk (Linux)."""
+    """Return whether a path is a mount point, also of another folder or file of the same disk (Linux)."""
     if os.path.ismount(path):
         return True
     with suppress(OSError):
@@ -17,7 +17,7 @@ def is_mount(path: Path) -> bool:
 
 
 def mounted_at(line: str) -> str:
-    """Return the place that a line of ``mountinfo`` is about, where blanks are written as octal numbers."""
+    """Return the path in a line of ``mountinfo``, with blanks decoded from octal numbers."""
     place = line.split(" ")[4]
     for character in (" ", "\t", "\n", "\\"):
         place = place.replace(f"\\{ord(character):03o}", character)

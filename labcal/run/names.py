@@ -1,4 +1,4 @@
-"""What views, cameras and targets may be called, since their names become parts of file names."""
+"""Names of views, cameras and targets, which become parts of file names."""
 
 import re
 from collections.abc import Iterable

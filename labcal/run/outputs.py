@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, on the disk, and never over something else unasked."""
+"""Output files that appear whole or not at all, and never replace a file without permission."""
 
 import errno
 import os
@@ -11,22 +11,22 @@ from labcal.errors import DiskFullError, OutputError
 from labcal.run.durable import flush_file, flush_folder
 from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import SCRAP, note_made, unfinished_home
-from labcal.run.standing import require_file_place
+from labcal.run.output_place import require_file_place
 
 _NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.ENOSYS, errno.EMLINK, errno.EACCES, errno.EINVAL}
-"""How file systems say that a file there has one name only."""
+"""Error numbers of file systems that do not support hard links."""
 
 
 @contextmanager
 def appearing_file(path: Path, *, force: bool) -> Iterator[Path]:
-    """Give an empty file to fill that becomes `path` when that went well, and is removed when not.
+    """Yield a temporary file that becomes `path` if the block succeeds, and is removed if not.
 
     It is on the disk before it gets its name, so that a power cut leaves the old file or the new one.
 
     Yields
     ------
     Path
-        A hidden file beside `path`, whose name says that it is labcal's.
+        A hidden file in the folder of `path`, with the prefix of labcal's temporary files.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def appearing_file(path: Path, *, force: bool) -> Iterator[Path]:
 def write_file(
     path: Path, content: bytes | memoryview | str, *, kind: FileKind | None = None, force: bool
 ) -> None:
-    """Write a file whole, through a temporary file beside it.
+    """Write a file whole, through a temporary file in its folder.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def write_file(
 
 
 def refusal(path: Path, error: OSError) -> OutputError:
-    """Return what to raise where the operating system refuses to write `path`."""
+    """Return the error for a path that the operating system refuses to write."""
     if error.errno in {errno.ENOSPC, errno.EDQUOT}:
         return DiskFullError(
             f"The disk is full: {path} cannot be written. Free some space, or write elsewhere."
@@ -97,8 +97,8 @@ def refusal(path: Path, error: OSError) -> OutputError:
     return OutputError(f"{path} cannot be written: {error.strerror or error}.")
 
 
-def named_once(temporary: Path, path: Path) -> bool:
-    """Give a file a name that nothing has, all in one step; return False where something has it."""
+def name_exclusively(temporary: Path, path: Path) -> bool:
+    """Rename a file in one atomic step; return False, and do nothing, if the name is taken."""
     try:
         os.link(temporary, path)
     except FileExistsError:
@@ -115,8 +115,8 @@ def named_once(temporary: Path, path: Path) -> bool:
 
 
 def _put_in_place(temporary: Path, path: Path, *, force: bool) -> None:
-    """Give a file its name; without `force`, only where nothing has it."""
-    if not force and named_once(temporary, path):
+    """Rename a file to its final name; without `force`, only if that is free."""
+    if not force and name_exclusively(temporary, path):
         return
     require_file_place(path, force=force)  # again: a good deal of time may have gone by
     temporary.replace(path)

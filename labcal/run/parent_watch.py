@@ -1,4 +1,4 @@
-"""A process that does not outlive its parent, whatever ends that."""
+"""A watch on the parent process, which ends this process with it."""
 
 import multiprocessing
 import os
@@ -6,9 +6,9 @@ import threading
 
 
 def end_with_parent() -> None:
-    """End this process at once when the one that started it has ended, even if that was killed.
+    """End this process as soon as its parent has ended, even if that was killed.
 
-    A thread waits for it. No thread of ours works without the interpreter's lock being let go for longer
+    A thread waits for it. No thread of labcal holds the interpreter's lock for longer
     than half a second (the renderer and the detector's compiler were measured). The kernel's own way on
     Linux (``PR_SET_PDEATHSIG``) looks at the thread that started the process and not at its process.
     """

@@ -1,4 +1,4 @@
-"""A pool of worker processes that goes on when one of them is killed."""
+"""A pool of worker processes that continues when one of them is killed."""
 
 import contextlib
 import pickle
@@ -11,26 +11,26 @@ from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
 from labcal.errors import DeviceError, LabcalError, WorkerError
-from labcal.run.endings import ending_in_words, may_be_foreign
+from labcal.run.process_exit import exit_in_words, may_be_external
 from labcal.run.worker import ProcessEndedError, Worker
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
-TRIES_BESIDE_OTHERS = 2
-"""How often a case is tried beside others; then it is tried alone, since others may have taken the memory."""
+TRIES_WITH_OTHERS = 2
+"""Number of tries of a case while others run; then it runs alone, since others may need the memory."""
 TRIES_ALONE = 3
-"""How often then, where the process was killed, as somebody may have done; where it crashed, once."""
-MOST_IN_VAIN = 5
-"""So many cases given up and not one done: then it is not the cases that end the processes."""
+"""Number of tries alone if the process was killed, perhaps from outside; if it crashed, there is one."""
+MOST_FAILED = 5
+"""Number of failed cases, with none done, after which the cases cannot be the reason."""
 
 
 class WorkerPool(Executor):
-    """Spreads cases over processes, each of which is a `ProcessPoolExecutor` of its own.
+    """An executor that spreads cases over processes, each a `ProcessPoolExecutor` of its own.
 
-    A thread drives each of them, so a process that ends takes no case with it but the one it had. That one is
-    tried again in a new process, first beside others, at last with no other process there. Only where it
-    ends that one, too, is it given up: its future raises `WorkerError`, and the other cases go on.
+    A thread drives each of them, so a process that ends loses only its own case. That case is tried again in
+    a new process, first while others run, at last alone. If it ends that process, too, it has failed: its
+    future raises `WorkerError`, and the other cases continue.
 
     Parameters
     ----------
@@ -46,17 +46,17 @@ class WorkerPool(Executor):
         self._threads = ThreadPoolExecutor(workers, "labcal-worker")
         self._one_alone = Lock()
         self._any_done = False
-        self._given_up = 0
+        self._failed_count = 0
         self._failure: LabcalError | None = None
-        """Why no further case is tried."""
+        """The error because of which no further case is tried."""
 
     def submit(
         self, fn: Callable[Arguments, Result], /, *args: Arguments.args, **kwargs: Arguments.kwargs
     ) -> Future[Result]:
-        """Let the next process that is free run a case, and return its future.
+        """Run a case in the next free process, and return its future.
 
         The future raises what `fn` raises; `WorkerError` where the case ends every process that tries it;
-        `InputError` or `DeviceError` where processes cannot be started, or end whatever they try.
+        `InputError` or `DeviceError` where processes cannot be started, or all end.
         """
         return self._threads.submit(self._result_of, partial(fn, *args, **kwargs))
 
@@ -71,7 +71,7 @@ class WorkerPool(Executor):
             raise
 
     def kill(self) -> None:
-        """End the processes at once: what is begun is lost, and what is not begun is not done."""
+        """End the processes at once, and cancel all cases."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         for worker in self._workers:
             worker.kill()
@@ -79,7 +79,7 @@ class WorkerPool(Executor):
     def _result_of(self, case: Callable[[], Result]) -> Result:
         """Return the result of a case; runs in a thread of the pool."""
         pickled = pickle.dumps(case)
-        for _ in range(TRIES_BESIDE_OTHERS):
+        for _ in range(TRIES_WITH_OTHERS):
             with self._borrowed(1) as (worker,), contextlib.suppress(ProcessEndedError):
                 result: Result = self._tried(worker, pickled)
                 return result
@@ -92,8 +92,8 @@ class WorkerPool(Executor):
                 try:
                     result = self._tried(workers[0], pickled)
                 except ProcessEndedError as ended:
-                    if tries == TRIES_ALONE or not may_be_foreign(ended.status):
-                        raise self._told(ending_in_words(ended.status)) from ended
+                    if tries == TRIES_ALONE or not may_be_external(ended.status):
+                        raise self._failed(exit_in_words(ended.status)) from ended
                 else:
                     return result
 
@@ -110,12 +110,12 @@ class WorkerPool(Executor):
         self._any_done = True
         return pickle.loads(answer)  # noqa: S301 -- from a process of this pool
 
-    def _told(self, how: str) -> WorkerError:
-        """Return the error of a case that is given up; note where all are in vain."""
-        self._given_up += 1  # by one thread at a time: no case but this one is tried now
-        if self._given_up >= MOST_IN_VAIN and not self._any_done:
+    def _failed(self, how: str) -> WorkerError:
+        """Return the error of a case that has failed; record if all have failed so far."""
+        self._failed_count += 1  # by one thread at a time: no case but this one is tried now
+        if self._failed_count >= MOST_FAILED and not self._any_done:
             self._failure = DeviceError(
-                f"Worker processes end whatever they try: the first {self._given_up} cases ended each "
+                f"All worker processes end: the first {self._failed_count} cases ended each "
                 f"process that tried them, the last one {how}. See with 'labcal doctor' whether the "
                 "libraries work on this machine, and whether there is enough memory."
             )
@@ -123,7 +123,7 @@ class WorkerPool(Executor):
 
     @contextlib.contextmanager
     def _borrowed(self, count: int) -> Iterator[Sequence[Worker]]:
-        """Give so many workers that do nothing else; wait until they are free."""
+        """Yield `count` workers for exclusive use; wait until they are free."""
         workers: list[Worker] = []
         try:
             while len(workers) < count:
@@ -135,7 +135,7 @@ class WorkerPool(Executor):
 
 
 def _close(workers: Sequence[Worker]) -> None:
-    """End processes that do nothing, all at a time, and wait for it."""
+    """End idle processes together, and wait until they have ended."""
     for worker in workers:
         worker.dismiss()
     for worker in workers:

@@ -1,11 +1,11 @@
-"""How long work tells that it goes on: an interface that the command line fills in."""
+"""Reports of progress of long work: an interface that the command line implements."""
 
 from typing import Protocol, runtime_checkable
 
 
 @runtime_checkable  # so that tests can check annotations
 class Progress(Protocol):
-    """Receives how far a piece of work has come."""
+    """A receiver of reports of progress."""
 
     def start(self, label: str, total: int) -> None:
         """Begin a piece of work of `total` steps."""
@@ -15,7 +15,7 @@ class Progress(Protocol):
 
 
 class NoProgress:
-    """Nobody is watching."""
+    """A receiver that ignores all reports."""
 
     def start(self, label: str, total: int) -> None:
         """Do nothing."""

@@ -1,4 +1,4 @@
-"""Lines of a table taken by the column: figures are judged together, and the first bad line is told."""
+"""Lines of a table by columns: numbers are checked together, and the first damaged line is reported."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ _MOST_WHOLE = 2**53
 
 @dataclass
 class TableLines:
-    """Some lines of a table, and what was found wrong with them so far."""
+    """Some lines of a table, and the faults found in them so far."""
 
     path: Path
     first: int
@@ -45,21 +45,21 @@ class TableLines:
         return self._columns[self.header.index(name)]
 
     def figures(self, names: Sequence[str]) -> Float64[np.ndarray, "n columns"]:
-        """Return columns of numbers; NaN where one is none, which is a fault."""
+        """Return columns of numbers; NaN at a fault."""
         return np.stack([self._numbers(name, float, np.nan) for name in names], axis=1)
 
     def whole(self, names: Sequence[str], empty: str | None = None) -> Int64[np.ndarray, "n columns"]:
-        """Return columns of whole numbers, and for cells that are empty another; -1 where one is none."""
+        """Return columns of whole numbers, with a substitute for empty cells; -1 at a fault."""
         columns = [self._numbers(name, _whole, -1.0, empty) for name in names]
         return np.stack(columns, axis=1).astype(np.int64)
 
     def require(self, holds: Bool[np.ndarray, " n"], why: str) -> None:
-        """Note what is wrong with the first line for which something does not hold."""
+        """Record a fault at the first line that does not meet a condition."""
         if not holds.all():
             self.faults.append((int(np.argmin(holds)), why))
 
     def refuse(self) -> None:
-        """Raise where something was found wrong.
+        """Raise if a fault was recorded.
 
         Raises
         ------
@@ -111,7 +111,7 @@ def table_parts(header: Sequence[str], what: str, path: Path) -> Iterator[TableL
 
 
 def _until_bad(lines: Iterator[list[str]], most: int) -> Iterator[list[str] | InputError]:
-    """Yield lines, and in the place of the one that cannot be read the reason."""
+    """Yield lines, and for a line that cannot be read the reason."""
     try:
         yield from islice(lines, most)
     except InputError as error:

@@ -17,7 +17,7 @@ MOST_LINES = 2_000_000
 """Of a table: all the dots of thousands of pictures."""
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
-"""How a text begins that a spreadsheet would take for a formula, after any marks that it is a text."""
+"""The beginning of a text that a spreadsheet would take for a formula, after any apostrophes."""
 _MOST_IN_A_LINE = 200
 _LONGEST_LINE = 2**17
 
@@ -37,19 +37,19 @@ def table_text(header: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
 
 
 def _cell(value: object) -> object:
-    """Return what is written for a value."""
+    """Return the text of a cell for a value."""
     if isinstance(value, float):
         return repr(value)
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
 
 
 def _value(cell: str) -> str:
-    """Return the text that a cell stands for."""
+    """Return the value of a cell, without the apostrophe of a text."""
     return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
 
 
 def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[str]]:
-    """Yield the lines of a table after its header, as text; what is wrong is told when it is come to.
+    """Yield the lines of a table after its header, as text; a damaged line raises when it is reached.
 
     A table may hold millions of lines, so that a reader should refuse a bad one when it has it in hand.
 
@@ -104,13 +104,13 @@ def _bounded_lines(text: Iterable[str], path: Path) -> Iterator[str]:
 
 
 def damaged_line(path: Path, number: int, line: Sequence[str], why: str = "") -> InputError:
-    """Return the error for a line that cannot be understood; `number` counts from 0 after the header."""
+    """Return the error for a damaged line; `number` counts from 0 after the header."""
     given = clipped(",".join(clipped(cell) for cell in line[:20]), _MOST_IN_A_LINE)
     return InputError(f"Line {number + 2} of {path} is damaged{why and f' ({why})'}: {given}")
 
 
 def refuse_twice(path: Path, keys: Int64[np.ndarray, "n parts"], what: str) -> None:
-    """Raise where two lines are of the same thing.
+    """Raise if two lines have the same key.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One thread for each library that has several: results keep their bytes, and processes spread the work."""
+"""Switches to one thread for multi-threaded libraries, so that results have the same bytes everywhere."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ def one_blas_thread() -> Iterator[None]:
 
     The matrices here are too small for more. Measured on two cores that others used, too: factoring 200 x 200
     takes ten times as long with two threads as with one. The number of threads also decides on the last
-    digits. Only libraries that are loaded when this is called are told: what computes with SciPy inside
+    digits. Only libraries that are loaded when this is called are changed: what computes with SciPy inside
     imports it at the head of its file.
     """
     from threadpoolctl import threadpool_limits  # noqa: PLC0415 -- each switch imports its own library
@@ -56,7 +56,7 @@ def one_torch_thread() -> Iterator[None]:
 def one_drjit_thread() -> Iterator[None]:
     """Let Dr.Jit, and with it Mitsuba, compute with one thread inside, and with as many as before afterwards.
 
-    A case shall give the same bytes however many cases run beside it. Dr.Jit has to know where LLVM is.
+    A case gives the same bytes, however many cases run at the same time. Dr.Jit has to know where LLVM is.
     """
     import drjit  # noqa: PLC0415 -- as above
 

@@ -1,4 +1,4 @@
-"""Folders that appear whole or not at all, and whose making goes on where it was interrupted."""
+"""Output folders that appear whole or not at all; an interrupted command resumes in them."""
 
 import os
 from collections.abc import Iterator
@@ -7,31 +7,31 @@ from pathlib import Path
 from tempfile import mkstemp
 
 from labcal.errors import OutputError
-from labcal.run.aside import mark_aside, put_back, settle
 from labcal.run.durable import flush_file, flush_folder, flush_tree
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
 from labcal.run.made import COMMAND, SCRAP, command_in, mark_as_made, note_made, reopen
 from labcal.run.main_guard import end_unguarded_worker
-from labcal.run.outputs import named_once, refusal
-from labcal.run.standing import (
-    old_of,
+from labcal.run.output_place import (
+    old_place_of,
     require_elsewhere,
     require_folder_place,
     require_name,
     require_nothing_foreign,
-    working_of,
+    working_place_of,
 )
+from labcal.run.outputs import name_exclusively, refusal
+from labcal.run.replacement import mark_replaced, recover, restore
 
 
 @contextmanager
 def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path]:
-    """Give a folder to work in that becomes `path` when the work ends well.
+    """Yield a working folder that becomes `path` if the block succeeds.
 
-    What an interrupted run left behind is given again when `command` is the same, so that the work resumes;
-    what another command left is refused. A run may be killed at any moment, also as it begins or ends here.
-    What is to be replaced stays until the new folder is whole and on the disk, then beside it (its name with
-    ``.labcal-old`` behind it) until the new one is in its place; if that fails it is moved back.
+    The folder of an interrupted run is used again if `command` is the same, so that the work resumes; the
+    folder of another command is refused. A run may be killed at any moment, also within this function. A
+    folder that is replaced stays until the new one is whole and on the disk, then it is kept as
+    ``NAME.labcal-old`` until the new one is in its place; if that fails it is moved back.
 
     Parameters
     ----------
@@ -41,12 +41,12 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
         Everything that determines the content, as text; its first word is the verb.
     force : bool
         Replace `path`, and discard what another command left unfinished, where labcal made it and it holds
-        nothing else (:mod:`labcal.run.standing`).
+        nothing else (:mod:`labcal.run.output_place`).
 
     Yields
     ------
     Path
-        The folder ``<name>.unfinished`` beside `path`.
+        The folder ``<name>.unfinished`` next to `path`.
 
     Raises
     ------
@@ -55,9 +55,9 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     """
     end_unguarded_worker()
     require_name(path)
-    working = working_of(path)
+    working = working_place_of(path)
     try:
-        settle(path)
+        recover(path)
         if not os.path.lexists(working) and not path.is_symlink() and command_in(path) == command:
             path.rename(working)  # killed after the work and before the mark was removed
         require_folder_place(path, force=force)
@@ -82,7 +82,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
 
 
 def require_working_place(path: Path, command: str | None, *, force: bool) -> None:
-    """Raise where the folder that `path` is made in may not be used.
+    """Raise if the working folder of `path` may not be used.
 
     Parameters
     ----------
@@ -96,16 +96,16 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
     Raises
     ------
     OutputError
-        Another command's unfinished folder, or something that is not labcal's, is in the way.
+        The folder is unfinished output of another command, or was not made by labcal.
     """
-    working = working_of(path)
+    working = working_place_of(path)
     if not os.path.lexists(working):
         return
     theirs = command_in(working)
     ours = working.is_dir() and not working.is_symlink()
     if not ours or (theirs is None and foreign_entries(working)):
         raise OutputError(
-            f"{working} is in the way: {path.name} would be made in it, but it is no unfinished output of "
+            f"{path.name} would be made in {working}, but that exists and is no unfinished output of "
             "this version of labcal. Move it elsewhere, or choose another name."
         )
     if theirs is not None:
@@ -123,12 +123,12 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
 
 
 def abandon(working: Path) -> None:
-    """Remove all that has been made in an unfinished folder, where nothing of it is of use to anybody."""
+    """Remove everything made in an unfinished folder that is of no use."""
     remove_made(working)
 
 
 def _begin(working: Path, command: str) -> None:
-    """Make the folder, and mark it unless it is marked; of several processes one marks it."""
+    """Make the folder, and mark it unless it is marked; only one of several processes does so."""
     working.mkdir(parents=True, exist_ok=True)
     if command_in(working) is not None:
         return
@@ -138,7 +138,7 @@ def _begin(working: Path, command: str) -> None:
     try:
         scrap.write_text(command, encoding="utf-8")
         flush_file(scrap)
-        named_once(scrap, working / COMMAND)  # the mark is there whole or not at all
+        name_exclusively(scrap, working / COMMAND)  # the mark is there whole or not at all
     except FileNotFoundError as error:  # another one has it, and removes what it takes for scraps
         raise _at_work(working) from error
     finally:
@@ -147,7 +147,7 @@ def _begin(working: Path, command: str) -> None:
 
 @contextmanager
 def _held(working: Path, command: str | None) -> Iterator[None]:
-    """Keep other processes out of an unfinished folder that is marked with a command.
+    """Lock an unfinished folder that is marked with a command.
 
     Raises
     ------
@@ -161,17 +161,17 @@ def _held(working: Path, command: str | None) -> Iterator[None]:
 
 
 def _at_work(working: Path) -> OutputError:
-    """Return what to raise where another process has an unfinished folder."""
-    return OutputError(f"Another labcal is at work in {working}. Wait until it has ended.")
+    """Return the error for an unfinished folder in which another process works."""
+    return OutputError(f"Another labcal process works in {working}. Wait until it has ended.")
 
 
 def _require_no_linked_folder(working: Path) -> None:
-    """Raise where a folder inside is a link, through which work would go on in somebody else's."""
+    """Raise if an inner folder is a link, through which files elsewhere would be changed."""
     for home, folders, _ in os.walk(working):
         for path in (Path(home, name) for name in folders):
             if path.is_symlink():
                 raise OutputError(
-                    f"{working} is not gone on with: {path.relative_to(working)} in it is a link to a folder "
+                    f"{working} cannot be resumed: {path.relative_to(working)} in it is a link to a folder "
                     "elsewhere. Remove the link."
                 )
 
@@ -190,16 +190,16 @@ def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     flush_tree(working, made.files.keys())
     require_folder_place(path, force=force)  # again: a good deal of time may have gone by
     note_made(path, working)
-    old, replaces = old_of(path), os.path.lexists(path)
+    old, replaces = old_place_of(path), os.path.lexists(path)
     try:
         if replaces:
-            mark_aside(path)
+            mark_replaced(path)
             path.rename(old)
             require_nothing_foreign(old)
         working.rename(path)
     except BaseException:
         if replaces and os.path.lexists(old) and not os.path.lexists(path):
-            put_back(old, path)
+            restore(old, path)
         raise
     flush_folder(path.parent)
     if replaces:

@@ -1,17 +1,17 @@
-"""One worker process: started when it is first needed, and again where it has ended."""
+"""One worker process, started when it is first needed and again after it has ended."""
 
 import os
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 from labcal.errors import DeviceError, LabcalError
-from labcal.run.endings import ending_in_words, may_be_foreign
 from labcal.run.main_guard import UNGUARDED_STATUS, advice_on_script, unguarded_script
+from labcal.run.process_exit import exit_in_words, may_be_external
 from labcal.run.worker_context import WorkerContext
 from labcal.run.worker_process import perform, prepare
 
 STARTS = 10
-"""So many processes that are killed before they are ready: then none can be started."""
+"""Number of processes killed before they are ready, after which starting is given up."""
 
 
 class ProcessEndedError(Exception):
@@ -36,7 +36,7 @@ class Worker:
     def open(self) -> None:
         """Start a process where there is none, and wait until it is ready.
 
-        So a start that fails is no case's fault.
+        A failed start is thereby not attributed to a case.
 
         Raises
         ------
@@ -57,7 +57,7 @@ class Worker:
             try:
                 self._start()
             except ProcessEndedError as ended:
-                if starts == STARTS or not may_be_foreign(ended.status):
+                if starts == STARTS or not may_be_external(ended.status):
                     raise _not_started(ended.status) from None
 
     def call(self, case: bytes) -> bytes:
@@ -80,7 +80,7 @@ class Worker:
             raise ProcessEndedError(self._discard()) from error
 
     def dismiss(self) -> None:
-        """Tell the process to end, and do not wait for it."""
+        """Ask the process to end, without waiting for it."""
         if self._pool is not None:
             self._pool.shutdown(wait=False)
         self._pool = None
@@ -92,7 +92,7 @@ class Worker:
         self._context = WorkerContext()
 
     def kill(self) -> None:
-        """End the process at once, whatever it does, and start no other one."""
+        """End the process at once, and start no other one."""
         self._killed = True
         process = self._context.process
         if process is not None and process.pid is not None:  # else the thread that starts it sees to it
@@ -129,12 +129,12 @@ def _not_started(status: int | None) -> LabcalError:
     """Return the error of a process that ended before its first case."""
     if status == UNGUARDED_STATUS:
         return unguarded_script()
-    if may_be_foreign(status):
+    if may_be_external(status):
         return DeviceError(
             f"No worker process can be started: {STARTS} ended before their first case, the last one "
-            f"{ending_in_words(status)}. Free memory, or use fewer workers."
+            f"{exit_in_words(status)}. Free memory, or use fewer workers."
         )
     return DeviceError(
-        f"No worker process can be started: one ended before its first case, {ending_in_words(status)}. What "
-        f"it said stands above. {advice_on_script()}".rstrip()
+        f"No worker process can be started: one ended before its first case, {exit_in_words(status)}. Its "
+        f"output is above. {advice_on_script()}".rstrip()
     )

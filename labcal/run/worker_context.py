@@ -1,4 +1,4 @@
-"""How the one process of a worker is started and spoken with."""
+"""The start of a worker process, and the queues to it."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from labcal.run.main_guard import WORKER_NAME, lost_script_left_out
 
 
 class WorkerContext(SpawnContext):
-    """What a `ProcessPoolExecutor` of one process makes its process and its queues with.
+    """The context in which a `ProcessPoolExecutor` makes its process and its queues.
 
     Processes are started afresh (*spawn*), so that none inherits the state of a renderer or of threads.
     """
@@ -27,7 +27,7 @@ class WorkerContext(SpawnContext):
         return self.process
 
     def SimpleQueue(self) -> "_ResultQueue":
-        """Make the queue that results come back through."""
+        """Make the queue for results."""
         self._results = _ResultQueue(ctx=self.get_context())
         return self._results
 
@@ -42,7 +42,7 @@ class WorkerContext(SpawnContext):
 
 
 class _WorkerProcess(SpawnProcess):
-    """A process that hears no Ctrl-C from its beginning, and does without a script that is lost."""
+    """A process that ignores Ctrl-C from its start, and that needs no script if that is lost."""
 
     def start(self) -> None:
         """Start the process."""
@@ -52,7 +52,7 @@ class _WorkerProcess(SpawnProcess):
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C in this thread, as a process that is started inherits it, where there are such masks."""
+    """Block Ctrl-C in this thread, which a new process inherits, if the system has signal masks."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

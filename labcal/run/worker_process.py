@@ -1,15 +1,15 @@
-"""What runs in a worker process: how it is made ready, and one case."""
+"""The code of a worker process: preparation, and one case."""
 
 import os
 import pickle
 import signal
 
-from labcal.run.endings import OUT_OF_MEMORY_STATUS
 from labcal.run.parent_watch import end_with_parent
+from labcal.run.process_exit import OUT_OF_MEMORY_STATUS
 
 
 def prepare() -> None:
-    """Make a process ready: it ends with its parent, which alone answers to Ctrl-C."""
+    """Prepare a process: it ends with its parent, and only the parent handles Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
 

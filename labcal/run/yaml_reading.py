@@ -1,4 +1,4 @@
-"""YAML as it is read here: mappings, lists and scalars, each key once, and nothing that stands for more."""
+"""Reading of YAML: mappings, lists and scalars, each key once, without aliases."""
 
 from collections.abc import Hashable
 from typing import Any
@@ -15,7 +15,7 @@ _MERGE = "tag:yaml.org,2002:merge"
 class PlainLoader(yaml.SafeLoader):
     """A safe loader without aliases, merge keys and keys that come twice.
 
-    A thousand letters of aliases can stand for gigabytes.
+    A thousand characters of aliases can expand to gigabytes.
     """
 
     def __init__(self, stream: Any) -> None:  # noqa: ANN401 -- PyYAML's own signature
@@ -49,13 +49,13 @@ class PlainLoader(yaml.SafeLoader):
             key = self.construct_object(key_node, deep=True)
             if isinstance(key, Hashable):
                 if key in seen:
-                    raise yaml.YAMLError(f"the key {shown(key)} stands twice in one mapping")
+                    raise yaml.YAMLError(f"the key {shown(key)} occurs twice in one mapping")
                 seen.add(key)
         return super().construct_mapping(node, deep=deep)
 
 
 def yaml_content(text: str, source: str, loader: type[PlainLoader] = PlainLoader) -> object:
-    """Return what a YAML text holds.
+    """Return the content of a YAML text.
 
     Parameters
     ----------
@@ -74,5 +74,5 @@ def yaml_content(text: str, source: str, loader: type[PlainLoader] = PlainLoader
         return yaml.load(text, loader)  # noqa: S506 -- a SafeLoader
     # PyYAML meets some damaged texts with errors of its own making.
     except (yaml.YAMLError, ValueError, ArithmeticError, RecursionError, LookupError, TypeError) as error:
-        told = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{source} is not valid YAML that is read here: {clipped(told, 300)}.") from error
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{source} is not valid YAML: {clipped(reason, 300)}.") from error

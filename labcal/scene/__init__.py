@@ -1,1 +1,1 @@
-"""What stands in the laboratory, where the target goes in each view, and the truth of a view."""
+"""The laboratory: its objects, the placement of the target in each view, and the truth of a view."""

@@ -1,4 +1,4 @@
-"""How a target is made, and what may be wrong with it; every defect is off unless asked for."""
+"""The board of a target, and its defects; each defect is off unless a scene asks for it."""
 
 from typing import Annotated
 
@@ -12,7 +12,7 @@ Rise = Annotated[float, Field(ge=-500, le=500)]
 
 
 class Bend(BaseModel):
-    """How far a board is from flat: a paraboloid and a twist that touch the nominal plane in its middle.
+    """The deviation of a board from a plane: a paraboloid with a twist, tangent to the plane in its middle.
 
     With a and b the place on the board over its half width and half height, from -1 to 1, the height is
     ``along_x_mm a^2 + along_y_mm b^2 + twist_mm a b``, towards the viewer. The bend lifts every point of the
@@ -26,16 +26,16 @@ class Bend(BaseModel):
     along_y_mm: Rise = 0.0
     """Height of the middles of the lower and upper edges."""
     twist_mm: Rise = 0.0
-    """Height that the twist gives to the lower left and upper right corners; it takes it from the others."""
+    """Height that the twist adds at the lower left and upper right corners, and subtracts at the others."""
 
     @property
     def is_flat(self) -> bool:
-        """Whether there is no bend at all."""
+        """True if the board is not bent."""
         return self.along_x_mm == 0.0 and self.along_y_mm == 0.0 and self.twist_mm == 0.0
 
 
 class Board(BaseModel):
-    """How the target is made: a print with diffuse reflectances, on a plate."""
+    """The material of the target: a print with diffuse reflectances, on a plate."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -50,8 +50,8 @@ class Board(BaseModel):
     """Standard deviation of the paper's reflectance from place to place, as a share of it."""
     bend: Bend = Bend()
     print_scale: tuple[Factor, Factor] = (1.0, 1.0)
-    """What the printer made of a millimetre along x and y, about the board's middle; dots grow with it."""
+    """Scale of the print along x and y, about the middle of the board; dots are scaled, too."""
     print_shear: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
-    """How far the print moves along x for each millimetre along y, about the board's middle."""
+    """Shift of the print along x per millimetre along y, about the middle of the board."""
     misplacement_mm: Deviation = 0.0
     """Standard deviation of each dot's place along x and along y; the same print in all views of a run."""

@@ -1,4 +1,4 @@
-"""A camera as a scene describes it: a lens, a picture, and where it stands and looks."""
+"""The description of a camera in a scene: lens, picture, position and direction."""
 
 from typing import Annotated
 
@@ -20,7 +20,7 @@ Vector = tuple[Coordinate, Coordinate, Coordinate]
 
 
 class Aperture(BaseModel):
-    """An open lens: what lies before or behind the focus distance is blurred."""
+    """An open lens: objects before or behind the focus distance are blurred."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -98,7 +98,7 @@ class CameraDescription(BaseModel):
         )
 
     def _focused_prescription(self) -> Prescription | None:
-        """Return the prescription with its film where the aperture's focus is."""
+        """Return the prescription with the film at the focus distance of the aperture."""
         if self.prescription is None or self.aperture is None:
             return self.prescription
         return Prescription.model_validate(

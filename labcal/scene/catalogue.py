@@ -1,4 +1,4 @@
-"""Scenes by name, or from a YAML file of one's own, with single values set from the command line."""
+"""Scenes by name or from a YAML file, with single values set on the command line."""
 
 from labcal.run.descriptions import description_content, description_names, validate_description
 from labcal.scene.model import Scene

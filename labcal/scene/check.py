@@ -1,4 +1,4 @@
-"""What is wrong with a scene, found before anything is rendered."""
+"""Checks of a scene before rendering."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from labcal.scene.visibility import what_hides
 
 
 def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
-    """Raise where a scene cannot be rendered, or where its pictures would be of no use.
+    """Raise if a scene cannot be rendered, or if its pictures could not be used.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def _check_place(scene: Scene, take: Take) -> None:
 
 
 def _check_key(scene: Scene, made: TruePrint, take: Take) -> None:
-    """Raise unless the camera sees what the dots are numbered by, if it needs to: rings, else all dots."""
+    """Raise unless the camera sees the rings or, if the target has none, all dots."""
     if isinstance(scene.placement, Handheld) and not scene.placement.all_rings:
         return
     dots = true_dots(scene, made, take)

@@ -1,4 +1,4 @@
-"""Whether cameras, lamps and target have room: nothing under the floor, behind the wall or in a solid."""
+"""Clearance of cameras, lamps and target: none under the floor, behind the wall or inside a solid."""
 
 import numpy as np
 
@@ -45,6 +45,6 @@ def require_room(scene: Scene, view: PlannedView, cameras: dict[str, Camera]) ->
 
 
 def _require_in_room(scene: Scene, p: Vectors3, what: str, mend: str) -> None:
-    """Raise where any of the points (n, 3) is under the floor or behind the wall."""
+    """Raise if any of the points (n, 3) is under the floor or behind the wall."""
     if (p[:, 2] <= scene.room.floor_z_mm).any() or (p[:, 1] >= scene.room.wall_y_mm).any():
         raise InputError(f"{what} is under the floor or behind the wall. {mend}")

@@ -1,4 +1,4 @@
-"""The solid things around the target in a view: table, plate, what holds it up, and what is in the way."""
+"""Solid bodies around the target in a view: table, plate, support and occluders."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -54,7 +54,7 @@ def blocks(scene: Scene, T_world_target: Pose) -> tuple[Block, Block, Block]:
 
 
 def obstacles(scene: Scene, T_world_target: Pose) -> tuple[Solid, ...]:
-    """Return the scene's occluders, in their order, with the target at a pose."""
+    """Return the occluders of the scene in their order, with the target at a pose."""
     return tuple(
         solid_body(f"occluders.{number}", occluder, T_world_target)
         for number, occluder in enumerate(scene.occluders)

@@ -1,4 +1,4 @@
-"""Poses of a target in the hand: drawn at random, chosen so that they cover the pictures and the angles."""
+"""Poses of a hand-held target: random ones, of which those that cover pictures and angles are chosen."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ EVERY = 4
 
 @dataclass(frozen=True)
 class Candidate:
-    """A pose that every camera sees well enough, and what it covers."""
+    """A pose at which every camera sees enough of the target, and the cells that it covers."""
 
     T_world_target: Pose
     covers: tuple[np.ndarray, ...]
@@ -91,7 +91,7 @@ def handheld_poses(scene: Scene, seed: int) -> list[Pose]:
 
 
 def _candidates(scene: Scene, placement: Handheld, seed: int) -> list[Candidate]:
-    """Draw poses until enough are seen well by every camera, or the tries run out."""
+    """Draw poses until every camera sees enough poses well, or the number of tries is reached."""
     cameras = list(scene.true_cameras().values())
     eyes = np.mean([camera.centre for camera in cameras], axis=0)
     right = cameras[0].T_cam_world[0, :3].copy()
@@ -120,7 +120,7 @@ def _draw(
     viewer: tuple[np.ndarray, np.ndarray],
     random: np.random.Generator,
 ) -> tuple[Pose, Bool[np.ndarray, "slants"]]:
-    """Draw one pose about the line to the cameras, and tell the class of its tilt.
+    """Draw one pose about the line to the cameras, and return it with the class of its tilt.
 
     `viewer` is the middle of the cameras and the direction to the right of the pictures.
     """
@@ -155,12 +155,12 @@ def _seen(camera: Camera, T_world_target: Pose, shape: Shape, placement: Handhel
 
 
 def _inside(camera: Camera, T_world_target: Pose, p: Vectors3) -> Mask:
-    """Return which points of the target are in the picture."""
+    """Return a mask of the points of the target that are inside the picture."""
     return camera.in_picture(camera.project(transform(T_world_target, p)).q)
 
 
 def _cells(camera: Camera, q: Pixels) -> Bool[np.ndarray, "cells"]:
-    """Return which cells of the camera's picture hold one of the pixels."""
+    """Return a mask of the cells of the camera's picture that contain one of the pixels."""
     col, row = ((q + 0.5) / np.array(camera.size) * CELLS).astype(int).T
     covered = np.zeros(CELLS, dtype=bool)
     covered[np.clip(col, 0, CELLS[0] - 1), np.clip(row, 0, CELLS[1] - 1)] = True
@@ -168,7 +168,7 @@ def _cells(camera: Camera, q: Pixels) -> Bool[np.ndarray, "cells"]:
 
 
 def _most_covering(candidates: list[Candidate], count: int) -> list[int]:
-    """Return the numbers of candidates, each the one that adds most to those before it.
+    """Return indices of candidates, each the one that adds most coverage to those before it.
 
     Covering what is covered n times already counts 1 / (n + 1)^2, so that what is not covered yet counts
     most. Each picture and the tilts weigh the same. Of equals the first one is taken.

@@ -1,4 +1,4 @@
-"""Lamps as a scene describes them: panels, ring lights, spotlights, and light from everywhere."""
+"""The lamps of a scene: panels, ring lights, spotlights and ambient light."""
 
 from typing import Annotated, Any, Literal
 
@@ -9,7 +9,7 @@ from labcal.scene.camera import Vector
 
 
 class Aimed(BaseModel):
-    """What every lamp at a place has."""
+    """The common keys of lamps that have a place and a direction."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -20,7 +20,7 @@ class Aimed(BaseModel):
 
 
 class Panel(Aimed):
-    """A flat panel that shines to one side, evenly in all directions (a Lambertian emitter)."""
+    """A flat panel that radiates to one side, a Lambertian emitter."""
 
     kind: Literal["panel"] = "panel"
     size_mm: tuple[Length, Length]
@@ -29,7 +29,7 @@ class Panel(Aimed):
 
 
 class Ring(Aimed):
-    """A flat ring that shines to one side as a panel does; a camera may look through its hole."""
+    """A flat ring that radiates to one side like a panel; a camera may look through its hole."""
 
     kind: Literal["ring"]
     inner_diameter_mm: Length
@@ -45,7 +45,7 @@ class Ring(Aimed):
 
 
 class Spot(Aimed):
-    """A spotlight: a point that shines evenly within its beam and falls off to nothing at the cutoff."""
+    """A spotlight: a point source, uniform within its beam and 0 beyond the cutoff angle."""
 
     kind: Literal["spot"]
     intensity: Quantity
@@ -63,7 +63,7 @@ class Spot(Aimed):
 
 
 class Ambient(BaseModel):
-    """Light of one radiance from everywhere that nothing shades.
+    """Light of the same radiance from all directions, without shadows.
 
     It stands for what walls and ceiling send back. A surface with reflectance r sends r times `radiance`,
     whatever its place and tilt, so a scene with no other lamp is lit uniformly and without noise.
@@ -79,7 +79,7 @@ class Ambient(BaseModel):
 
 
 def _kind(lamp: Any) -> str:  # noqa: ANN401 -- what a file holds
-    """Return the kind of a lamp; one that does not say is a panel."""
+    """Return the kind of a lamp; the default is a panel."""
     kind = lamp.get("kind", "panel") if isinstance(lamp, dict) else getattr(lamp, "kind", "panel")
     return str(kind)
 

@@ -1,4 +1,4 @@
-"""How bright the target's bare board is under the lamps, without a renderer: this sets the exposure."""
+"""Radiance of the bare board under the lamps, computed without a renderer; it sets the exposure."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ def lamp_pose(lamp: Aimed) -> Pose:
 
 
 def lamp_body(name: str, lamp: Lamp) -> Solid | None:
-    """Return what of a lamp can be in the way: a panel or a ring of no thickness, or nothing."""
+    """Return the solid body of a lamp, a panel or ring without thickness; None if it has none."""
     if isinstance(lamp, Panel):
         return Block(name, lamp_pose(lamp), (*lamp.size_mm, 0.0), BLACK)
     if isinstance(lamp, Ring):
@@ -40,7 +40,7 @@ def lamp_body(name: str, lamp: Lamp) -> Solid | None:
 
 
 def irradiance(lamp: Lamp, p: Vectors3, normal: np.ndarray) -> np.ndarray:
-    """Return the irradiance of a surface from one lamp, with nothing in between.
+    """Return the irradiance of a surface by one lamp, without occlusion.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def _ring_patches(lamp: Ring) -> tuple[Vectors3, np.ndarray]:
 
 
 def _from_spot(lamp: Spot, T_world_lamp: Pose, p: Vectors3, normal: np.ndarray) -> np.ndarray:
-    """Return the irradiance from a spotlight; its fall-off is Mitsuba's, linear in the angle."""
+    """Return the irradiance by a spotlight; its fall-off is that of Mitsuba, linear in the angle."""
     way = T_world_lamp[:3, 3] - p
     squared = (way**2).sum(axis=-1)
     distance = np.sqrt(squared)
@@ -106,7 +106,7 @@ def _from_spot(lamp: Spot, T_world_lamp: Pose, p: Vectors3, normal: np.ndarray) 
 
 
 def ambient_radiance(scene: Scene) -> np.ndarray:
-    """Return the radiance that reaches every surface from everywhere, red, green and blue, shape (3,)."""
+    """Return the radiance of the ambient light in red, green and blue, shape (3,)."""
     total = np.zeros(3)
     for lamp in scene.lamps:
         if isinstance(lamp, Ambient):
@@ -115,7 +115,7 @@ def ambient_radiance(scene: Scene) -> np.ndarray:
 
 
 def brightest_board(scene: Scene, views: tuple[PlannedView, ...]) -> np.ndarray:
-    """Return the highest radiance that the bare board has anywhere in the views, red, green and blue.
+    """Return the highest radiance of the bare board in any view, in red, green and blue.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Mistakes that people make when they shoot, made on purpose to see whether measuring names them."""
+"""Mistakes of a photographer, made on purpose to test whether labcal detects them."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -22,7 +22,7 @@ DEFOCUS = 0.002
 
 
 class Mistake(StrEnum):
-    """What went wrong."""
+    """The kind of a mistake."""
 
     SWAPPED_CAMERAS = "swapped-cameras"
     BOARD_TURNED = "board-turned"
@@ -38,17 +38,17 @@ _BETWEEN_VIEWS = {Mistake.SWAPPED_CAMERAS, Mistake.BOARD_TURNED, Mistake.CAMERA_
 
 @dataclass(frozen=True)
 class Shooting:
-    """Pictures as they are meant to be taken."""
+    """Pictures as planned."""
 
     takes: tuple[Take, ...]
     on_stage: bool
-    """Whether the stage says where the target is."""
+    """True if a stage reports the poses of the target."""
     training: frozenset[str]
     """Views that are trained on."""
     seed: int
     """Seed of the run."""
     size: float = 1.0
-    """How large the mistake is, as a multiple of its usual size."""
+    """Size of the mistake, as a multiple of its usual size."""
 
     @property
     def views(self) -> list[str]:
@@ -63,18 +63,18 @@ class Shooting:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Pictures as they are really taken."""
+    """Pictures as taken, with the mistake."""
 
     takes: tuple[Take, ...]
-    """In the order in which they were meant to be."""
+    """In the planned order."""
     wrong: str | None = None
-    """What is not as meant, in words."""
+    """Description of the mistake."""
     wrong_views: tuple[str, ...] = ()
-    """Names of the views in which it is not."""
+    """Names of the views that the mistake concerns."""
 
 
 def printed_target(target: DotGrid, mistake: Mistake | None, size: float = 1.0) -> DotGrid:
-    """Return the target as it is printed, which by mistake is another one than everybody believes."""
+    """Return the target as printed, which a mistake can make different from its description."""
     if mistake is not Mistake.WRONG_PITCH:
         return target
     factor = _pitch_factor(size)
@@ -84,7 +84,7 @@ def printed_target(target: DotGrid, mistake: Mistake | None, size: float = 1.0) 
 
 
 def make_mistake(mistake: Mistake, shooting: Shooting) -> Outcome:
-    """Return the pictures as they are with a mistake made.
+    """Return the pictures with a mistake.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def make_mistake(mistake: Mistake, shooting: Shooting) -> Outcome:
 
 
 def _require_possible(mistake: Mistake, shooting: Shooting) -> None:
-    """Raise where the mistake means nothing, or cannot be told from no mistake at all."""
+    """Raise if the mistake has no meaning or no effect here."""
     if mistake in _OF_A_PAIR and len(shooting.cameras) < 2:  # noqa: PLR2004 -- a pair
         raise InputError(
             f"The mistake '{mistake}' takes two cameras, but the scene has one. Add a camera, or choose "
@@ -115,7 +115,7 @@ def _require_possible(mistake: Mistake, shooting: Shooting) -> None:
 
 
 def _require_size(mistake: Mistake, size: float) -> None:
-    """Raise where a mistake of that size means nothing."""
+    """Raise if a mistake of that size has no meaning."""
     if mistake is Mistake.BOARD_TURNED and size != 1.0:
         raise InputError(
             f"The mistake '{mistake}' has no size: a board lies turned or not. Leave mistake_size out."
@@ -128,7 +128,7 @@ def _require_size(mistake: Mistake, size: float) -> None:
 
 
 def _pitch_factor(size: float) -> float:
-    """Return by how much dots are further apart than the target says."""
+    """Return the ratio of the printed pitch to the declared one."""
     return 1.0 + size * (PITCH_FACTOR - 1.0) if size != 1.0 else PITCH_FACTOR
 
 
@@ -145,7 +145,7 @@ def _direction(shooting: Shooting, *names: str) -> np.ndarray:
 
 
 def _swap_cameras(shooting: Shooting) -> Outcome:
-    """Exchange the first two cameras' pictures, as when their cables are; a small one in the last views."""
+    """Exchange the pictures of the first two cameras; if the size is small, in the last views only."""
     first, second, *_ = shooting.cameras
     other = {first: second, second: first}
     later = _later_views(shooting)
@@ -167,7 +167,7 @@ def _swap_cameras(shooting: Shooting) -> Outcome:
 
 
 def _turn_board(shooting: Shooting) -> Outcome:
-    """Turn the board on the stage in one view, in the middle of training if there are views to compare."""
+    """Turn the board on the stage in one view, the middle one of training if there are others to compare."""
     views = shooting.views
     training = [view for view in views if view in shooting.training]
     chosen = training[len(training) // 2] if len(training) > 1 else views[-1]
@@ -186,7 +186,7 @@ def _half_turned(track: Track) -> Track:
 
 
 def _print_another_pitch(shooting: Shooting) -> Outcome:
-    """Say what :func:`printed_target` does."""
+    """Describe the mistake of :func:`printed_target`."""
     percent = 100.0 * (_pitch_factor(shooting.size) - 1.0)
     return Outcome(
         shooting.takes,
@@ -197,7 +197,7 @@ def _print_another_pitch(shooting: Shooting) -> Outcome:
 
 
 def _expose_later(shooting: Shooting) -> Outcome:
-    """Let the target drift between the exposures of the first two cameras, in each view another way."""
+    """Move the target between the exposures of the first two cameras, differently in each view."""
     second = shooting.cameras[1]
     drift_mm, drift_deg = shooting.size * DRIFT_MM, shooting.size * DRIFT_DEG
     takes = []
@@ -219,7 +219,7 @@ def _expose_later(shooting: Shooting) -> Outcome:
 
 
 def _knock_camera(shooting: Shooting) -> Outcome:
-    """Move and turn the second camera about its own centre, for good."""
+    """Rotate and move the second camera about its own centre, from the middle view on."""
     second, later = shooting.cameras[1], _later_views(shooting)
     knock_mm, knock_deg = shooting.size * KNOCK_MM, shooting.size * KNOCK_DEG
     turn = np.radians(knock_deg) * _direction(shooting, Mistake.CAMERA_KNOCKED, "turn")

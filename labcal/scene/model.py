@@ -1,4 +1,4 @@
-"""A scene: everything that is in the laboratory, as a person writes it down in YAML."""
+"""The model of a scene: everything in the laboratory, as written in YAML."""
 
 from typing import Annotated
 
@@ -26,15 +26,15 @@ MOST_MISTAKE = 100.0
 
 
 class _WrittenOut(yaml.SafeDumper):
-    """Writes what comes twice twice: aliases are not read."""
+    """A YAML writer without aliases."""
 
     def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002 -- PyYAML's own signature
-        """Return that nothing is referred to."""
+        """Return True: no node is written as an alias."""
         return True
 
 
 class Scene(BaseModel):
-    """A laboratory: cameras, a target and where it goes, lamps, room, and how the sensors respond."""
+    """A laboratory: cameras, target and its placement, lamps, room, and sensors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -48,7 +48,7 @@ class Scene(BaseModel):
     room: Room = Room()
     board: Board = Board()
     occluders: tuple[Occluder, ...] = ()
-    """Solid things in the way, or just there to be seen."""
+    """Solid bodies that occlude the target or are only visible."""
     photometry: Photometry = Photometry()
     """The sensors; in a file the name of a preset, a preset with changes, or the whole description."""
     motion: Motion = Motion()
@@ -58,7 +58,7 @@ class Scene(BaseModel):
     mistake: Mistake | None = None
     """Something that goes wrong on purpose; `none` is nothing."""
     mistake_size: Annotated[float, Field(gt=0, le=MOST_MISTAKE, allow_inf_nan=False)] | None = None
-    """How large the mistake is, as a multiple of its usual size; the usual size where left out."""
+    """Size of the mistake, as a multiple of its usual size, which is the default."""
     noise: bool = True
     """Whatever is random in the sensors: photon and read noise, fixed patterns; off to test the geometry."""
     spp: Annotated[int, Field(ge=1, le=MOST_SAMPLES)] = 64
@@ -107,7 +107,7 @@ class Scene(BaseModel):
         return {name: description.camera() for name, description in self.cameras.items()}
 
     def with_spp(self, spp: int) -> "Scene":
-        """Return the scene with other samples a pixel.
+        """Return the scene with another number of samples per pixel.
 
         Raises
         ------

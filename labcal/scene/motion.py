@@ -1,4 +1,4 @@
-"""How the target moves while a picture is taken, and when each row of the picture is exposed."""
+"""Motion of the target during an exposure, and the exposure times of rows."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -13,7 +13,7 @@ from labcal.scene.camera import Vector
 
 
 class ShutterKind(StrEnum):
-    """Whether all rows of a picture are exposed at once."""
+    """Shutter: all rows of a picture are exposed together, or one after another."""
 
     GLOBAL = "global"
     ROLLING = "rolling"
@@ -21,7 +21,7 @@ class ShutterKind(StrEnum):
 
 
 class Motion(BaseModel):
-    """A steady movement of the target during every exposure; standing still where left out."""
+    """Uniform motion of the target during every exposure; none by default."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -33,7 +33,7 @@ class Motion(BaseModel):
 
 @dataclass(frozen=True)
 class Track:
-    """Where the target is over time; at 0 s, the middle of the frame, it is at its view's pose."""
+    """The pose of the target over time; at 0 s, the middle of the frame, it is the pose of the view."""
 
     T_world_target: Pose
     """Pose at 0 s, mm."""
@@ -46,7 +46,7 @@ class Track:
 
     @property
     def stands_still(self) -> bool:
-        """Whether the pose is the same at all times."""
+        """True if the pose is constant."""
         return not (self.velocity.any() or self.rotation.any())
 
     def at(self, seconds: float) -> Pose:
@@ -56,7 +56,7 @@ class Track:
         return T_world_target
 
     def carried(self, p: Vectors3, seconds: np.ndarray) -> Vectors3:
-        """Return where points of the target are in the world, each at a time of its own.
+        """Return points of the target in the world, each at its own time.
 
         Parameters
         ----------
@@ -75,20 +75,20 @@ class Track:
 
 @dataclass(frozen=True)
 class ShutterTimes:
-    """When the rows of a picture are exposed, in seconds from the middle of the frame."""
+    """Exposure times of the rows of a picture, in seconds from the middle of the frame."""
 
     exposure_s: float
-    """How long each row is exposed."""
+    """Duration of the exposure of each row."""
     readout_s: float
     """From the first row's exposure to the last one's; 0 for a global shutter."""
     rows: int
 
     @property
     def span_s(self) -> float:
-        """From the beginning of the first row's exposure to the end of the last one's."""
+        """Duration from the beginning of the first row to the end of the last one."""
         return self.exposure_s + self.readout_s
 
     def middles(self, rows: np.ndarray) -> np.ndarray:
-        """Return the middle of the exposure of rows, which may lie between pixels or off the picture."""
+        """Return the middle of the exposure of rows, which may be fractional or outside the picture."""
         seconds: np.ndarray = self.readout_s * (rows / max(1, self.rows - 1) - 0.5)
         return seconds

@@ -1,4 +1,4 @@
-"""Solid things that a scene may put in the way, or on the table."""
+"""Solid bodies that occlude the target or stand on the table."""
 
 from enum import StrEnum
 from typing import Annotated, Literal
@@ -11,7 +11,7 @@ from labcal.scene.quantities import Colour
 
 
 class Frame(StrEnum):
-    """Whose coordinates a place is given in."""
+    """The frame in which coordinates are given."""
 
     WORLD = "world"
     TARGET = "target"

@@ -19,7 +19,7 @@ def apply_overrides(
     overrides: tuple[str, ...],
     written_out: Mapping[str, Callable[[object], object]],
 ) -> dict[str, Any]:
-    """Set values in a whole description.
+    """Set values in a complete description.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def apply_overrides(
 
 
 def _index(node: object, part: str, path: list[str]) -> Any:  # noqa: ANN401 -- a key or a position
-    """Return what picks `part` of a node."""
+    """Return the key or index that selects `part` of a node."""
     prefix = "".join(f"{step}." for step in path)
     if isinstance(node, dict):
         if part in node:

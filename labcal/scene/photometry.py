@@ -1,4 +1,4 @@
-"""What a camera's sensor makes of light, in the terms of EMVA 1288, as a scene describes it."""
+"""The photometry of a camera in a scene: its sensor, in the terms of EMVA 1288, and its development."""
 
 from enum import StrEnum
 from typing import Annotated, Literal
@@ -11,7 +11,7 @@ from labcal.shoot.tone_curve import ToneCurve
 
 
 class PictureFormat(StrEnum):
-    """How pictures are delivered; the ending of their files."""
+    """The format of picture files, and their ending."""
 
     PNG = "png"
     JPEG = "jpg"
@@ -21,7 +21,7 @@ class PictureFormat(StrEnum):
 
 
 class Stage(StrEnum):
-    """How far the camera takes the reading of its sensor."""
+    """The stage of development that the camera delivers."""
 
     PICTURE = "picture"
     """Developed: black level, white balance, colour, tone curve."""
@@ -30,7 +30,7 @@ class Stage(StrEnum):
 
 
 class Photometry(BaseModel):
-    """A sensor and what its camera does with the reading.
+    """A sensor, and the development of its readings.
 
     In a file the name of a preset may stand for it (``photometry: phone``), or a preset and what differs
     from it (``photometry: {preset: phone, jpeg_quality: 80}``). What is left out is a sensor with photon and
@@ -114,5 +114,5 @@ class Photometry(BaseModel):
 
     @property
     def dark_e(self) -> float:
-        """Mean dark current gathered in one exposure, electrons."""
+        """Mean dark charge of one exposure, electrons."""
         return self.dark_current_e_per_s * 1e-3 * self.exposure_ms

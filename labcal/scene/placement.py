@@ -1,4 +1,4 @@
-"""How a scene places its target: on a stage, at places known to the measuring arm, or in the hand."""
+"""Placement of the target of a scene: on a stage, at known places, or in the hand."""
 
 from abc import abstractmethod
 from itertools import pairwise
@@ -21,20 +21,20 @@ HALF_A_PITCH = (0.5, 0.5)
 
 
 class StageView(BaseModel):
-    """One place on the stage: the target lies level, facing up, its x and y along the world's X and Y."""
+    """One place on the stage: the target is level and faces up, its x and y along X and Y of the world."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
     role: Role
     origin_mm: Vector
-    """Where dot (0, 0) is."""
+    """Position of dot (0, 0)."""
     shift_pitches: Shift = NO_SHIFT
     """A further move along x and y, in steps of the target's grid."""
 
 
 class Stage(BaseModel):
-    """Places that the stage reports, so that they are the views' nominal poses."""
+    """Places that the stage reports; they are the nominal poses of the views."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -44,7 +44,7 @@ class Stage(BaseModel):
 
 
 class ListedPlaces(Stage):
-    """Places one by one."""
+    """A list of places."""
 
     kind: Literal["stage"]
     views: Annotated[tuple[StageView, ...], Field(min_length=1)]
@@ -59,12 +59,12 @@ class ListedPlaces(Stage):
         return self
 
     def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn
-        """Return the places as they are listed."""
+        """Return the places in the listed order."""
         return self.views
 
 
 class EvenHeights(BaseModel):
-    """Heights at equal steps."""
+    """Heights at equal intervals."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -74,7 +74,7 @@ class EvenHeights(BaseModel):
 
 
 class Planes(Stage):
-    """Level planes one above another to train on, and planes half-way between them to test on."""
+    """Horizontal planes for training, and planes half-way between them for testing."""
 
     kind: Literal["planes"]
     origin_mm: Shift
@@ -87,7 +87,7 @@ class Planes(Stage):
     """The same for each plane between; none: no tests."""
 
     def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn
-        """Return the planes to train on in the order given, then those to test on, from the lowest."""
+        """Return the training planes in the given order, then the test planes from the lowest."""
         heights = self.heights_mm
         if isinstance(heights, EvenHeights):
             heights = tuple(np.linspace(heights.first, heights.last, heights.count).tolist())
@@ -101,7 +101,7 @@ class Planes(Stage):
     def _taken(
         self, name: str, role: Role, heights: tuple[float, ...], shifts: tuple[Shift, ...]
     ) -> tuple[StageView, ...]:
-        """Return each plane at each shift; the shift is told in the name where there are several."""
+        """Return each plane at each shift, with the shift in the name if there are several."""
         return tuple(
             StageView(
                 name=f"{name}-{plane}" if len(shifts) == 1 else f"{name}-{plane}-{number}",
@@ -115,7 +115,7 @@ class Planes(Stage):
 
 
 class Volume(Stage):
-    """A volume of points at random: the target's dots at random heights and small random shifts."""
+    """A volume: the target at random heights with small random shifts."""
 
     kind: Literal["volume"]
     origin_mm: Shift
@@ -136,7 +136,7 @@ class Volume(Stage):
         return self
 
     def places(self, seed: int) -> tuple[StageView, ...]:
-        """Draw the places, each from a stream of its own."""
+        """Draw the places, each from its own stream of random numbers."""
         return tuple(
             self._drawn(f"{role.value}-{number:02d}", role, seed)
             for role, count in ((Role.TRAIN, self.train), (Role.TEST, self.test))
@@ -158,7 +158,7 @@ class Volume(Stage):
 
 
 class Handheld(BaseModel):
-    """Poses that cover the pictures and the angles, chosen among random ones; nobody is told of them."""
+    """Poses that cover pictures and angles, chosen from random ones; they are not nominal poses."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -176,7 +176,7 @@ class Handheld(BaseModel):
     visible_share: Annotated[float, Field(gt=0, le=1)] = 0.6
     """Share of the dots that every camera must see whole."""
     all_rings: bool = True
-    """Whether every camera must see all three rings whole; all dots, where there are no rings."""
+    """True if every camera must see all three rings whole, or all dots if there are no rings."""
 
     @model_validator(mode="after")
     def _has_views(self) -> "Handheld":

@@ -1,4 +1,4 @@
-"""From a scene to its pictures: which are taken, by which camera, where everything really is meanwhile."""
+"""The pictures of a scene: cameras, views, and true poses at each time."""
 
 import numpy as np
 
@@ -13,14 +13,14 @@ from labcal.shoot.manifest import Role
 
 
 def built_scene(scene: Scene) -> Scene:
-    """Return the scene as it really stands, which by mistake may be with another print."""
+    """Return the scene as built, with another print if the mistake is one of the print."""
     return scene.model_copy(
         update={"target": printed_target(scene.target, scene.mistake, scene.mistake_size or 1.0)}
     )
 
 
 def planned_takes(scene: Scene, views: tuple[PlannedView, ...], seed: int) -> Outcome:
-    """Return the pictures of views as they are really taken, view by view, camera by camera.
+    """Return the pictures of views as taken, view by view, camera by camera.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def planned_takes(scene: Scene, views: tuple[PlannedView, ...], seed: int) -> Ou
 
 
 def _track(scene: Scene, view: PlannedView) -> Track:
-    """Return how the target moves in a view."""
+    """Return the motion of the target in a view."""
     x_min, y_min, x_max, y_max = built_scene(scene).target.extent_mm
     middle = np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.0])
     return Track(
@@ -62,5 +62,5 @@ def _track(scene: Scene, view: PlannedView) -> Track:
 
 
 def _shutter(scene: Scene, rows: int) -> ShutterTimes:
-    """Return when the rows of a picture are exposed."""
+    """Return the exposure times of the rows of a picture."""
     return ShutterTimes(1e-3 * scene.photometry.exposure_ms, 1e-3 * scene.readout_ms, rows)

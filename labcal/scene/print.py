@@ -1,4 +1,4 @@
-"""Where the print of a target really is: one formula for the truth and for the picture."""
+"""The true print of a target: one formula for truth and picture."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +22,7 @@ WAVELENGTHS = (0.08, 0.6)
 
 @dataclass(frozen=True)
 class TruePrint:
-    """A target as it was made.
+    """A target as printed.
 
     What is printed at (x, y) by design, from the board's middle, comes to lie at ``A (x, y)``; each dot is
     then off by its own displacement; and the paper is bent as a whole.
@@ -41,7 +41,7 @@ class TruePrint:
 
     @classmethod
     def of(cls, target: DotGrid, board: Board, seed: int) -> "TruePrint":
-        """Return the print that a run with this seed has, the same in all of its views.
+        """Return the print for a seed, the same in all views.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class TruePrint:
 
     @property
     def is_displaced(self) -> bool:
-        """Whether any dot is off its place."""
+        """True if any dot is displaced."""
         return bool((self.displacement != 0.0).any())
 
     @cached_property
@@ -77,26 +77,26 @@ class TruePrint:
 
     @cached_property
     def reach_mm(self) -> float:
-        """A distance from its centre that no point of a dot exceeds."""
+        """An upper bound of the distance of a point of a dot from its centre."""
         return 1.01 * float(np.linalg.norm(self.outlines - self.centres[:, None, :], axis=-1).max())
 
     def flat_outlines(self, share: float) -> Float64[np.ndarray, "dots samples 2"]:
-        """Return curves within the dots on the flat paper, mm; at a share of 1 their outer outlines."""
+        """Return closed curves inside the dots on the flat paper, mm; at a share of 1 their outlines."""
         radii = 0.5 * share * self.target.outer_diameters_mm()
         return self._on_paper(flat_outlines(self.target.points(), radii))
 
     def dot_offsets(self) -> Float64[np.ndarray, "dots 2"]:
-        """Return the displacements as the design sees them: before the printer's scale and shear."""
+        """Return the displacements of dots in the design, before scale and shear of the print."""
         return np.asarray(self.displacement @ np.linalg.inv(self.A).T)
 
     def _on_paper(self, p: Vectors3) -> np.ndarray:
-        """Return where the paper has what the design has at p, one row of points a dot, (dots, n, 2)."""
+        """Return positions on the paper of positions p in the design, one row per dot, (dots, n, 2)."""
         by_dot = p.reshape(self.target.count, -1, 3)[..., :2]
         middle = self.surface.middle
         return np.asarray((by_dot - middle) @ self.A.T + middle + self.displacement[:, None, :])
 
     def _require_room(self) -> None:
-        """Raise unless every dot stays within its cell of the grid and on the board."""
+        """Raise unless every dot is inside its cell of the grid and on the board."""
         target = self.target
         room = 0.5 * np.array(target.cell_mm)
         offsets = self.dot_offsets()
@@ -119,12 +119,12 @@ class TruePrint:
             )
 
     def _nominal_outlines(self) -> np.ndarray:
-        """Return the outlines by design; a target without margin has dots that its edge cuts."""
+        """Return the outlines of the design; without margin, dots may be cut by the edge of the board."""
         return flat_outlines(self.target.points(), 0.5 * self.target.outer_diameters_mm())[..., :2]
 
 
 def _waves(target: DotGrid, board: Board, seed: int) -> np.ndarray:
-    """Draw the waves of the paper's unevenness."""
+    """Draw the waves of the unevenness of the paper."""
     if board.unevenness == 0.0:
         return np.zeros((0, 3))
     random = generator(seed, "uneven paper")

@@ -1,4 +1,4 @@
-"""The kinds of numbers that a scene is made of; lengths are in :mod:`labcal.bounds`."""
+"""Types of numbers in scenes; bounds of lengths are in :mod:`labcal.bounds`."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""The room around the target: what is there and how it reflects light."""
+"""The room around the target: its objects and their reflectances."""
 
 from pydantic import BaseModel, ConfigDict
 
@@ -23,4 +23,4 @@ class Room(BaseModel):
     table_z_mm: Coordinate = -60.0
     table: Colour = (0.42, 0.29, 0.18)
     support: Colour = (0.12, 0.13, 0.14)
-    """What holds the target up."""
+    """Support of the target."""

@@ -1,4 +1,4 @@
-"""Sensors of devices that people have, by name: figures for a description to start from."""
+"""Presets of sensors by name: values of common devices."""
 
 from collections.abc import Mapping
 

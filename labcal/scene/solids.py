@@ -1,4 +1,4 @@
-"""Solid bodies, and which straight paths they block: exact, without a renderer."""
+"""Solid bodies and the straight lines that they block: exact, without a renderer."""
 
 from dataclasses import dataclass, replace
 
@@ -16,7 +16,7 @@ Met = Bool[np.ndarray, "*#paths"]
 
 @dataclass(frozen=True)
 class Block:
-    """A box; of no thickness along its z it is a panel."""
+    """A box; with a thickness of 0 along z it is a panel."""
 
     name: str
     T_world_block: Pose
@@ -30,7 +30,7 @@ class Block:
         return replace(self, size_mm=(width, height, depth))
 
     def meets(self, start: Starts, end: Ends) -> Met:
-        """Return whether the straight paths from `start` to `end` pass it (world, mm, shapes (..., 3)).
+        """Return whether the lines from `start` to `end` meet the body (world, mm, shapes (..., 3)).
 
         Notes
         -----
@@ -53,7 +53,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A cylinder with flat ends; of no thickness along its axis, and with a hole, it is a ring."""
+    """A cylinder with flat ends; with a length of 0 and a hole it is a ring."""
 
     name: str
     T_world_cylinder: Pose
@@ -70,7 +70,7 @@ class Cylinder:
         return replace(self, length_mm=length, diameter_mm=diameter, hole_mm=0.0)
 
     def meets(self, start: Starts, end: Ends) -> Met:
-        """Return whether the straight paths from `start` to `end` pass it (world, mm, shapes (..., 3))."""
+        """Return whether the lines from `start` to `end` meet the body (world, mm, shapes (..., 3))."""
         T_cylinder_world = inverse(self.T_world_cylinder)
         origin = transform(T_cylinder_world, start)
         way = transform(T_cylinder_world, end) - origin
@@ -94,7 +94,7 @@ Solid = Block | Cylinder
 
 
 def _slab(origin: np.ndarray, way: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return from where to where along its way a path is within `half` of zero; first > last for never."""
+    """Return the interval of a line parameter within `half` of zero; first > last if it is empty."""
     within = np.abs(origin) <= half
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = (-half - origin) / way, (half - origin) / way
@@ -105,7 +105,7 @@ def _slab(origin: np.ndarray, way: np.ndarray, half: float) -> tuple[np.ndarray,
 
 
 def _round(origin: np.ndarray, way: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return from where to where along its way a path is within `radius` of the z axis."""
+    """Return the interval of a line parameter within `radius` of the z axis."""
     a = (way[..., :2] ** 2).sum(axis=-1)
     b = (way[..., :2] * origin[..., :2]).sum(axis=-1)
     c = (origin[..., :2] ** 2).sum(axis=-1) - radius**2

@@ -1,4 +1,4 @@
-"""A picture of a moving target as an average of still ones: how many, when, and which rows of each count."""
+"""The picture of a moving target as a weighted mean of still ones: their times and weights by row."""
 
 from dataclasses import dataclass
 
@@ -36,11 +36,11 @@ class Subframes:
 
     @property
     def averaged(self) -> float:
-        """How many equally weighted sub-frames would leave the noise of the row that has the most."""
+        """The number of equally weighted sub-frames with the same noise as the row with the highest noise."""
         return float(1.0 / (self.weights**2).sum(axis=0).max())
 
     def rows(self, number: int) -> tuple[int, int]:
-        """Return the first row that a sub-frame has a share in, and the one after the last."""
+        """Return the first row in which a sub-frame has a weight, and the one after the last."""
         (shared,) = np.nonzero(self.weights[number])
         return int(shared[0]), int(shared[-1]) + 1
 
@@ -81,7 +81,7 @@ def subframes(take: Take, target: DotGrid) -> Subframes:
 
 
 def _speed(take: Take, target: DotGrid) -> float:
-    """Return the highest speed of a point of a dot's outline in the picture, px/s; 0 if it shows none."""
+    """Return the highest speed of a dot outline in the picture, px/s; 0 if it shows none."""
     outlines = flat_outlines(target.points(), 0.5 * target.outer_diameters_mm())[:, ::EVERY].reshape(-1, 3)
     span = take.shutter.span_s
     turning, moving = (float(np.linalg.norm(v)) for v in (take.track.rotation, take.track.velocity))
@@ -99,7 +99,7 @@ def _speed(take: Take, target: DotGrid) -> float:
 
 
 def _weights(seconds: np.ndarray, shutter: ShutterTimes) -> np.ndarray:
-    """Return each sub-frame's share in the rows: its interpolating hat, averaged over a row's exposure."""
+    """Return the weights of each sub-frame by row: its hat function, averaged over the exposure."""
     step = seconds[1] - seconds[0]
     middle = (shutter.middles(np.arange(shutter.rows)) - seconds[:, None]) / step
     half = 0.5 * shutter.exposure_s / step
@@ -112,6 +112,6 @@ def _weights(seconds: np.ndarray, shutter: ShutterTimes) -> np.ndarray:
 
 
 def _hat_integral(x: np.ndarray) -> np.ndarray:
-    """Return the integral from the left of a hat of height 1 that reaches from -1 to 1."""
+    """Return the integral from the left of a hat function of height 1 from -1 to 1."""
     inside = np.clip(x, -1.0, 1.0)
     return np.asarray(np.where(inside < 0.0, 0.5 * (1.0 + inside) ** 2, 1.0 - 0.5 * (1.0 - inside) ** 2))

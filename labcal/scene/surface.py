@@ -1,4 +1,4 @@
-"""The surface that a print lies on: flat, or bent to a paraboloid with a twist."""
+"""The surface of a print: a plane, or a paraboloid with a twist."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from labcal.scene.solids import Met, Starts
 from labcal.targets.grid import DotGrid
 
 FACET_ERROR_MM = 5e-4
-"""How far the facets of a picture's mesh may be from the surface."""
+"""Largest deviation of the facets of a mesh from the surface."""
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ class Surface:
         return np.array([[bend.along_x_mm / a**2, mixed], [mixed, bend.along_y_mm / b**2]])
 
     def points(self, xy: np.ndarray) -> Vectors3:
-        """Return the points of the surface over places on the board, shape (..., 2) to (..., 3)."""
+        """Return the points of the surface at positions on the board, shape (..., 2) to (..., 3)."""
         w = xy - self.middle
         height = ((w @ self.form) * w).sum(axis=-1)
         return np.concatenate([xy, height[..., None]], axis=-1)
 
     def normals(self, xy: np.ndarray) -> Vectors3:
-        """Return the unit normals there, on the viewer's side, shape (..., 2) to (..., 3)."""
+        """Return unit normals at positions, on the side of the viewer, shape (..., 2) to (..., 3)."""
         slope = 2.0 * (xy - self.middle) @ self.form
         normal = np.concatenate([-slope, np.ones((*slope.shape[:-1], 1))], axis=-1)
         return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
@@ -62,7 +62,7 @@ class Surface:
         return min(heights)
 
     def cells(self) -> int:
-        """Return into how many cells along x and along y the board is cut, so that two facets a cell suffice.
+        """Return the numbers of cells along x and y for which two facets per cell are accurate enough.
 
         A facet's largest distance from a paraboloid is that along its sides: with n cells the rises of the
         bend are at most 1 / n^2 of their sum away.
@@ -72,7 +72,7 @@ class Surface:
         return max(1, int(np.ceil(np.sqrt(rise / FACET_ERROR_MM))))
 
     def hides(self, start: Starts, xy: np.ndarray) -> Met:
-        """Return whether the board itself is between viewers and its own points, or shows them its back.
+        """Return a mask of points that the board itself hides, or whose back faces the viewer.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""One picture as it is really taken: by which camera, and of a target that moves how."""
+"""One picture as taken: its true camera, and the motion of the target."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ SETTLED_PX = 1e-10
 
 @dataclass(frozen=True)
 class Take:
-    """One picture, and everything that is true of it."""
+    """One picture, and all its true values."""
 
     view: str
     camera: str
@@ -31,12 +31,12 @@ class Take:
     """Standard deviation of a blur on top of the lens's own."""
 
     def photometry(self, of_scene: Photometry) -> Photometry:
-        """Return the photometry of this picture, which differs from the scene's where it is out of focus."""
+        """Return the photometry of this picture, which is the scene's unless it is out of focus."""
         blur_px = math.hypot(of_scene.blur_px, self.defocus_px)
         return of_scene if self.defocus_px == 0.0 else of_scene.model_copy(update={"blur_px": blur_px})
 
     def instants(self, p: Vectors3) -> np.ndarray:
-        """Return when points of the target are at the middle of the exposure of the row they fall on.
+        """Return the middle of the exposure of the row on which each point is imaged.
 
         Found by iteration on the row, which converges as long as an image moves by less than the picture's
         height while that is read.
@@ -64,11 +64,11 @@ class Take:
         return np.where(settled, seconds, np.nan)
 
     def _rows(self, p: Vectors3, seconds: np.ndarray) -> np.ndarray:
-        """Return the rows on which points of the target fall, each at a time of its own."""
+        """Return the rows on which points of the target are imaged, each at its own time."""
         return np.asarray(self.device.project(self.track.carried(p, seconds)).q[..., 1])
 
     def image(self, p: Vectors3) -> Projection:
-        """Return where points of the target are imaged, at the middle of the exposure of their own row.
+        """Return the pixels of points of the target, at the middle of the exposure of their own row.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What a picture truly shows, computed from the camera and the pose alone: no renderer takes part."""
+"""The true values of a picture, computed from camera and pose without a renderer."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from labcal.shoot.truth import TrueDots, TruePicture, TrueView
 
 
 def true_dots(scene: Scene, made: TruePrint, take: Take) -> TrueDots:
-    """Return every dot of the target as it is in one picture, in the middle of its own row's exposure.
+    """Return every dot of the target in one picture, at the middle of the exposure of its row.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def true_dots(scene: Scene, made: TruePrint, take: Take) -> TrueDots:
 
 
 def true_view(takes: list[Take], cameras: dict[str, CameraRecord]) -> TrueView:
-    """Return where the target was in a view, and what is true of single pictures only.
+    """Return the true pose of the target in a view, and the true values of single pictures.
 
     Parameters
     ----------

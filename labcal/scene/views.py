@@ -1,4 +1,4 @@
-"""Where the target truly is in each view of a scene, and what the stage says of it."""
+"""The true and nominal poses of the target in each view of a scene."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ from labcal.shoot.manifest import Role
 
 @dataclass(frozen=True)
 class PlannedView:
-    """One view that is to be taken."""
+    """One planned view."""
 
     name: str
     role: Role
     T_world_target: Pose
     """True pose of the target, mm."""
     T_world_target_nominal: Pose | None
-    """What the stage says, mm; nothing for a target in the hand."""
+    """Pose that the stage reports, mm; None for a hand-held target."""
 
 
 def planned_views(scene: Scene, seed: int) -> tuple[PlannedView, ...]:

@@ -1,4 +1,4 @@
-"""Which dots something hides from a camera: straight paths against solid bodies, no renderer."""
+"""Visibility of dots: straight lines against solid bodies, without a renderer."""
 
 import numpy as np
 
@@ -17,14 +17,14 @@ SHARES = (1.0, 0.875, 0.75, 0.625, 0.5, 0.375, 0.25, 0.125, 0.0)
 
 
 def bodies_between(scene: Scene, T_world_target: Pose) -> tuple[Solid, ...]:
-    """Return every solid body that could come between a camera and the front of the target."""
+    """Return every solid body that could be between a camera and the front of the target."""
     table, _, _ = blocks(scene, T_world_target)  # plate and support are behind the print
     lamps = (lamp_body(f"lamps.{number}", lamp) for number, lamp in enumerate(scene.lamps))
     return (table, *obstacles(scene, T_world_target), *(body for body in lamps if body is not None))
 
 
 def turned_away(made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
-    """Return the dots that show any part of their back, or that the bent board itself hides, shape (dots,).
+    """Return a mask of dots whose back is visible, or that the bent board itself hides, shape (dots,).
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def turned_away(made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
 
 
 def hidden_by(solid: Solid, made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
-    """Return the dots of which a solid body hides any part, shape (dots,).
+    """Return a mask of dots of which a solid body hides any part, shape (dots,).
 
     The path to every sample of a dot is exact; what is narrower than a tenth of a dot's radius may lie
     between two samples.
@@ -58,7 +58,7 @@ def hidden_by(solid: Solid, made: TruePrint, T_world_target: Pose, eyes: Vectors
 
 
 def unseen(scene: Scene, made: TruePrint, T_world_target: Pose, eyes: Vectors3) -> Mask:
-    """Return the dots that anything hides in part, or that are turned away, shape (dots,)."""
+    """Return a mask of dots that are hidden in part or turned away, shape (dots,)."""
     hidden = turned_away(made, T_world_target, eyes)
     for solid in bodies_between(scene, T_world_target):
         hidden |= hidden_by(solid, made, T_world_target, eyes)
@@ -66,7 +66,7 @@ def unseen(scene: Scene, made: TruePrint, T_world_target: Pose, eyes: Vectors3) 
 
 
 def what_hides(scene: Scene, made: TruePrint, T_world_target: Pose, eye: Vectors3, number: int) -> str | None:
-    """Return what hides one dot from an eye, by the name it has in the scene, or nothing if nothing does."""
+    """Return the name of the body that hides one dot from a viewpoint, or None if nothing does."""
     eyes = np.broadcast_to(eye, (made.target.count, 3))
     for solid in bodies_between(scene, T_world_target):
         if hidden_by(solid, made, T_world_target, eyes)[number]:
@@ -75,7 +75,7 @@ def what_hides(scene: Scene, made: TruePrint, T_world_target: Pose, eye: Vectors
 
 
 def viewpoints(camera: Camera, images: DotImages) -> Vectors3:
-    """Return where the straight path to each dot begins: its ray's own origin, or the camera's centre."""
+    """Return the beginning of the line to each dot: the origin of its ray, or the centre of the camera."""
     eyes = np.tile(camera.centre, (len(images.centre), 1))
     rays = camera.rays(images.centroid[images.ok])
     eyes[images.ok] = np.where(rays.ok[:, None], rays.origin, camera.centre)

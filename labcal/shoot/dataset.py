@@ -1,4 +1,4 @@
-"""A shoot on disk: pictures, and a manifest that says what they show."""
+"""A shoot on disk: pictures, and the manifest that describes them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -62,11 +62,11 @@ class Shoot(PublicObject):
         return tuple(self.manifest.cameras)
 
     def views(self, role: Role | None = None) -> tuple[ViewEntry, ...]:
-        """Return the views of a role, or all."""
+        """Return the views with a role, or all."""
         return tuple(view for view in self.manifest.views if role is None or view.role is role)
 
     def showing(self, target: AnyTarget) -> "Shoot":
-        """Return the shoot with another target in the place of the one that it says it shows."""
+        """Return the shoot with another target than the one in its manifest."""
         return replace(self, manifest=self.manifest.model_copy(update={"target": target}))
 
     def nominal_poses(self) -> dict[str, Pose]:

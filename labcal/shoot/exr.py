@@ -1,4 +1,4 @@
-"""OpenEXR pictures on disk: linear light in float32, with texts about it in the header."""
+"""OpenEXR pictures on disk: linear float32 light, with texts in the header."""
 
 import errno
 import os

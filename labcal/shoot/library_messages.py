@@ -1,4 +1,4 @@
-"""What compiled libraries print on stderr while they work, kept from the terminal."""
+"""Messages that compiled libraries print on stderr, captured instead of shown."""
 
 import os
 import sys
@@ -20,7 +20,7 @@ class LibraryMessages:
 
 @contextmanager
 def kept_messages() -> Iterator[LibraryMessages]:
-    """Give an object that gets what is printed on the file descriptor of stderr meanwhile.
+    """Yield an object that receives the text printed on the file descriptor of stderr.
 
     libtiff, libpng, libjpeg and OpenEXR print a line for every damaged part of a picture, past
     ``sys.stderr``; a hostile file has thousands of them.

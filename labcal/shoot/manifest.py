@@ -1,4 +1,4 @@
-"""``shoot.json``: what the measuring arm is told of a shoot. No lens, no true pose, no scene."""
+"""``shoot.json``: the input of the measuring arm, without lenses, true poses or scene."""
 
 from enum import StrEnum
 from typing import Annotated, Literal
@@ -15,14 +15,14 @@ RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
 
 
 class Role(StrEnum):
-    """What a view is for."""
+    """The role of a view."""
 
     TRAIN = "train"
     TEST = "test"
 
 
 class CameraEntry(BaseModel):
-    """A camera as the measuring arm knows it: only its picture size."""
+    """A camera for the measuring arm: only its picture size."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -31,7 +31,7 @@ class CameraEntry(BaseModel):
 
 
 class ViewEntry(BaseModel):
-    """One placement of the target, seen by some or all cameras at once."""
+    """One place of the target, seen by some or all cameras at once."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -40,7 +40,7 @@ class ViewEntry(BaseModel):
     """Picture by camera, relative to the shoot's folder."""
     role: Role
     T_world_target_nominal: PoseRecord | None
-    """What the stage says, mm; null when the target is hand-held."""
+    """Pose that the stage reports, mm; null for a hand-held target."""
 
 
 class Manifest(BaseModel):
@@ -70,8 +70,8 @@ class Manifest(BaseModel):
             if picture in known:
                 raise ValueError(f"the picture '{clipped(picture)}' is that of two cameras or views")
             known.add(picture)
-        for kind, told in (("views", names), ("cameras", list(self.cameras)), ("pictures", list(known))):
-            alike = differ_in_case(told)
+        for kind, given in (("views", names), ("cameras", list(self.cameras)), ("pictures", list(known))):
+            alike = differ_in_case(given)
             if alike is not None:
                 raise ValueError(
                     f"the {kind} '{clipped(alike[0])}' and '{clipped(alike[1])}' differ only in capital "

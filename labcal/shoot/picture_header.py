@@ -1,4 +1,4 @@
-"""What a picture file declares of itself, read before anything is decoded."""
+"""The header of a picture file, read before anything is decoded."""
 
 import struct
 from enum import StrEnum
@@ -14,7 +14,7 @@ MOST_PIXELS_A_BYTE = 400
 
 
 class PictureKind(StrEnum):
-    """Formats that are read, by the first bytes of the file; its name is not asked."""
+    """Formats that labcal reads, identified by the first bytes of the file, not by its name."""
 
     PNG = "PNG"
     JPEG = "JPEG"
@@ -42,12 +42,12 @@ _OS2_HEADER = 12
 
 
 def picture_kind(data: bytes) -> PictureKind | None:
-    """Return the format of a file, or none of those that are read."""
+    """Return the format of a file, or None if labcal does not read it."""
     return next((kind for beginning, kind in _BEGINNINGS if data.startswith(beginning)), None)
 
 
 def declared_size(data: bytes) -> tuple[int, int] | None:
-    """Return width and height (px) that a PNG, JPEG, TIFF or BMP file declares.
+    """Return width and height (px) from the header of a PNG, JPEG, TIFF or BMP file.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def declared_size(data: bytes) -> tuple[int, int] | None:
 
 
 def require_sensible_size(path: Path, size: tuple[int, int] | None, length: int) -> None:
-    """Raise where a header declares no size, or one that no memory should be spent on.
+    """Raise if a header states no size, or one that is too large.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def require_sensible_size(path: Path, size: tuple[int, int] | None, length: int)
     """
     damaged = f"{path} is not a picture, or is damaged"
     if size is None:
-        raise InputError(f"{damaged}: it does not say how large it is. Copy it again.")
+        raise InputError(f"{damaged}: it does not state its size. Copy it again.")
     width, height = size
     pixels = width * height
     if pixels == 0:
@@ -112,7 +112,7 @@ def _png_size(data: bytes) -> tuple[int, int] | None:
 
 
 def _jpeg_size(data: bytes) -> tuple[int, int] | None:
-    """Read the first frame header: after any number of segments, each with its length."""
+    """Read the first frame header, which follows any number of segments with a length each."""
     at = 2
     while at + 4 <= len(data):
         if data[at] != 0xFF:  # noqa: PLR2004 -- a marker begins so
@@ -150,7 +150,7 @@ def _tiff_size(data: bytes) -> tuple[int, int] | None:
 
 
 def _bmp_size(data: bytes) -> tuple[int, int] | None:
-    """Read the header after the file's own; the height is negative where rows run downwards."""
+    """Read the header behind that of the file; the height is negative if rows run downwards."""
     (length,) = struct.unpack_from("<I", data, 14)
     width, height = struct.unpack_from("<HH" if length == _OS2_HEADER else "<ii", data, 18)
     return (width, abs(height)) if width > 0 else None

@@ -35,16 +35,16 @@ _JPEG_QUALITY = 95
 MOST_BYTES = 2**30
 """A larger file is not read."""
 _TIFF_ERROR = "TIFF_Error"
-"""How OpenCV begins what libtiff says of a strip that cannot be decoded."""
+"""Prefix of messages by which OpenCV reports a strip that libtiff cannot decode."""
 
 
 def read_picture(path: Path) -> np.ndarray:
-    """Read a picture, as its camera stored it.
+    """Read a picture in the orientation in which its camera stored it.
 
     The pixels are those of the sensor in the order in which they are stored: an orientation that the file
-    states beside them (EXIF) is not applied. A camera that is turned writes another orientation, but it is
-    still the same camera, and a calibration is one of its sensor. Of a file with several pictures the first
-    one is read.
+    states in its metadata (EXIF) is not applied. A camera that is turned writes another orientation, but it
+    is still the same camera, and a calibration is one of its sensor. Of a file with several pictures the
+    first one is read.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def read_picture(path: Path) -> np.ndarray:
 
 
 def png_output(path: Path) -> FileOutput:
-    """Return a picture that is always a PNG, and a result by itself, as an output of a command.
+    """Return a PNG picture as an output of a command.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def png_output(path: Path) -> FileOutput:
 
 
 def picture_output(path: Path) -> FileOutput:
-    """Return a picture that is a result by itself as an output of a command, the format by the ending.
+    """Return a picture as an output of a command, in the format of the file name ending.
 
     To be written by :func:`write_single_picture`.
 
@@ -122,7 +122,7 @@ def picture_output(path: Path) -> FileOutput:
 
 
 def write_single_picture(path: Path, picture: np.ndarray, *, force: bool = False) -> None:
-    """Write a picture that is a result by itself, with labcal's mark; else as :func:`write_picture`."""
+    """Write a picture that is an output by itself, with the mark of labcal; else as :func:`write_picture`."""
     kind = picture_output(path).kind
     write_file(path, _encoded(path, picture, _JPEG_QUALITY), kind=kind, force=force)
 
@@ -130,7 +130,7 @@ def write_single_picture(path: Path, picture: np.ndarray, *, force: bool = False
 def write_picture(
     path: Path, picture: np.ndarray, *, jpeg_quality: int = _JPEG_QUALITY, force: bool = False
 ) -> None:
-    """Write a PNG, JPEG or TIFF (uint8, uint16) as a part of a folder, the format by the ending.
+    """Write a PNG, JPEG or TIFF (uint8, uint16) inside a folder, in the format of its file name ending.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How well one picture was exposed and focused, from its values alone."""
+"""Exposure and sharpness of one picture, from its values alone."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ class PictureQuality:
 
     @property
     def edge_width_px(self) -> float:
-        """Over how many pixels an edge climbs at its steepest rate; NaN where there are no edges."""
+        """The number of pixels over which an edge rises at its steepest rate; NaN without edges."""
         return 1.0 / self.sharpness
 
 
@@ -64,7 +64,7 @@ def picture_quality(picture: Shaped[np.ndarray, "*shape"]) -> PictureQuality:
 
 
 def saturated(picture: Shaped[np.ndarray, "*shape"]) -> Bool[np.ndarray, "h w"]:
-    """Return which pixels have a channel at full scale."""
+    """Return a mask of pixels with a channel at full scale."""
     brightest = picture if picture.ndim == 2 else picture.max(axis=-1)  # noqa: PLR2004 - grey
     return np.asarray(brightest >= _full_scale(picture))
 

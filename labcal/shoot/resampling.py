@@ -1,4 +1,4 @@
-"""Pictures resampled: each new pixel takes the grey value at a place in the old picture."""
+"""Resampling of pictures: each new pixel takes the value at a position in the old picture."""
 
 import cv2
 import numpy as np
@@ -13,7 +13,7 @@ _NOWHERE = -1e6
 
 
 def resampled(picture: np.ndarray, source: Float32[np.ndarray, "height width 2"]) -> np.ndarray:
-    """Return a picture interpolated linearly, of the old one's type and colours; 0 where there is none.
+    """Return a picture interpolated linearly, with type and colours of the old one; 0 outside of it.
 
     Of OpenCV's interpolations the linear one is exact in its places; the others round them to 1/32 px.
 

@@ -1,4 +1,4 @@
-"""Tone curves: how the values of a delivered picture grow with light, and how that is undone."""
+"""Tone curves: delivered values as a function of light, and the inverse."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -21,7 +21,7 @@ _LEAST_STEP = 1e-9
 
 
 class ToneCurve(StrEnum):
-    """From linear light to the delivered values."""
+    """A tone curve from linear light to delivered values."""
 
     LINEAR = "linear"
     SRGB = "srgb"
@@ -34,7 +34,7 @@ class ToneCurve(StrEnum):
 
 @dataclass(frozen=True)
 class MeasuredCurve:
-    """A camera's own curve as points from (0, 0) to (1, 1), both columns rising; shares of full scale."""
+    """A measured curve of points from (0, 0) to (1, 1), increasing in both columns; shares of full scale."""
 
     value: Float[np.ndarray, " n"]
     light: Float[np.ndarray, " n"]

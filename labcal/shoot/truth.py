@@ -1,4 +1,4 @@
-"""The truth of a rendered shoot, in a folder of its own that the measuring arm never opens."""
+"""The truth of a rendered shoot, in a folder that the measuring arm never reads."""
 
 from dataclasses import dataclass
 from itertools import islice
@@ -27,26 +27,26 @@ HEADER = (
 
 
 class TruePicture(BaseModel):
-    """What is true of one picture alone, where that differs from the rest; else null."""
+    """True values of one picture that differ from those of its view; else null."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     taken_by: Name | None = None
     """The camera that really took it."""
     T_cam_world: PoseRecord | None = None
-    """Where that camera was."""
+    """Pose of that camera."""
     T_world_target: PoseRecord | None = None
-    """Where the target was."""
+    """Pose of the target."""
 
 
 class TrueView(BaseModel):
-    """Where the target truly was in one view; with motion, in the middle of the frame."""
+    """The true pose of the target in one view; with motion, in the middle of the frame."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     T_world_target: PoseRecord
     cameras: dict[Name, TruePicture] = {}
-    """By the name under which a picture is delivered; only pictures of which something else is true."""
+    """By the delivered name of a picture; only pictures with other values."""
 
 
 class Truth(BaseModel):
@@ -61,9 +61,9 @@ class Truth(BaseModel):
     mistake: str | None = None
     """Name of the mistake that was made on purpose."""
     mistake_description: str | None = None
-    """What is not as it was meant."""
+    """Description of the mistake."""
     mistake_views: tuple[Name, ...] = ()
-    """Views in which it is not."""
+    """Views that the mistake concerns."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
 
 
 def has_truth(folder: Path) -> bool:
-    """Return whether the shoot has its truth beside it."""
+    """Return whether the folder of the shoot contains its truth."""
     return (folder / FOLDER / "truth.json").is_file()
 
 
@@ -152,7 +152,7 @@ def read_true_dots(folder: Path) -> list[TrueDots]:
 
 
 def _columns(part: TableLines, pictures: dict[tuple[str, str], int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return number of the picture and figures of lines; raise at a damaged one."""
+    """Return the index of the picture and the values of lines; raise at a damaged line."""
     known = len(pictures)
     names = zip(part.column("view"), part.column("camera"), strict=True)
     picture = np.array([pictures.setdefault(name, len(pictures)) for name in names], dtype=np.int64)

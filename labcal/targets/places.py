@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_valid
 
 from labcal.arrays import Vectors3
 from labcal.bounds import MOST_MM, Millimetres
-from labcal.geometry.covariances import stated_soundly
+from labcal.geometry.covariances import valid_or_not_stated
 from labcal.paths import AnyPath, as_path
 from labcal.run.documents import read_document
 from labcal.run.file_kinds import beginning_with
@@ -61,7 +61,7 @@ class DotPlaces(BaseModel):
     def _every_dot_once(self) -> "DotPlaces":
         if [[dot.col, dot.row] for dot in self.dots] != self.target.indices().tolist():
             raise ValueError("the dots must be those of the target, each once, row by row")
-        if not stated_soundly(self.covariances(), MOST_MM**2).all():
+        if not valid_or_not_stated(self.covariances(), MOST_MM**2).all():
             raise ValueError("a covariance has a negative variance, or one beyond any sense")
         return self
 

@@ -394,7 +394,7 @@ def cheap(monkeypatch: pytest.MonkeyPatch, lab: Path) -> None:
         return open_shoot(lab / "shoot")
 
     monkeypatch.setattr(gallery, "render_shoot", shot)
-    for group in ("ray", "opencv", "sensor", "dot", "cost", "sameness"):
+    for group in ("ray", "opencv", "sensor", "dot", "cost", "reproducibility"):
         monkeypatch.setattr(bench_render, f"{group}_checks", lambda *words: [])  # noqa: ARG005
     monkeypatch.setattr(bench_render, "shoot_check", lambda *words: at_most("seconds", 1.0, 2.0))  # noqa: ARG005
     monkeypatch.setattr(bench_render, "_even_light", lambda seed: None)  # noqa: ARG005

@@ -202,7 +202,7 @@ def test_a_shoot_is_not_replaced_unasked(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="--force"):
         render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(), NoProgress())
     assert (tmp_path / "shoot" / "mine.txt").read_text() == "mine"
-    with pytest.raises(OutputError, match="no mark of labcal's"):
+    with pytest.raises(OutputError, match="no mark of labcal, so another program"):
         render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(force=True), NoProgress())
     assert (tmp_path / "shoot" / "mine.txt").read_text() == "mine"
     (tmp_path / "shoot" / "mine.txt").unlink()

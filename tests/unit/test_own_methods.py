@@ -166,7 +166,7 @@ def test_fit_takes_names_classes_and_estimators_and_leaves_them_as_they_were(
     ]
     training = pipeline.training_of(shoot, dots, QUICK)
     estimators = pipeline.estimators_of(given, QUICK)
-    models = pipeline.taught(training, estimators, QUICK)
+    models = pipeline.fit_methods(training, estimators, QUICK)
     by_name = models[0].estimator
     for model in models[:4]:
         assert (model.estimator.coefficients_ == by_name.coefficients_).all()

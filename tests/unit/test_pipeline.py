@@ -181,8 +181,8 @@ def test_points_none_of_which_is_ok_are_no_success(shoot: Shoot, dots: Detection
         "reconstruct", rig, table, "--target", _target(shoot, tmp_path), "-o", points
     )
     assert (status, told["flags"]) == (1, {"model-misfit": 160})
-    assert any("not one of the points is 'ok'" in warning for warning in told["warnings"])
-    assert "not one of the points is 'ok'" in said
+    assert any("none of the points is flagged 'ok'" in warning for warning in told["warnings"])
+    assert "none of the points is flagged 'ok'" in said
     status, told, _ = command("evaluate", points, shoot.folder)
     assert (status, told["n_ok"]) == (1, 0)
 

@@ -1,1 +1,1 @@
-"""How well dots are found, measured and calibrated with: ``labcal bench detect``."""
+"""Benchmark of detection, measurement and calibration with dots: ``labcal bench detect``."""

@@ -1,4 +1,4 @@
-"""How near measured dots are to the Cramer-Rao bound, whether they are biased, and whether they know it."""
+"""Accuracy of measured dots: errors over the Cramer-Rao bound, bias, and stated covariances."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ MOST_BIAS_PX = {6.0: 0.005, 8.0: 0.005}
 """From a radius of 10 px on it is 0.002 px."""
 LEAST_BIAS_LIMIT_PX = 0.002
 SIGMAS = float(norm.isf(0.0005))
-"""What is normally distributed is within this with a probability of 99.9%."""
+"""The bound that a normal variable exceeds with a probability of 0.1%."""
 FULL = 255.0
 ROUNDING = 1.0 / 12.0
 """Variance of rounding to whole levels."""
@@ -38,7 +38,7 @@ class Errors:
     labcal: Pixels
     """(n, 2)."""
     covariance: PixelCovariances
-    """(n, 2, 2), what labcal says of itself, px squared."""
+    """(n, 2, 2), as stated by labcal, px squared."""
     bound: PixelCovariances
     """(n, 2, 2), the least covariance possible, px squared."""
     blob: Pixels
@@ -48,10 +48,10 @@ class Errors:
 
 
 def accuracy_findings(bench: Bench) -> Findings:
-    """Return ratios to the bound, biases and chi-square by radius and noise, with OpenCV's beside."""
+    """Return ratios to the bound, biases and chi-square by radius and noise, and those of OpenCV."""
     tilts, spp = (QUICK_TILTS_DEG, QUICK_SPP) if bench.quick else (TILTS_DEG, SPP)
     bench.progress.start("accuracy", len(RADII_PX) * len(tilts))
-    checks, beside = [], []
+    checks, references = [], []
     for radius in RADII_PX:
         parts: list[list[Errors]] = [[] for _ in NOISES]
         for tilt in tilts:
@@ -63,12 +63,12 @@ def accuracy_findings(bench: Bench) -> Findings:
             name = f"dots of {radius:g} px, {noise:.0%} noise"
             errors = _joined(part)
             checks += accuracy_checks(name, errors, MOST_BIAS_PX.get(radius, LEAST_BIAS_LIMIT_PX))
-            beside += accuracy_figures(name, errors)
-    return Findings(checks, beside)
+            references += accuracy_figures(name, errors)
+    return Findings(checks, references)
 
 
 def measured_errors(board: LitBoard, noise: float, dots: int, seed: int) -> Errors:
-    """Measure a board's dots under noise that is drawn again and again.
+    """Measure the dots of a board under repeated random noise.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _joined(parts: list[Errors]) -> Errors:
 
 
 def accuracy_checks(name: str, errors: Errors, bias_limit_px: float) -> list[Check]:
-    """Return share missed, RMS over bound, bias, and how far the sum of squares is from chi-square's.
+    """Return share not measured, RMS over bound, bias, and deviation of the sum of squares from chi-square.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def accuracy_checks(name: str, errors: Errors, bias_limit_px: float) -> list[Che
 
 
 def accuracy_figures(name: str, errors: Errors) -> list[Figure]:
-    """Return the same ratios of OpenCV's centres, and the share of dots that labcal does not measure."""
+    """Return the same ratios for centres of OpenCV, and the share of dots that labcal does not measure."""
     blob, contour = (over_bound(other, errors.bound) for other in (errors.blob, errors.contour))
     own = over_bound(errors.labcal, errors.covariance)
     missed = float((~np.isfinite(errors.labcal).all(axis=1)).mean())
@@ -166,7 +166,7 @@ def over_bound(errors: Pixels, bound: PixelCovariances) -> float:
 
 
 def chi_square_z(squares: float, freedom: int) -> float:
-    """Return how many standard deviations of a normal distribution are as unlikely as a sum of squares.
+    """Return the normal quantile with the same probability as a sum of squares.
 
     The two tails count alike. NaN where there is nothing.
     """

@@ -1,4 +1,4 @@
-"""What centroids in the place of centres do to a calibration, and what is left after the correction.
+"""Effect of eccentricity on a calibration, without and with its correction.
 
 Nothing is rendered: exact centroids of the dots' outlines come from the camera model, with noise added.
 """
@@ -54,7 +54,7 @@ def bench_camera() -> Camera:
 
 
 def bias_checks(seed: int) -> list[Check]:
-    """Return what the centre bias does to intrinsics, uncorrected and corrected.
+    """Return the errors of intrinsics with and without eccentricity correction.
 
     Parameters
     ----------

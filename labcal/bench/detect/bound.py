@@ -1,4 +1,4 @@
-"""The Cramer-Rao bound of a dot's centre: how well any method could measure it.
+"""The Cramer-Rao bound of the centre of a dot, the least covariance of any unbiased method.
 
 The picture of a dot is modelled here on its own, without the detector: an ellipse drawn at several times the
 resolution, blurred by a Gauss function and averaged over each pixel. What is not known to a detector is not
@@ -22,7 +22,7 @@ _REACH_SIGMAS = 4.0
 
 @dataclass(frozen=True)
 class ImagedDot:
-    """What a dot's picture is made of."""
+    """The parameters of the image of a dot."""
 
     centre: np.ndarray
     """(2,), px."""
@@ -76,7 +76,7 @@ def centre_bound(dot: ImagedDot, noise: float) -> np.ndarray:
 
 
 def _derivatives(dot: ImagedDot) -> tuple[np.ndarray, np.ndarray]:
-    """Return the change of every pixel with every parameter, (10, h, w), and which pixels count, (h, w)."""
+    """Return derivatives of every pixel by every parameter, (10, h, w), and a mask of used pixels, (h, w)."""
     extent = np.sqrt(np.diag(dot.shape)) * dot.reach + 1.0
     low = np.floor(dot.centre - extent).astype(int)
     size = np.ceil(dot.centre + extent).astype(int) - low + 1
@@ -109,7 +109,7 @@ def _ellipse_radius(away: np.ndarray, shape: np.ndarray) -> np.ndarray:
 
 
 def _coverage(parameters: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Return how much of every pixel a blurred ellipse covers, shape (height, width).
+    """Return the share of every pixel that a blurred ellipse covers, shape (height, width).
 
     Parameters
     ----------

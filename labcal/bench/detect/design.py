@@ -1,4 +1,4 @@
-"""What the pictures of the suite are like: a Latin hypercube over everything that makes detection hard."""
+"""Design of the pictures of the suite: a Latin hypercube over all difficulties of detection."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,9 +26,9 @@ JPEG_QUALITY = (40.0, 100.0)
 HIDDEN = (0.0, 0.5)
 PITCH_OVER_RADIUS = (3.2, 5.0)
 ASIDE = 0.12
-"""How far the board's middle is off the picture's, as a share of its width and height."""
+"""Displacement of the middle of the board from that of the picture, as a share of its size."""
 SHARES_PNG, SHARES_BARE, SHARES_BAYER, SHARES_RINGS = 0.25, 0.25, 0.25, 0.8
-"""Shares of pictures without compression, with nothing hidden, in colour, and with all rings in sight."""
+"""Shares of pictures without compression, with nothing hidden, in colour, and with all rings visible."""
 _COLUMNS = 19
 
 Choice = TypeVar("Choice")
@@ -36,7 +36,7 @@ Choice = TypeVar("Choice")
 
 @dataclass(frozen=True)
 class PictureDesign:
-    """What one picture should be like; hidden share and number of dots come out as near as they can."""
+    """Design of one picture; hidden share and number of dots are approximate."""
 
     name: str
     lens: str
@@ -63,15 +63,15 @@ class PictureDesign:
     """None: no compression."""
     bayer: bool
     linear: bool
-    """Whether the values are linear in the light; else sRGB."""
+    """True if values are linear in light; otherwise sRGB."""
     hidden: float
     """Share of the dots that something should hide."""
     rings_in_sight: bool
-    """Whether the three rings should stay in sight."""
+    """True if the three rings should be visible."""
 
 
 def designs(count: int, seed: int) -> Iterator[PictureDesign]:
-    """Yield what each picture of a suite should be like.
+    """Yield the designs of the pictures of a suite.
 
     Each quantity's range is cut into as many strata as there are pictures, and each stratum is drawn from
     once, in an order of its own (McKay, Beckman and Conover 1979).
@@ -121,15 +121,15 @@ def _design(name: str, share: Iterator[float]) -> PictureDesign:
 
 
 def _between(ends: tuple[float, float], share: float) -> float:
-    """Return a number of a range, evenly."""
+    """Return a number from a range, uniformly."""
     return float(ends[0] + share * (ends[1] - ends[0]))
 
 
 def _geometric(ends: tuple[float, float], share: float) -> float:
-    """Return a number of a range, evenly in its logarithm."""
+    """Return a number from a range, uniformly in its logarithm."""
     return float(ends[0] * (ends[1] / ends[0]) ** share)
 
 
 def _one_of(choices: tuple[Choice, ...], share: float) -> Choice:
-    """Return one of several, each for a part of the range."""
+    """Return one of several values, each for a part of the range."""
     return choices[min(int(share * len(choices)), len(choices) - 1)]

@@ -1,4 +1,4 @@
-"""How well real and rendered pictures are explained, with a perfect print and with freed dots.
+"""Residuals of real and rendered pictures, with the print as declared and with free dots.
 
 That two cameras find the same displacements, each alone, is the check that needs no truth.
 """
@@ -18,7 +18,7 @@ APART_LIMIT = 0.2
 
 
 def rendered_checks(name: str, detections: Detections, target: AnyTarget) -> list[Check]:
-    """Return the reprojection RMS of each camera, calibrated alone with a perfect print.
+    """Return the reprojection RMS of each camera, calibrated alone with the print as declared.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def rendered_checks(name: str, detections: Detections, target: AnyTarget) -> lis
 
 
 def photo_checks(name: str, detections: Detections, target: AnyTarget) -> list[Check]:
-    """Return the RMS with a perfect and with a freed print, and how well two cameras agree on it.
+    """Return the RMS with declared and with free dots, and the agreement of two cameras on the print.
 
     Parameters
     ----------

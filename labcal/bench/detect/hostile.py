@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from labcal.bench.detect.hostile_encoding import TARGET, dots_picture
 from labcal.bench.detect.hostile_files import hostile_file
-from labcal.bench.detect.watched import Limits, Watched, WatchedProcess
+from labcal.bench.detect.limited_process import LimitedProcess, Limits, ProcessResult
 from labcal.bench.groups import Bench, Findings
 from labcal.report.bench import Figure, at_most
 from labcal.run.machine import usable_cores
@@ -26,16 +26,16 @@ _EXPECTED = frozenset({"result", "reason"})
 
 @dataclass(frozen=True)
 class HostileOutcome:
-    """What became of one input."""
+    """The result of one input."""
 
     name: str
-    found: Watched
+    found: ProcessResult
 
 
 def hostile_findings(bench: Bench) -> Findings:
-    """Return how many inputs crash, hang or take too much memory.
+    """Return the numbers of inputs that crash, hang or take too much memory.
 
-    ``hostile.csv`` tells what came of every input, and ``hostile`` keeps those that failed.
+    ``hostile.csv`` lists the result of every input, and ``hostile`` keeps those that failed.
     """
     count = QUICK_INPUTS if bench.quick else INPUTS
     outcomes = hostile_outcomes(count, bench.seed, bench.folder / "hostile", bench.progress)
@@ -56,7 +56,7 @@ def hostile_findings(bench: Bench) -> Findings:
 
 
 def hostile_outcomes(count: int, seed: int, kept: Path, progress: Progress) -> list[HostileOutcome]:
-    """Measure hostile inputs, in processes that are watched.
+    """Measure hostile inputs in processes with limits.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def hostile_outcomes(count: int, seed: int, kept: Path, progress: Progress) -> l
     kept : Path
         A folder for inputs that failed.
     progress : Progress
-        Told of every input.
+        Notified of every input.
     """
     progress.start("hostile inputs", count)
     processes = min(MOST_PROCESSES, usable_cores())
@@ -84,7 +84,7 @@ def _some(numbers: range, seed: int, folders: tuple[Path, Path], progress: Progr
     """Measure some of the inputs in one process after another."""
     home, kept = folders
     outcomes = []
-    with WatchedProcess(TARGET, dots_picture(), Limits(MEMORY_BYTES, SECONDS)) as process:
+    with LimitedProcess(TARGET, dots_picture(), Limits(MEMORY_BYTES, SECONDS)) as process:
         for number in numbers:
             path = hostile_file(number, seed, home)
             found = process.measure(path)

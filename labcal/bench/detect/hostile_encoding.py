@@ -1,4 +1,4 @@
-"""The picture that hostile inputs are made of, and files of pictures as bytes."""
+"""The picture from which hostile inputs are made, and picture files as bytes."""
 
 import struct
 import zlib
@@ -25,7 +25,7 @@ TARGET = DotGrid(
     rings=Rings(origin=(1, 1), x=(4, 1), y=(1, 3)),
     margin_mm=10.0,
 )
-"""What the undamaged pictures show."""
+"""The target in the undamaged pictures."""
 PX_PER_MM = 3.0
 
 
@@ -67,7 +67,7 @@ def _exr(picture: np.ndarray) -> bytes:
 
 @cache
 def zeros_png(size: tuple[int, int], load: int) -> bytes:
-    """Return a PNG file of zeros that carries a load of some bytes beside."""
+    """Return a PNG file of zeros with a payload of some bytes."""
     width, height = size
     header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     packed = zlib.compress(bytes((width + 1) * height))

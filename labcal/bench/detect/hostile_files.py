@@ -52,7 +52,7 @@ def hostile_file(number: int, seed: int, folder: Path) -> Path:
 
 
 def _no_file(path: Path, which: int) -> None:
-    """Make something that has the name of a picture, and is no file."""
+    """Make an entry with the name of a picture that is no file."""
     if which == 0:
         path.mkdir()
     elif which == 1 and hasattr(os, "mkfifo"):
@@ -89,7 +89,7 @@ def _bits_flipped(random: Random) -> Made:
 
 
 def _overwritten(random: Random) -> Made:
-    """Overwrite a part with noise or zeros, or take it out."""
+    """Overwrite a part with noise or zeros, or remove it."""
     ending, data = _whole(random)
     first, last = sorted(random.integers(0, len(data), 2).tolist())
     middle = (random.bytes(last - first), bytes(last - first), b"")[int(random.integers(3))]
@@ -193,7 +193,7 @@ def _size_patched(random: Random) -> Made:
 
 
 def _bombs(random: Random) -> Made:
-    """Return a small file that unpacks to much."""
+    """Return a small file that expands to a large one."""
     which = int(random.integers(len(BOMBS) + len(STUFFED)))
     return ".png", zeros_png((*BOMBS, *STUFFED)[which], STUFFING if which >= len(BOMBS) else 0)
 

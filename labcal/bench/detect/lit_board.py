@@ -1,4 +1,4 @@
-"""A board's picture before noise, rendered once, with the Cramer-Rao bound of each of its dots."""
+"""The picture of a board before noise, rendered once, with the Cramer-Rao bound of each of its dots."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,9 @@ import numpy as np
 from labcal.arrays import PixelCovariances, Pixels, Pose
 from labcal.bench.detect.bound import ImagedDot, centre_bound, outline_shapes
 from labcal.bench.detect.design import LENSES, SIZES, PictureDesign
-from labcal.bench.detect.sight import Sight, sight
-from labcal.bench.detect.staging import staged
-from labcal.bench.detect.taking import WHITE, falling_light
+from labcal.bench.detect.dot_visibility import DotVisibility, dot_visibility
+from labcal.bench.detect.exposure import WHITE, falling_light
+from labcal.bench.detect.suite_scene import suite_scene
 from labcal.bench.held_board import BARE_BOARD, CAMERA, still_take
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
@@ -36,7 +36,7 @@ REACH = 0.5 * (1.0 + 0.5 * PITCH_OVER_RADIUS)
 
 @dataclass(frozen=True)
 class LitBoard:
-    """A board's picture before noise, and what is true of the dots that count."""
+    """The picture of a board before noise, and the true values of the dots that count."""
 
     name: str
     target: DotGrid
@@ -67,9 +67,9 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
         Lens, direction of the tilt and of the gradient are drawn from it.
     """
     design = _design(radius_px, tilt_deg, seed)
-    stage = staged(design, seed)
+    stage = suite_scene(design, seed)
     scene, made = stage.scene, TruePrint.of(stage.scene.target, stage.scene.board, seed)
-    seen = sight(scene, stage.take, 4.0 * BLUR_PX)
+    seen = dot_visibility(scene, stage.take, 4.0 * BLUR_PX)
     light = _blurred(scene.with_spp(spp), stage.take.track.T_world_target, seed)
     number = np.flatnonzero(seen.measurable & ~seen.ring)
     number = np.sort(generator(seed, design.name, "dots").permutation(number)[:MOST_DOTS])
@@ -89,7 +89,7 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
 
 
 def _blurred(scene: Scene, T_world_target: Pose, seed: int) -> np.ndarray:
-    """Render the light that pixels receive, in the order of nature: first the blur, then the pixels.
+    """Render the light at each pixel: first the blur, then the sampling.
 
     Pixels that are blurred have a point spread of steps, which moves the dots' edges by some hundredths of a
     pixel to and fro. So the picture is rendered finer, and its blurred pixels are averaged.
@@ -135,8 +135,8 @@ def _design(radius: float, tilt: float, seed: int) -> PictureDesign:
     )
 
 
-def _imaged(design: PictureDesign, seen: Sight, number: int, shape: np.ndarray) -> ImagedDot:
-    """Return what a dot's picture is made of, as shares of full scale."""
+def _imaged(design: PictureDesign, seen: DotVisibility, number: int, shape: np.ndarray) -> ImagedDot:
+    """Return the parameters of the image of a dot, as shares of full scale."""
     along = np.array([np.cos(design.gradient_direction), np.sin(design.gradient_direction)])
     places, own = seen.centroid[seen.in_frame] @ along, float(seen.centroid[number] @ along)
     share = float(np.clip((own - places.min()) / (places.max() - places.min()), 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""Bodies before a board that hide about as many of its dots as a design asks for."""
+"""Bodies in front of a board that hide about the designed share of its dots."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def obstruction(
 ) -> tuple[Occluder, ...]:
     """Return one or two bodies that hide about ``design.hidden`` of the dots.
 
-    Of many that are drawn those are taken which come nearest.
+    Of many drawn bodies, those that come nearest are chosen.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def obstruction(
 
 
 def _hidden(bodies: tuple[Occluder, ...], staging: tuple[Camera, Pose], target: DotGrid) -> Mask:
-    """Return the dots of which a body hides any part, roughly."""
+    """Return an approximate mask of dots of which a body hides any part."""
     camera, T_world_target = staging
     points = transform(T_world_target, target.points())
     eyes = np.broadcast_to(camera.centre, points.shape)

@@ -1,11 +1,11 @@
-"""``cv2.findCirclesGrid`` on the pictures of the suite, with blob parameters that suit dots."""
+"""``cv2.findCirclesGrid`` on the pictures of the suite, with suitable blob parameters."""
 
 from typing import cast
 
 import cv2
 import numpy as np
 
-from labcal.bench.detect.sight import Sight
+from labcal.bench.detect.dot_visibility import DotVisibility
 from labcal.targets.grid import DotGrid
 
 MODES = {
@@ -42,14 +42,14 @@ def blob_detector(least_px: float, most_px: float) -> cv2.SimpleBlobDetector:
     return cv2.SimpleBlobDetector.create(parameters)
 
 
-def finds_grid(picture: np.ndarray, target: DotGrid, seen: Sight, flags: int) -> bool:
-    """Tell whether OpenCV finds the grid, every dot of it where a true one is, whatever its number.
+def finds_grid(picture: np.ndarray, target: DotGrid, seen: DotVisibility, flags: int) -> bool:
+    """Tell whether OpenCV finds the grid, with every dot at a true one, whatever its number.
 
     Parameters
     ----------
     picture : ndarray of uint8
     target : DotGrid
-    seen : Sight
+    seen : DotVisibility
     flags : int
         Of :data:`MODES`.
     """

@@ -1,12 +1,12 @@
-"""What came of the suite's pictures, and the checks that follow from it."""
+"""Results of the pictures of the suite, and checks of them."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from labcal.bench.detect.design import PictureDesign
-from labcal.bench.detect.judge import Verdict
 from labcal.bench.detect.opencv_grid import MODES
+from labcal.bench.detect.verdict import Verdict
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.tables import table_text
 
@@ -17,7 +17,7 @@ NOT_INDEXED, MISSED = 0.01, 0.02
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one picture."""
+    """The result of one picture."""
 
     design: PictureDesign
     dots: int
@@ -26,23 +26,23 @@ class Outcome:
     blur_px: float
     verdict: Verdict
     opencv: tuple[bool, ...]
-    """Whether OpenCV finds the grid, by :data:`MODES`."""
+    """True if OpenCV finds the grid, by :data:`MODES`."""
 
     @property
     def is_required(self) -> bool:
-        """Whether the picture must be indexed."""
+        """True if the picture must be indexed."""
         return self.design.tilt_deg <= TILT_DEG and self.hidden <= HIDDEN and self.rings_in_sight
 
     @property
     def failed(self) -> bool:
-        """Whether a person should look at it."""
+        """True if a person should look at the picture."""
         verdict = self.verdict
         lost = not verdict.indexed or verdict.found < (1.0 - MISSED) * verdict.measurable
         return verdict.wrong_ids > 0 or verdict.false_dots > 0 or (self.is_required and lost)
 
 
 def suite_checks(outcomes: list[Outcome]) -> list[Check]:
-    """Return how many pictures are not indexed, how many dots are missed, wrong and false."""
+    """Return the numbers of pictures not indexed and of dots missed, wrong and false."""
     required = [outcome for outcome in outcomes if outcome.is_required]
     verdicts = [outcome.verdict for outcome in outcomes]
     lost = np.mean([not outcome.verdict.indexed for outcome in required])
@@ -60,7 +60,7 @@ def suite_checks(outcomes: list[Outcome]) -> list[Check]:
 
 
 def suite_figures(outcomes: list[Outcome]) -> list[Figure]:
-    """Return the same of OpenCV, and of the pictures that need not be indexed."""
+    """Return the same numbers for OpenCV, and for pictures that need not be indexed."""
     required = [outcome for outcome in outcomes if outcome.is_required]
     whole = [outcome for outcome in required if outcome.hidden == 0.0]
     figures = []
@@ -91,7 +91,7 @@ _HEADER = (
 
 
 def outcome_table(outcomes: list[Outcome]) -> str:
-    """Return a line a picture."""
+    """Return a table with one line per picture."""
     lines: list[list[object]] = []
     for outcome in outcomes:
         design, verdict = outcome.design, outcome.verdict

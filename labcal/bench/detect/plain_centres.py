@@ -1,4 +1,4 @@
-"""Centres of dots as OpenCV's users take them: blobs, and ellipses through the contour of a threshold."""
+"""Centres of dots by common OpenCV methods: blobs, and ellipses through the contour of a threshold."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""Pictures that this project did not make, where they are at hand: photographs and renderings."""
+"""Pictures from outside this project, if they are available: photographs and renderings."""
 
 import os
 from collections.abc import Callable
@@ -29,7 +29,7 @@ class RealSet:
     """Camera by ending of the name; empty for one camera."""
     pictures: int
     checks: Callable[[str, Detections, AnyTarget], list[Check]]
-    """What their dots are asked, by the name of the set."""
+    """The checks of its dots, by the name of the set."""
 
 
 SETS = (
@@ -40,13 +40,13 @@ SETS = (
 
 
 def real_home() -> Path | None:
-    """Return the folder that holds the sets, if it is at hand."""
+    """Return the folder that holds the sets, if it is available."""
     home = os.environ.get(VARIABLE)
     return Path(home) if home is not None and Path(home).is_dir() else None
 
 
 def real_findings(bench: Bench) -> Findings:
-    """Return whether every picture is indexed, and how well each camera explains its dots.
+    """Return whether every picture is indexed, and the residuals of each camera.
 
     Nothing but a note where the pictures are not at hand.
     """
@@ -64,7 +64,7 @@ def real_findings(bench: Bench) -> Findings:
 
 
 def _measured(one: RealSet, home: Path, target: AnyTarget, progress: Progress) -> tuple[int, Detections]:
-    """Return how many pictures of a set are missing or not indexed, and the dots of the others."""
+    """Return the number of pictures of a set that are missing or not indexed, and the dots of the others."""
     measurements = []
     for source in find_sources([str(home / one.folder)], one.endings):
         measurements.append(measure_picture(source, target))

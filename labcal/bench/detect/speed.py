@@ -1,4 +1,4 @@
-"""How long detection takes beside ``cv2.findCirclesGrid`` in its fastest mode, and for a large picture."""
+"""Duration of detection compared with the fastest mode of ``cv2.findCirclesGrid``, and on a large picture."""
 
 import time
 from collections.abc import Callable
@@ -85,7 +85,7 @@ def drawn_board(size: tuple[int, int], random: np.random.Generator, hole: float 
     random : numpy.random.Generator
         Of the noise.
     hole : float
-        Of the rings, as a multiple of what the target says; 0: plain dots.
+        Of the rings, as a multiple of the declared one; 0: dots without rings.
     """
     width, height = size
     focal_px = FOCAL_OVER_WIDTH * width
@@ -119,7 +119,7 @@ def _fill(picture: np.ndarray, outline: np.ndarray, grey: int) -> None:
 
 
 def _fastest_of_opencv(pictures: tuple[np.ndarray, ...]) -> Callable[[], object] | None:
-    """Return the call of OpenCV that finds the grid in the least time; none where none finds it."""
+    """Return the fastest call of OpenCV that finds the grid; none if there is none."""
     shape = (TARGET.cols, TARGET.rows)
     detectors = (cv2.SimpleBlobDetector.create(), blob_detector(5.0, 40.0))
     best, least = None, float("inf")
@@ -140,7 +140,7 @@ def _fastest_of_opencv(pictures: tuple[np.ndarray, ...]) -> Callable[[], object]
 
 
 def _seconds(call: Callable[[], object]) -> float:
-    """Return how long a call takes."""
+    """Return the duration of a call."""
     began = time.perf_counter()
     call()
     return time.perf_counter() - began

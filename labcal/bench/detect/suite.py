@@ -1,4 +1,4 @@
-"""The suite: some hundred rendered pictures, each with its own difficulties, detected and judged."""
+"""The suite: about a hundred rendered pictures, each with its own difficulties, detected and checked."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from labcal.bench.detect.design import PictureDesign, designs
-from labcal.bench.detect.judge import judged
+from labcal.bench.detect.dot_visibility import DotVisibility, dot_visibility
+from labcal.bench.detect.exposure import blur_px, exposed_picture
 from labcal.bench.detect.opencv_grid import MODES, finds_grid
 from labcal.bench.detect.outcome import Outcome, outcome_table, suite_checks, suite_figures
-from labcal.bench.detect.sight import Sight, sight
-from labcal.bench.detect.staging import Staged, staged
-from labcal.bench.detect.taking import blur_px, taken
+from labcal.bench.detect.suite_scene import SuiteScene, suite_scene
+from labcal.bench.detect.verdict import verdict_of
 from labcal.bench.groups import Bench, Findings
 from labcal.detect.detector import detect_dots
 from labcal.render.irradiance import Case, render_light
@@ -32,13 +32,13 @@ CLEAR_PX = 1.5
 
 @dataclass(frozen=True)
 class SuitePicture:
-    """One picture and everything known of it."""
+    """One picture, and its true values."""
 
     design: PictureDesign
     target: DotGrid
     picture: np.ndarray
     blur_px: float
-    seen: Sight
+    seen: DotVisibility
 
 
 def suite_pictures(count: int, seed: int, names: frozenset[str] = frozenset()) -> Iterator[SuitePicture]:
@@ -54,22 +54,22 @@ def suite_pictures(count: int, seed: int, names: frozenset[str] = frozenset()) -
     """
     for design in designs(count, seed):
         if not names or design.name in names:
-            stage = staged(design, seed)
-            first = sight(stage.scene, stage.take, CLEAR_PX)
+            stage = suite_scene(design, seed)
+            first = dot_visibility(stage.scene, stage.take, CLEAR_PX)
             blur = blur_px(design, first.minor_px[first.in_frame])
-            seen = sight(stage.scene, stage.take, CLEAR_PX + 2.0 * blur)
-            picture = taken(_light(stage, seed), design, seen, blur, seed)
+            seen = dot_visibility(stage.scene, stage.take, CLEAR_PX + 2.0 * blur)
+            picture = exposed_picture(_light(stage, seed), design, seen, blur, seed)
             yield SuitePicture(design, stage.scene.target, picture, blur, seen)
 
 
-def _light(stage: Staged, seed: int) -> np.ndarray:
+def _light(stage: SuiteScene, seed: int) -> np.ndarray:
     """Render a picture's light."""
     with renderer(MONO) as mi:
         return render_light(Laboratories(mi, stage.scene, seed), Case(stage.take, seed))
 
 
 def suite_findings(bench: Bench) -> Findings:
-    """Return the checks of the suite, OpenCV's figures on the same pictures, and write its table."""
+    """Return the checks of the suite and the figures of OpenCV on the same pictures; write its table."""
     count = QUICK_PICTURES if bench.quick else PICTURES
     outcomes = suite_outcomes(count, bench.seed, bench.folder, bench.progress)
     write_file(bench.folder / "suite.csv", outcome_table(outcomes), force=True)
@@ -77,7 +77,7 @@ def suite_findings(bench: Bench) -> Findings:
 
 
 def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> list[Outcome]:
-    """Detect in every picture of a suite, and keep what failed.
+    """Detect dots in every picture of a suite, and keep the pictures that failed.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> l
         It gets in ``failures`` the pictures that a person should look at, each also with what was found drawn
         in.
     progress : Progress
-        Told of every picture.
+        Notified of every picture.
     """
     progress.start("suite", count)
     outcomes = []
@@ -100,7 +100,7 @@ def suite_outcomes(count: int, seed: int, folder: Path, progress: Progress) -> l
             hidden=one.seen.hidden_share,
             rings_in_sight=one.seen.rings_in_sight,
             blur_px=one.blur_px,
-            verdict=judged(dots, one.seen, one.target.cols),
+            verdict=verdict_of(dots, one.seen, one.target.cols),
             opencv=tuple(finds_grid(one.picture, one.target, one.seen, flags) for flags in MODES.values()),
         )
         outcomes.append(outcome)

@@ -1,1 +1,1 @@
-"""How large the rendered laboratory's own error is, and what it costs: ``labcal bench render``."""
+"""Benchmark of the rendered laboratory: its errors and its cost, ``labcal bench render``."""

@@ -7,7 +7,7 @@ import numpy as np
 from labcal.bench.render.cost import PAIRS, cost_checks, shoot_check
 from labcal.bench.render.dots import TILTS_DEG, dot_checks
 from labcal.bench.render.rays import opencv_checks, ray_checks
-from labcal.bench.render.sameness import sameness_checks
+from labcal.bench.render.reproducibility import reproducibility_checks
 from labcal.bench.render.sensors import SIDE, sensor_checks
 from labcal.bench.settings import BenchSettings
 from labcal.render.irradiance import Case, render_light
@@ -53,7 +53,7 @@ def bench_render(folder: Path, settings: BenchSettings, progress: Progress) -> B
             *dot_checks(seed, QUICK_TILTS_DEG if quick else TILTS_DEG, progress),
             *cost_checks(QUICK_ROUNDS if quick else ROUNDS, progress),
             shoot_check(QUICK_PAIRS if quick else PAIRS, progress),
-            *sameness_checks(seed, progress),
+            *reproducibility_checks(seed, progress),
         ]
         result = BenchResult(bench="render", quick=quick, checks=tuple(checks))
         write_file(working / "results.json", to_json(result) + "\n", force=True)

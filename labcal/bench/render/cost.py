@@ -1,4 +1,4 @@
-"""What lenses cost beside Mitsuba's own perspective camera, and what a whole shoot takes."""
+"""Cost of lenses compared with Mitsuba's perspective camera, and cost of a whole shoot."""
 
 import time
 from collections.abc import Callable
@@ -31,7 +31,7 @@ SHOOT_LIMIT_S = 180.0
 
 
 class _MitsubasPerspective:
-    """The rays of Mitsuba's ``perspective`` in place of a camera of ours."""
+    """The rays of ``perspective`` of Mitsuba in place of those of labcal."""
 
     def __init__(self, mi: Jit, scene: Scene) -> None:
         camera = scene.cameras["left"]
@@ -57,7 +57,7 @@ class _MitsubasPerspective:
 
 
 def cost_checks(rounds: int, progress: Progress) -> list[Check]:
-    """Return the time of every lens over that of Mitsuba's perspective, and the overhead of a view.
+    """Return the time of every lens over that of the perspective of Mitsuba, and the overhead of a view.
 
     The two are traced in turn through the same loop, scene and samples; the ratio is the median of the
     rounds', so that what else the machine does cancels.
@@ -66,7 +66,7 @@ def cost_checks(rounds: int, progress: Progress) -> list[Check]:
     ----------
     rounds : int
     progress : Progress
-        Told of every lens.
+        Notified of every lens.
     """
     scene = _scene()
     view = planned_views(scene, 0)[0]
@@ -115,7 +115,7 @@ def _ratio(ours: Callable[[], None], theirs: Callable[[], None], rounds: int) ->
 
 
 def _view_checks(laboratory: Laboratory, scene: Scene) -> list[Check]:
-    """Return how many kernels are compiled, and what is spent beside them, from the second view on."""
+    """Return the number of kernels compiled, and the other overhead, from the second view on."""
     import drjit as dr  # noqa: PLC0415 -- only once Dr.Jit was told where LLVM is
 
     camera = scene.cameras["left"].camera()
@@ -141,13 +141,13 @@ def _view_checks(laboratory: Laboratory, scene: Scene) -> list[Check]:
 
 
 def shoot_check(pairs: int, progress: Progress) -> Check:
-    """Return the time of a shoot of 40 pairs on two workers, scaled up where fewer are rendered.
+    """Return the time of a shoot of 40 pairs on two workers, extrapolated if fewer are rendered.
 
     Parameters
     ----------
     pairs : int
     progress : Progress
-        Told of every picture.
+        Notified of every picture.
     """
     sizes = tuple(
         f"cameras.{name}.{key}={value}"

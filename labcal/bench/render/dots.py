@@ -1,4 +1,4 @@
-"""Grey centroids of rendered dots against the true ones, under light that adds no noise."""
+"""Errors of grey-value centroids of rendered dots, under light without noise."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ def dot_checks(seed: int, tilts: tuple[float, ...], progress: Progress) -> list[
     tilts : tuple of float
         Angles between the board's normal and the camera's axis, degrees.
     progress : Progress
-        Told of every picture.
+        Notified of every picture.
     """
     progress.start("dots", len(OPTICS) * len(RADII_PX) * len(tilts))
     checks = []

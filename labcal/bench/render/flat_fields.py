@@ -1,4 +1,4 @@
-"""Flat-field readings of a described sensor, as one takes them for the photon transfer method."""
+"""Flat-field readings of a described sensor for the photon transfer method."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The lenses and windows that the benchmark measures, each at the size of picture that is asked for."""
+"""The lenses and windows of the benchmark, for any picture size."""
 
 from typing import Any
 

@@ -26,14 +26,14 @@ CLIPPED = 1e-3
 
 @dataclass(frozen=True)
 class PhotonTransfer:
-    """What the photon transfer curve says of a sensor, each figure with its standard error.
+    """The results of the photon transfer curve of a sensor, each with its standard error.
 
     Attributes
     ----------
     gain_dn_per_e : float
         System gain K.
     read_noise_e : float
-        Temporal dark noise sigma_d, electrons. NaN where it cannot be told from the converter's steps.
+        Temporal dark noise sigma_d, electrons. NaN if quantisation hides it.
     full_well_e : float
         Saturation capacity mu_e.sat, electrons.
     mean_dn, variance_dn2 : ndarray, shape (steps,)

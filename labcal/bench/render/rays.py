@@ -1,4 +1,4 @@
-"""Rays of the sensor against the camera's own, and projections against OpenCV's."""
+"""Comparison of the rays of the sensor with those of the camera, and of projections with OpenCV."""
 
 import cv2
 import numpy as np
@@ -23,7 +23,7 @@ PLACE = {"eye_mm": (720.0, 640.0, 1850.0), "look_at_mm": (1000.0, 1010.0, 200.0)
 
 
 def ray_checks(seed: int) -> list[Check]:
-    """Return how far the sensor's rays miss their pixels, for every lens and window and two sizes."""
+    """Return the largest distance between rays of the sensor and their pixels, by lens, window and size."""
     checks = []
     for size_name, size in SIZES.items():
         for name in OPTICS:
@@ -51,7 +51,7 @@ def _worst_miss(camera: Camera, random: np.random.Generator) -> float:
 
 
 def opencv_checks(seed: int) -> list[Check]:
-    """Return how far projections differ from OpenCV's, for the models that it has."""
+    """Return the differences of projections from OpenCV, for the models that it has."""
     checks = []
     for name, lens in LENSES.items():
         if lens.opencv is None:

@@ -1,4 +1,4 @@
-"""The photon transfer curve of every preset, from flat fields that were rendered."""
+"""The photon transfer curve of every preset, from rendered flat fields."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ LIMIT = 0.02
 
 
 def sensor_checks(light: np.ndarray, seed: int) -> list[Check]:
-    """Return how far gain, read noise and full well, measured from flat fields, are from each preset's.
+    """Return the deviations of measured gain, read noise and full well from those of each preset.
 
     Parameters
     ----------

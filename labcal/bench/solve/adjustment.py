@@ -1,4 +1,4 @@
-"""How long the bundle adjustment takes beside ``cv2.stereoCalibrate``, and how that grows."""
+"""Duration of the bundle adjustment compared with ``cv2.stereoCalibrate``, and its growth."""
 
 import resource
 import time
@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 
 from labcal.bench.groups import Bench, Findings
+from labcal.bench.solve.corruption import corruption_checks
 from labcal.bench.solve.held_rig import CAMERAS, SIZE, TARGET, HeldRig
-from labcal.bench.solve.spoilt import spoilt_checks
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.rounds import DAMPING, STOPPING
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
@@ -44,9 +44,9 @@ def adjustment_findings(bench: Bench) -> Findings:
     """
     sizes = SIZES[:2] if bench.quick else SIZES
     bench.progress.start("adjustment", 3)
-    checks, beside = _beside_opencv(bench.seed, QUICK_ROUNDS if bench.quick else ROUNDS)
+    checks, references = _compare_with_opencv(bench.seed, QUICK_ROUNDS if bench.quick else ROUNDS)
     bench.progress.advance()
-    # In a process of its own, so that its memory is nobody else's.
+    # In a process of its own, so that its memory is not shared.
     with open_pool(1) as child:
         growth = child.submit(measured_growth, sizes, bench.seed).result()
     bench.progress.advance()
@@ -56,15 +56,15 @@ def adjustment_findings(bench: Bench) -> Findings:
         ratio = growth.seconds[number] / growth.seconds[number - 1]
         checks.append(at_most(name.format(more, fewer), ratio, limit))
     checks.append(at_most(f"adjustment, {sizes[-1]} views: memory, GiB", growth.peak_gib, MEMORY_LIMIT_GIB))
-    checks += spoilt_checks(bench.seed)
+    checks += corruption_checks(bench.seed)
     bench.progress.advance()
-    beside.append(Figure(name=f"adjustment, {sizes[-1]} views, s", value=growth.seconds[-1]))
+    references.append(Figure(name=f"adjustment, {sizes[-1]} views, s", value=growth.seconds[-1]))
     left_out = ("adjustment: 4,000 views are left out by --quick",) if bench.quick else ()
-    return Findings(checks, beside, left_out)
+    return Findings(checks, references, left_out)
 
 
-def _beside_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figure]]:
-    """Return how time and cost compare on the smallest number of views."""
+def _compare_with_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figure]]:
+    """Return time and cost relative to OpenCV at the smallest number of views."""
     held = HeldRig.drawn(SIZES[0], seed)
     points, lenses = held.detections(), held.lenses_off()
     pictures = [points.where(points.camera == name).by_view() for name in CAMERAS]
@@ -108,7 +108,7 @@ def _beside_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figure]]:
 
 @dataclass(frozen=True)
 class Growth:
-    """What adjustments of several sizes took."""
+    """Durations of adjustments of several sizes."""
 
     seconds: tuple[float, ...]
     """By size, the best of all rounds."""
@@ -131,7 +131,7 @@ def measured_growth(sizes: tuple[int, ...], seed: int) -> Growth:
 
 
 def _seconds(call: Callable[[], object]) -> float:
-    """Return how long a call takes."""
+    """Return the duration of a call."""
     began = time.perf_counter()
     call()
     return time.perf_counter() - began

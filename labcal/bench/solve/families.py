@@ -1,4 +1,4 @@
-"""Families of cameras on which methods are compared: a pair each, and the volume before it."""
+"""Families of camera pairs on which methods are compared, each with its volume."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -50,12 +50,12 @@ class Volume:
 TABLE = Volume((650.0, 650.0, 0.0), (1350.0, 1350.0, 1000.0))
 """The paper's volume, seen from 1.4 to 2.9 m."""
 ROOM = Volume((-2500.0, -1500.0, 0.0), (4500.0, 3500.0, 1000.0))
-"""What fills the picture of a fisheye at the same place."""
+"""Volume that fills the picture of a fisheye camera at the same place."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """One kind of camera.
+    """One family of cameras.
 
     Attributes
     ----------

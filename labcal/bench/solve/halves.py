@@ -1,4 +1,4 @@
-"""One half of the views against the other: a check of a calibration that needs no truth."""
+"""Comparison of one half of the views with the other: a check of a calibration that needs no truth."""
 
 import numpy as np
 from jaxtyping import Float64

@@ -1,4 +1,4 @@
-"""A target held before two known cameras, very often: what the bundle adjustment is timed on."""
+"""A target in front of two known cameras in many views, for timing of the bundle adjustment."""
 
 from dataclasses import dataclass, replace
 
@@ -36,7 +36,7 @@ _OFF = np.array([2e-3, 2e-3, 2e-3, 1.0, 1.0, 1.0])
 
 @dataclass(frozen=True)
 class HeldRig:
-    """The truth, and what the cameras measured."""
+    """The truth, and the simulated measurements."""
 
     truth: RigState
     observations: Observations
@@ -44,7 +44,7 @@ class HeldRig:
 
     @classmethod
     def drawn(cls, views: int, seed: int) -> "HeldRig":
-        """Return so many views, in each of which both cameras see the whole target."""
+        """Return views in each of which both cameras see the whole target."""
         random = generator(seed, "bench solve", "held rig")
         cameras = _cameras()
         poses: list[Pose] = []
@@ -109,7 +109,7 @@ def _cameras() -> tuple[Camera, ...]:
 
 
 def _held(random: np.random.Generator) -> Pose:
-    """Return a place of the target before the first camera."""
+    """Return a pose of the target in front of the first camera."""
     tilt = Rotation.from_rotvec(_TILT * random.standard_normal(3)).as_matrix()
     R = np.diag([1.0, -1.0, -1.0]) @ tilt
     return pose(R, random.uniform(_NEAREST_MM, _FARTHEST_MM) - R @ TARGET.points().mean(axis=0))

@@ -1,11 +1,18 @@
-"""How near methods come to the physical limit, how well they know it, and which one training data choose."""
+"""Errors of methods relative to the physical limit, their stated covariances, and their expected errors."""
 
 from collections.abc import Collection
 
 import numpy as np
 
 from labcal.bench.groups import Bench, Findings
-from labcal.bench.solve.duel import METHODS, RIGHT, Duel, DuelFigures, MethodFigures, fought
+from labcal.bench.solve.comparison import (
+    METHODS,
+    RIGHT,
+    Comparison,
+    ComparisonFigures,
+    MethodFigures,
+    compared,
+)
 from labcal.bench.solve.families import FAMILIES
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.cases import run_cases
@@ -25,21 +32,23 @@ CHOSEN_LIMIT = 1.05
 def limit_findings(bench: Bench) -> Findings:
     """Return medians over seeds by family and method.
 
-    Methods of one's own are shown beside; the checks are of labcal's.
+    User methods are shown for reference; only methods of labcal are checked.
     """
     own = tuple(method for method in METHODS if not (bench.quick and method in SLOW))
     methods = tuple(dict.fromkeys((*own, *bench.methods)))
     seeds = range(bench.seed, bench.seed + (QUICK_SEEDS if bench.quick else SEEDS))
-    duels = [Duel(family.name, seed, methods) for seed in seeds for family in FAMILIES]
-    bench.progress.start("duels", len(duels))
-    with open_executor(min(usable_cores(), len(duels))) as executor:
-        found = run_cases(duels, fought, DuelFigures, bench.folder / "duels", executor, bench.progress)
+    comparisons = [Comparison(family.name, seed, methods) for seed in seeds for family in FAMILIES]
+    bench.progress.start("duels", len(comparisons))
+    with open_executor(min(usable_cores(), len(comparisons))) as executor:
+        found = run_cases(
+            comparisons, compared, ComparisonFigures, bench.folder / "duels", executor, bench.progress
+        )
     checks: list[Check] = []
-    beside: list[Figure] = []
+    references: list[Figure] = []
     for family in FAMILIES:
         of_family = [one for one in found if one.family == family.name]
         for method in methods:
-            figures = [one for duel in of_family for one in duel.methods if one.method == method]
+            figures = [one for comparison in of_family for one in comparison.methods if one.method == method]
             if not figures:
                 continue
             name = f"limits, {family.name}: {method}"
@@ -52,28 +61,32 @@ def limit_findings(bench: Bench) -> Findings:
                 apart = abs(covered - COVERAGE)
                 checks.append(at_most(f"{name}, coverage of 95% ellipsoids off {COVERAGE}", apart, APART))
             else:
-                beside.append(Figure(name=f"{name}, RMS error over the oracle's", value=ratio))
-                beside.append(Figure(name=f"{name}, coverage of 95% ellipsoids", value=covered))
-        chosen = float(np.median([_chosen_over_best(duel, own) for duel in of_family]))
+                references.append(Figure(name=f"{name}, RMS error over the oracle's", value=ratio))
+                references.append(Figure(name=f"{name}, coverage of 95% ellipsoids", value=covered))
+        chosen = float(np.median([_chosen_over_best(comparison, own) for comparison in of_family]))
         name = f"limits, {family.name}: method that training data choose, over the best"
         checks.append(at_most(name, chosen, CHOSEN_LIMIT))
-    trusted = sum(_wrongly_trusted(one) for duel in found for one in duel.methods if one.method in own)
+    trusted = sum(
+        _wrongly_trusted(one) for comparison in found for one in comparison.methods if one.method in own
+    )
     name = f"limits: methods with a coverage below {TRUSTED_COVERAGE:g} and no flag 'model-misfit'"
     checks.append(at_most(name, float(trusted), 0.0))
-    return Findings(checks, beside)
+    return Findings(checks, references)
 
 
 def _wrongly_trusted(figures: MethodFigures) -> bool:
     return figures.refusal is None and not figures.coverage95 >= TRUSTED_COVERAGE and not figures.misfit
 
 
-def _chosen_over_best(duel: DuelFigures, methods: Collection[str]) -> float:
-    """Return the error of the method with the least rehearsed error over the least error of all.
+def _chosen_over_best(comparison: ComparisonFigures, methods: Collection[str]) -> float:
+    """Return the error of the method with the smallest expected error over the smallest error of all.
 
     Of the methods that are given, but for the right family: who knows it needs no choice.
     """
     known = [
-        one for one in duel.methods if one.refusal is None and one.method != RIGHT and one.method in methods
+        one
+        for one in comparison.methods
+        if one.refusal is None and one.method != RIGHT and one.method in methods
     ]
     chosen = min(known, key=lambda one: one.rehearsed_mm)
     return chosen.ratio / min(one.ratio for one in known)

@@ -1,4 +1,4 @@
-"""A set of rendered pictures of a target in the hand, as meant and with each mistake that a pair can make."""
+"""A set of rendered pictures of a hand-held target, without and with each possible mistake."""
 
 import shutil
 from dataclasses import dataclass, replace
@@ -38,11 +38,11 @@ _CAUSES = {
 
 @dataclass(frozen=True)
 class SetOfPictures:
-    """What is rendered."""
+    """The settings of a set."""
 
     seed: int
     folder: str
-    """Where pictures are while they are needed."""
+    """Folder of pictures while they are needed."""
 
     @property
     def key(self) -> str:
@@ -51,30 +51,30 @@ class SetOfPictures:
 
 
 class MistakeFigures(BaseModel):
-    """What came of one mistake."""
+    """The result for one mistake."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     told: bool
-    """Whether anything is said to be wrong."""
+    """True if an inconsistency is reported."""
     named: bool
-    """Whether the likeliest cause is the mistake."""
+    """True if the most likely cause is the mistake."""
     lengths: Measured
     """RMS error of the target's own lengths over that without the mistake; NaN where nothing fits."""
 
 
 class SetFigures(BaseModel):
-    """What came of one set."""
+    """The result for one set."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     accused: bool
-    """Whether anything is said to be wrong where nothing is."""
+    """True if an inconsistency is reported without any mistake."""
     mistakes: dict[Mistake, MistakeFigures]
 
 
-def judged_set(wanted: SetOfPictures) -> SetFigures:
-    """Render a set as meant and with mistakes, calibrate from each, and return what is told.
+def evaluated_set(wanted: SetOfPictures) -> SetFigures:
+    """Render a set without and with mistakes, calibrate from each, and return the reports.
 
     Exchanged pictures are those of the set as meant, exchanged, as the renderer delivers them.
     """
@@ -91,7 +91,7 @@ def judged_set(wanted: SetOfPictures) -> SetFigures:
 
 
 def _figures(dots: Detections, target: AnyTarget, cause: CauseName, usual: float) -> MistakeFigures:
-    """Calibrate from a set with a mistake and return what is told; `usual` is lengths' error without it."""
+    """Calibrate from a set with a mistake; `usual` is the error of lengths without it."""
     try:
         found = calibrate_handheld(dots, target, LENS)
     except ContradictionError as error:
@@ -110,7 +110,7 @@ def _told(found: HandheldCalibration) -> bool:
 
 
 def _detected(wanted: SetOfPictures, mistake: Mistake | None) -> Detections:
-    """Render and return the dots; the pictures do not stay."""
+    """Render and detect, and return the dots; pictures are removed."""
     changes = () if mistake is None else (f"mistake={mistake}", f"mistake_size={SIZES[mistake]}")
     folder = Path(wanted.folder) / f"{wanted.key}-{mistake or 'none'}"
     settings = RenderSettings(spp=SPP, views=VIEWS, seed=wanted.seed, force=True)

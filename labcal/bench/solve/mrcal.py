@@ -1,4 +1,4 @@
-"""Against mrcal, by its own programs: the same dots, held-out views, and its reading of our cameras.
+"""Comparison with mrcal by its own programs: the same dots, held-out views, and camera files.
 
 Both calibrate one camera from the training views: labcal with ``rational8``, mrcal with OPENCV8, which is the
 same formula, and a flat board. Then both lenses are held, and labcal's pose fitter, the same for both, lays
@@ -62,7 +62,7 @@ def bench_camera() -> Camera:
 
 
 def mrcal_findings(bench: Bench) -> Findings:
-    """Return how labcal does against mrcal; nothing but a note where mrcal is not installed."""
+    """Return the comparison with mrcal; only a note if mrcal is not installed."""
     if not is_installed():
         missing = "mrcal: left out, since it is not installed (Debian packages mrcal, python3-mrcal)"
         return Findings([], [], (missing,))
@@ -84,7 +84,7 @@ def mrcal_findings(bench: Bench) -> Findings:
     found = (simulated, projection, real)
     return Findings(
         [check for one in found for check in one.checks],
-        [figure for one in found for figure in one.beside],
+        [figure for one in found for figure in one.references],
         tuple(note for one in found for note in one.notes),
     )
 
@@ -102,7 +102,7 @@ def _simulated(seed: int, folder: Path) -> tuple[float, float] | None:
 
 
 def _real(home: Path, folder: Path) -> list[tuple[float, float] | None]:
-    """Return the same of every camera of a set of pictures, each fifth of the views held out once."""
+    """Return the same for every camera of a set of pictures, with each fifth of the views held out once."""
     (chosen,) = (one for one in SETS if one.folder == REAL_SET)
     target = load_target(chosen.target)
     sources = find_sources([str(home / chosen.folder)], chosen.endings)
@@ -155,12 +155,12 @@ def _compared(what: str, found: Sequence[tuple[float, float] | None]) -> Finding
         ("least ratio of one", single.min()),
         ("greatest ratio of one", single.max()),
     )
-    beside = [Figure(name=f"mrcal, {what}: {name}", value=float(value)) for name, value in figures]
-    return Findings([at_most(ratio, float(rms[0] / rms[1]), RATIO_LIMIT)], beside, notes)
+    references = [Figure(name=f"mrcal, {what}: {name}", value=float(value)) for name, value in figures]
+    return Findings([at_most(ratio, float(rms[0] / rms[1]), RATIO_LIMIT)], references, notes)
 
 
 def _projection_checks(seed: int, folder: Path) -> list[Check]:
-    """Return how far mrcal's projection is from labcal's, with the model that labcal writes."""
+    """Return the difference of projections of mrcal and labcal, with the model that labcal writes."""
     T_cam_world = from_rotation_vector(np.array([0.2, -0.1, 0.3]), np.array([120.0, -80.0, 300.0]))
     lens = bench_camera()
     camera = Camera(lens.K, lens.lens, lens.dist, T_cam_world, lens.size)

@@ -1,4 +1,4 @@
-"""mrcal's own programs, driven as a user would: calibration from a ``corners.vnl``, and projection."""
+"""The programs of mrcal, run like by a user: calibration from a ``corners.vnl``, and projection."""
 
 import json
 import re
@@ -15,9 +15,9 @@ from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.correspond.detections import Detections
 from labcal.correspond.interop.corners_vnl import corners_text
 from labcal.errors import DeviceError
+from labcal.run.bound_program import bound_to_this_process
 from labcal.run.made import note_made
 from labcal.run.outputs import write_file
-from labcal.run.tied_program import tied
 from labcal.targets.catalogue import AnyTarget
 
 LENSMODEL = "LENSMODEL_OPENCV8"
@@ -42,7 +42,7 @@ json.dump(mrcal.project(v, *model.intrinsics()).tolist(), sys.stdout)
 
 
 def is_installed() -> bool:
-    """Tell whether mrcal's programs are there."""
+    """Tell whether the programs of mrcal are installed."""
     return all(shutil.which(program) is not None for program in (_CALIBRATE, _REPROJECT))
 
 
@@ -59,7 +59,7 @@ def calibrated_by_mrcal(
     focal_px : float
         Where mrcal begins; where it ends nowhere near the dots, it begins again elsewhere.
     folder : Path
-        For ``corners.vnl``, what the program says, and the model; it must exist.
+        For ``corners.vnl``, the output of the program, and the model; it must exist.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def calibrated_by_mrcal(
 
 
 def reprojected(model: Path, v: Vectors3) -> Pixels:
-    """Return where a model images directions, by ``mrcal-reproject-points``, which prints six digits.
+    """Return images of directions by ``mrcal-reproject-points``, which prints six digits.
 
     Parameters
     ----------
@@ -120,13 +120,13 @@ def reprojected(model: Path, v: Vectors3) -> Pixels:
 
 
 def projected(model: Path, p: Vectors3) -> Pixels:
-    """Return where a model images points of the reference's frame, mm, by the module behind the programs."""
+    """Return images of points of the frame of the reference, mm, by the Python module of mrcal."""
     said = module_run(_PROJECT, [model], json.dumps((p / _MM_IN_M).tolist()))
     return np.array(json.loads(said), dtype=np.float64)
 
 
 def module_run(script: str, files: Sequence[Path], stdin: str = "") -> str:
-    """Run a script with the interpreter that mrcal's programs run with, and return what it printed.
+    """Run a script with the interpreter of the programs of mrcal, and return its output.
 
     Raises
     ------
@@ -146,10 +146,10 @@ def _path(program: str) -> str:
 
 
 def _run(words: list[str], folder: Path, stdin: str = "") -> str:
-    """Run a program and return what it said."""
+    """Run a program and return its output."""
     try:
         done = subprocess.run(  # noqa: S603 -- a program of mrcal, with words made here
-            tied([_path(words[0]), *words[1:]]),
+            bound_to_this_process([_path(words[0]), *words[1:]]),
             cwd=folder, input=stdin, capture_output=True, text=True, timeout=_SECONDS, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:

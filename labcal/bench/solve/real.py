@@ -1,4 +1,4 @@
-"""Rigs calibrated from pictures that this project did not make, where these are at hand."""
+"""Rigs calibrated from pictures from outside this project, if they are available."""
 
 import os
 from pathlib import Path
@@ -13,10 +13,10 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
+from labcal.estimators.fitting import fit_method
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.model import Model
 from labcal.estimators.registry import make_estimator
-from labcal.estimators.taught import teach
 from labcal.report.bench import Figure, at_most
 from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget, load_target
@@ -24,7 +24,7 @@ from labcal.targets.catalogue import AnyTarget, load_target
 LENS = "brown-k1k2"
 RENDERED, RENDERED_TARGET, RENDERED_PICTURES = "rendered_black", "rings-14x10", 20
 PHOTOS, PHOTO_TARGET, PHOTO_PICTURES = "photos", "rings-10x8", 14
-TAUGHT = ("hybrid", "mlp", "mlp-bayes", "ray-net")
+METHODS_COMPARED = ("hybrid", "mlp", "mlp-bayes", "ray-net")
 """Methods that learn from the dots of a target in the hand."""
 AGREE_LIMIT = 3.0
 """Standard deviations."""
@@ -32,7 +32,7 @@ LENGTH_LIMIT_MM = 0.010
 
 
 def real_findings(bench: Bench) -> Findings:
-    """Return how well two halves of rendered views agree, and how well lengths on photographs repeat.
+    """Return the agreement of two halves of rendered views, and the repeatability of lengths on photographs.
 
     On the photographs the rig, what methods learned in its world, and the places of the dots come from one
     half of the views, the lengths from the other half. Nothing but a note where the pictures are not at hand.
@@ -49,7 +49,7 @@ def real_findings(bench: Bench) -> Findings:
     checks = [
         at_most(f"{RENDERED}: two halves of the views, largest difference in sigma", worst, AGREE_LIMIT)
     ]
-    beside = [
+    references = [
         Figure(
             name=f"{RENDERED}: root mean square of its {len(apart)} differences in sigma",
             value=float(np.sqrt((apart**2).mean())),
@@ -61,13 +61,13 @@ def real_findings(bench: Bench) -> Findings:
         found, places = print_and_rig(learned, target, LENS)
         training = handheld_training(found, learned, target).data
         models: dict[str, Rig | Model] = {"rig": found.rig}
-        models |= {method: teach(training, make_estimator(method)) for method in TAUGHT}
+        models |= {method: fit_method(training, make_estimator(method)) for method in METHODS_COMPARED}
         for name, model in models.items():
             lengths = lengths_elsewhere(model, places, others, target).length_error_mm
             what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"
             checks.append(at_most(f"{what}, RMS, mm", lengths.rms, LENGTH_LIMIT_MM))
-            beside.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
-    return Findings(checks, beside)
+            references.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
+    return Findings(checks, references)
 
 
 def _measured(folder: Path, target: AnyTarget, progress: Progress) -> Detections:

@@ -1,4 +1,4 @@
-"""How long networks take to train beside ``torch-levenberg-marquardt``, and of several starts beside one."""
+"""Duration of network training compared with ``torch-levenberg-marquardt``, and of restarts."""
 
 import logging
 import time
@@ -21,8 +21,8 @@ from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.paper.rows import Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading, simulate
 from labcal.report.bench import Check, Figure, at_most
@@ -49,7 +49,7 @@ class _Task:
 
     @classmethod
     def of(cls, seed: int) -> "_Task":
-        """Return the scaled problem, and starts of which the first is the one of all comparisons."""
+        """Return the scaled problem, and starts, of which the first is used in all comparisons."""
         data = simulate(ROW, NoiseReading.NONE, seed)
         network = Network((data.X.shape[1], *ROW.hidden, data.Y.shape[1]))
         X, Y = (torch.from_numpy(RangeScaling.of(part).scaled(part)) for part in (data.X, data.Y))
@@ -57,12 +57,12 @@ class _Task:
         return cls(network, X, Y, [nguyen_widrow(network, own) for own in random])
 
     def problem(self, members: int) -> NetworkProblem:
-        """Return the problem for so many networks."""
+        """Return the problem for a number of networks."""
         return NetworkProblem(self.network, self.inputs, self.targets, members)
 
 
 def training_findings(bench: Bench) -> Findings:
-    """Return the ratios of the times, each pair taken in turn with one thread, the least of several rounds.
+    """Return ratios of times, each pair measured in turn with one thread, the least of several rounds.
 
     The other software gets every chance: Cholesky in place of its default QR, and its own damping or the
     same steps as ours, whichever is faster.
@@ -71,20 +71,20 @@ def training_findings(bench: Bench) -> Findings:
     task = _Task.of(bench.seed)
     bench.progress.start("training", 3)
     with one_torch_thread(), one_blas_thread():
-        checks, beside = _own_ratios(task, rounds)
+        checks, references = _own_ratios(task, rounds)
         bench.progress.advance()
         checks += _batch_ratios(task, rounds)
         bench.progress.advance()
         if find_spec(PEER) is None:
             note = "training: torch-levenberg-marquardt is not installed; the extra 'bench' brings it"
-            return Findings(checks, beside, (note,))
-        of_peer, beside_peer = _peer_ratios(task, rounds)
+            return Findings(checks, references, (note,))
+        of_peer, peer_references = _peer_ratios(task, rounds)
     bench.progress.advance()
-    return Findings([*of_peer, *checks], beside_peer + beside)
+    return Findings([*of_peer, *checks], peer_references + references)
 
 
 def _own_ratios(task: _Task, rounds: int) -> tuple[list[Check], list[Figure]]:
-    """Return assembly over the plain product, with torch and with NumPy, which knows that it is symmetric."""
+    """Return the time of assembly over that of the plain product, in torch and in symmetric NumPy form."""
     problem, start = task.problem(1), task.starts[:1]
     J = task.network.jacobian(start[0], task.inputs).flatten(0, 1).contiguous()
     array = J.numpy()
@@ -102,17 +102,17 @@ def _own_ratios(task: _Task, rounds: int) -> tuple[list[Check], list[Figure]]:
 
 
 def _batch_ratios(task: _Task, rounds: int) -> list[Check]:
-    """Return the times of restarts and of an ensemble over the mean of their starts alone, all to the goal.
+    """Return times of restarts and of an ensemble over the mean of single starts, all to the goal.
 
     Of restarts the best is wanted, so that the others are given up on the way; an ensemble needs them all.
     """
     stopping = Stopping(GOAL, PATIENCE)
     one, many = task.problem(1), task.problem(MEMBERS)
-    race = Race([range(MEMBERS)])
+    halving = SuccessiveHalving([range(MEMBERS)])
     *alone, restarts, ensemble = _least(
         max(rounds // 3, 2),
         *(partial(minimize_batch, one, [start], stopping, Damping()) for start in task.starts),
-        partial(minimize_batch, many, task.starts, stopping, Damping(), race),
+        partial(minimize_batch, many, task.starts, stopping, Damping(), halving),
         partial(minimize_batch, many, task.starts, stopping, Damping()),
     )
     mean = float(np.mean(alone))
@@ -152,7 +152,7 @@ def _peer_ratios(task: _Task, rounds: int) -> tuple[list[Check], list[Figure]]:
 
 
 def _peer_times(task: _Task, damping: dict[str, float]) -> list[float]:
-    """Return how long each epoch of ``torch-levenberg-marquardt`` takes until the goal."""
+    """Return the duration of each epoch of ``torch-levenberg-marquardt`` up to the goal."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of Lightning, which it imports
         peer: Any = import_module(PEER)
@@ -180,7 +180,7 @@ def _peer_times(task: _Task, damping: dict[str, float]) -> list[float]:
 
 
 def _least(rounds: int, *calls: Callable[[], object]) -> list[float]:
-    """Return the least time of each call, all taken in turn."""
+    """Return the least duration of each call, all measured in turn."""
     least = [float("inf")] * len(calls)
     for _ in range(rounds):
         for number, call in enumerate(calls):

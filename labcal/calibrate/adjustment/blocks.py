@@ -14,7 +14,7 @@ from labcal.optim.robust import Loss
 
 @dataclass(frozen=True)
 class Slopes:
-    """J'r, or a step, or anything else with a number for every parameter."""
+    """A vector with one value for every parameter: J'r, a step or the like."""
 
     shared: Float64[np.ndarray, " shared"]
     view: Float64[np.ndarray, "views 6"]
@@ -22,7 +22,7 @@ class Slopes:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Views meet each other only through what all of them share."""
+    """Normal equations in blocks: views are coupled only by the shared parameters."""
 
     shared: Float64[np.ndarray, "shared shared"]
     cross: Float64[np.ndarray, "views shared 6"]
@@ -85,7 +85,7 @@ def _squares(rows: Float64[np.ndarray, "width 2 n"], run: Run) -> Float64[np.nda
 def _moves(
     layout: Layout, number: int, T_world_target: Float64[np.ndarray, "pictures 4 4"]
 ) -> Float64[np.ndarray, "pictures width parameters"]:
-    """Return how parameters move what a camera's rows are derivatives by, in each of its pictures.
+    """Return the derivatives of what a camera's rows depend on by the parameters, in each of its pictures.
 
     Parameters are the lens, the camera's pose (but for the first), the view's pose; the residual stays last.
     """

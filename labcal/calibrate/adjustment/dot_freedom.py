@@ -1,4 +1,4 @@
-"""How dots may move on a print without shifting, turning or growing it as a whole."""
+"""Motions of free dots on a print without shift, rotation and scale of the whole, which are the gauge."""
 
 from dataclasses import dataclass
 from enum import Flag, auto
@@ -14,44 +14,44 @@ SHAPES = 4
 """The last of the :func:`plane_modes`: two of stretch, then two of keystone."""
 
 
-class Held(Flag):
-    """What of the dots' places is kept as declared, since the views do not tell it."""
+class Constrained(Flag):
+    """Parts of the places of dots that keep their declared values, since the views do not determine them."""
 
     NOTHING = 0
     HEIGHTS = auto()
     STRETCH = auto()
-    """How the scale along x and the one along y differ, or the shear, or something of both."""
+    """The difference of the scales along x and y, or the shear, or a combination."""
     KEYSTONE = auto()
-    """That the print grows along some direction, as a square seen at a slant does."""
+    """A scale that grows along some direction, like the image of a square that is seen obliquely."""
 
 
 @dataclass(frozen=True)
-class Hold:
-    """What of the dots' places is kept as declared."""
+class DatumConstraint:
+    """A datum constraint: the parts and directions of the places of dots that keep their declared values."""
 
-    parts: Held
-    """In words."""
+    parts: Constrained
+    """The parts by name."""
     directions: Float64[np.ndarray, "coordinates kept"]
-    """Motions in the plane, orthonormal, that are kept at 0."""
+    """Motions in the plane, orthonormal, that are constrained to 0."""
 
     @classmethod
-    def nothing(cls, dots: int) -> "Hold":
-        """Return that all may move."""
-        return cls(Held.NOTHING, np.zeros((3 * dots, 0)))
+    def nothing(cls, dots: int) -> "DatumConstraint":
+        """Return the constraint that leaves all motions free."""
+        return cls(Constrained.NOTHING, np.zeros((3 * dots, 0)))
 
 
 def dot_freedom(
-    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"], hold: Hold
+    dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"], hold: DatumConstraint
 ) -> Float64[np.ndarray, "coordinates free"]:
-    """Return an orthonormal basis of the dots' motions with the gauge taken out.
+    """Return an orthonormal basis of the motions of dots without the gauge.
 
     Parameters
     ----------
     dots : ndarray, shape (dots, 3)
         Where they are declared, mm; z = 0.
     movable : ndarray of bool, shape (dots,)
-        Which dots may move; the gauge is over them.
-    hold : Hold
+        A mask of dots that may move; the gauge refers to them.
+    hold : DatumConstraint
 
     Returns
     -------
@@ -71,7 +71,7 @@ def dot_freedom(
             f"{count} dots would be free at once, but their covariance is computed for up to {MOST_DOTS}. "
             "Use a target with fewer dots, or leave `free_dots` out."
         )
-    along = 2 if Held.HEIGHTS in hold.parts else 3
+    along = 2 if Constrained.HEIGHTS in hold.parts else 3
     x, y, z = (dots[movable] - dots[movable].mean(axis=0)).T
     o, one = np.zeros_like(x), np.ones_like(x)
     gauge = [[one, o, o], [o, one, o], [-y, x, o], [x, y, z]]
@@ -90,7 +90,7 @@ def dot_freedom(
 def plane_modes(
     dots: Float64[np.ndarray, "dots 3"], movable: Bool[np.ndarray, " dots"]
 ) -> Float64[np.ndarray, "coordinates 8"]:
-    """Return how a homography moves a plane, orthonormal: gauge, then stretch (2), then keystone (2).
+    """Return the motions of a plane by a homography, orthonormal: gauge, then stretch (2), then keystone (2).
 
     The picture of a plane by a camera of which nothing is known leaves just these open.
     """

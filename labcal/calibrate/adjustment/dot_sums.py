@@ -1,4 +1,4 @@
-"""What observations tell of free dots, in the normal equations."""
+"""The share of free dots in the normal equations."""
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -31,7 +31,7 @@ class DotSums:
         moves: Float64[np.ndarray, "width parameters"],
         dots: Int64[np.ndarray, " n"],
     ) -> None:
-        """Add one picture: what its rows tell of its dots, each of which it shows once."""
+        """Add the rows of one picture, which shows each of its dots once."""
         R_cam_world = layout.state.cameras[picture.camera].T_cam_world[:3, :3]
         R_cam_target = R_cam_world @ layout.state.T_world_target[picture.view, :3, :3]
         of_dot = np.tensordot(R_cam_target, rows[SHIFT], axes=(0, 0))

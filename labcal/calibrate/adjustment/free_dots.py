@@ -4,7 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.calibrate.adjustment.dot_freedom import SHAPES, Held, Hold, dot_freedom, plane_modes
+from labcal.calibrate.adjustment.dot_freedom import (
+    SHAPES,
+    Constrained,
+    DatumConstraint,
+    dot_freedom,
+    plane_modes,
+)
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
@@ -16,7 +22,7 @@ from labcal.wording import counted
 
 _FEWEST_DOTS = 8
 _WORSE = 10.0
-"""How much less sure than the rest of the places heights, stretch or keystone may be and still be
+"""Factor by which heights, stretch or keystone may be less certain than the rest of the places and still be
 taken from the views. For heights, tilts of some 6 degrees are enough."""
 
 
@@ -69,7 +75,7 @@ def adjust_dots(
             "few to free them. Take more pictures that show the same dots, or leave `free_dots` out."
         )
     entering = observations.where(movable[observations.dot])
-    hold = _hold(flat, entering, movable, lenses)
+    hold = _datum_constraint(flat, entering, movable, lenses)
     basis = dot_freedom(flat.state.dots, movable, hold)
     radii = 0.5 * target.outer_diameters_mm()
     adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, bias_rounds)
@@ -86,9 +92,11 @@ def adjust_dots(
     return DotsAdjusted(adjusted, entering, dots)
 
 
-def _hold(flat: Adjusted, observations: Observations, movable: np.ndarray, lenses: Lenses) -> Hold:
-    """Return what the views do not tell, by the normal equations with all dots free."""
-    nothing = Hold.nothing(len(movable))
+def _datum_constraint(
+    flat: Adjusted, observations: Observations, movable: np.ndarray, lenses: Lenses
+) -> DatumConstraint:
+    """Return the datum constraint, by normal equations with all dots free."""
+    nothing = DatumConstraint.nothing(len(movable))
     basis = dot_freedom(flat.state.dots, movable, nothing)
     problem = AdjustmentProblem(observations.scattered(flat.scatter_px**2), Freedom(lenses, basis))
     end = problem.linearize(flat.state)
@@ -100,11 +108,11 @@ def _hold(flat: Adjusted, observations: Observations, movable: np.ndarray, lense
     rest -= (rest @ modes) @ modes.T
     x, y, z = np.diagonal(rest).reshape(-1, 3)[movable].mean(axis=0)
     most = _WORSE**2 * max(x, y)
-    parts = Held.HEIGHTS if z > most else Held.NOTHING
+    parts = Constrained.HEIGHTS if z > most else Constrained.NOTHING
     shapes = modes[:, -SHAPES:]
     spread, axes = np.linalg.eigh(shapes.T @ variance @ shapes)
     kept = axes[:, spread > most]
     for direction in kept.T:
         stretched = (direction[: SHAPES // 2] ** 2).sum() > 0.5  # noqa: PLR2004 -- the larger part
-        parts |= Held.STRETCH if stretched else Held.KEYSTONE
-    return Hold(parts, shapes @ kept)
+        parts |= Constrained.STRETCH if stretched else Constrained.KEYSTONE
+    return DatumConstraint(parts, shapes @ kept)

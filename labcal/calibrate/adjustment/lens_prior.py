@@ -37,12 +37,12 @@ class LensPrior:
         return cls(tuple(coefficient_weights(camera, largest, width) for camera, largest in pairs))
 
     def cost(self, state: RigState) -> float:
-        """Return what the coefficients of a state cost."""
+        """Return the cost of the coefficients of a state by the prior."""
         pairs = zip(self.weight, state.cameras, strict=False)
         return float(sum(weight @ _distortion(camera) ** 2 for weight, camera in pairs))
 
     def added(self, blocks: Blocks, layout: Layout) -> Blocks:
-        """Return normal equations with the prior's share."""
+        """Return normal equations with the share of the prior."""
         if not self.weight:
             return blocks
         shared, gradient = blocks.shared.copy(), blocks.gradient.shared.copy()
@@ -54,7 +54,7 @@ class LensPrior:
 
 
 def _distortion(camera: Camera) -> Float64[np.ndarray, " coefficients"]:
-    """Return how far the coefficients are from those of the lens without distortion."""
+    """Return the difference of coefficients from those of the lens without distortion."""
     return np.asarray(camera.dist[: camera.model.coefficients] - np.array(camera.model.undistorted))
 
 

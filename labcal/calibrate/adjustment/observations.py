@@ -1,4 +1,4 @@
-"""What a bundle adjustment explains: dots measured in pictures, as arrays of numbers."""
+"""Observations of a bundle adjustment: measured dots as arrays of numbers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -29,13 +29,13 @@ class Picture:
 
 @dataclass(frozen=True)
 class Run:
-    """Pictures of one camera that are treated at once."""
+    """Pictures of one camera that are computed together."""
 
     pictures: tuple[Picture, ...]
 
     @property
     def camera(self) -> int:
-        """Whose pictures they are."""
+        """Index of the camera."""
         return self.pictures[0].camera
 
     @property
@@ -50,7 +50,7 @@ class Run:
 
     @cached_property
     def counts(self) -> Int64[np.ndarray, " pictures"]:
-        """How many rows its pictures have."""
+        """Number of rows of each picture."""
         return np.array([p.rows.stop - p.rows.start for p in self.pictures], dtype=np.int64)
 
     def within(self) -> Iterator[tuple[Picture, slice]]:
@@ -69,7 +69,7 @@ class Observations:
     dot: Int64[np.ndarray, " n"]
     """In the order of the target's indices, row by row."""
     q: Float64[np.ndarray, "n 2"]
-    """Where the dot's centre is imaged, px."""
+    """Pixels of the centres of dots, px."""
     covariance: Float64[np.ndarray, "n 2 2"]
     """Of `q`, px squared; positive definite."""
 
@@ -78,7 +78,7 @@ class Observations:
 
     @cached_property
     def whitener(self) -> Whitener:
-        """What turns residuals in px into standard deviations."""
+        """The whitener of residuals in px."""
         return Whitener.of(self.covariance)
 
     @cached_property
@@ -115,7 +115,7 @@ class Observations:
         )
 
     def moved(self, shift: Float64[np.ndarray, "n 2"]) -> "Observations":
-        """Return the same dots at pixels shifted by so much."""
+        """Return the same dots with pixels shifted."""
         return replace(self, q=self.q + shift)
 
     def scattered(self, extra: float) -> "Observations":

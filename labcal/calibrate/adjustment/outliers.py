@@ -1,4 +1,4 @@
-"""Dots that lie where neither their noise nor what the model does not know puts them.
+"""Outliers: dots whose residuals neither noise nor smooth model errors explain.
 
 A model that does not suit (a lens of another kind, a bent print) makes large residuals, too, but alike for
 neighbours in a picture. An outlier is off by itself.
@@ -11,10 +11,10 @@ from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.scatter import Scatter
 
 FALSE_ALARMS = 0.01
-"""How many sound dots are expected to be called outliers in a whole adjustment."""
+"""Expected number of good dots that are called outliers in a whole adjustment."""
 _NEIGHBOURS = 8
 _TIMES = 5.0
-"""How much farther than its neighbours from their median an outlier is: at edges a misfit is steep."""
+"""Ratio of the distance of an outlier from the median of its neighbours to theirs; steep near edges."""
 _MOST = 0.5
 """Share of a picture's dots from which on all of it is off."""
 
@@ -25,7 +25,7 @@ def outliers(
     dots: Float64[np.ndarray, "dots 3"],
     share: float,
 ) -> Bool[np.ndarray, " n"]:
-    """Return which observations are outliers.
+    """Return a mask of outliers.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def outliers(
         if len(candidates) == 0:
             continue
         places = dots[observations.dot[picture.rows]]
-        apart, usual = beside_neighbours(residual[picture.rows], places, candidates)
+        apart, usual = relative_to_neighbours(residual[picture.rows], places, candidates)
         covariance = observations.covariance[picture.rows][candidates]
         beyond_noise = Scatter.of(apart, covariance, share).squares(extra) > bound
         of_picture[candidates] = beyond_noise & (np.linalg.norm(apart, axis=1) > _TIMES * usual)
@@ -63,12 +63,12 @@ def outliers(
     return off
 
 
-def beside_neighbours(
+def relative_to_neighbours(
     residual: Float64[np.ndarray, "m 2"],
     places: Float64[np.ndarray, "m 3"],
     candidates: Int64[np.ndarray, " c"],
 ) -> tuple[Float64[np.ndarray, "c 2"], Float64[np.ndarray, " c"]]:
-    """Return how far residuals are from the median of the nearest dots', and how far these are, px.
+    """Return distances of residuals from the median of the nearest dots, and the same of these, px.
 
     Parameters
     ----------

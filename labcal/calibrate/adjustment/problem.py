@@ -38,7 +38,7 @@ class AdjustmentProblem:
     def cost(self, parameters: RigState) -> float:
         """Return the cost; infinite where a measured dot could not be imaged at all."""
         with np.errstate(invalid="ignore", over="ignore"):
-            white = self.observations.whitener.applied(parameters.residuals(self.observations).T)
+            white = self.observations.whitener.whiten(parameters.residuals(self.observations).T)
             cost = float(self.loss.cost((white**2).sum(axis=0)).sum()) + self.prior.cost(parameters)
         return cost if np.isfinite(cost) else float("inf")
 
@@ -74,7 +74,7 @@ class ViewsEliminated:
     def gradient_norm(self) -> float:
         """Return |J'r| where J'J is the unit matrix: how many standard deviations off the minimum is.
 
-        Its square is what a step without damping would take off the cost (the Newton decrement).
+        Its square is the decrease of the cost by a step without damping (the Newton decrement).
         """
         gradient = self.blocks.gradient
         step = None if self.reduced is None else self.reduced.solve(gradient, _UNDAMPED)
@@ -112,7 +112,7 @@ class ViewsEliminated:
     def _settled(self, state: RigState, gain: float) -> RigState | None:
         """Return the state with all poses refined, of views and of cameras; lenses and dots are kept.
 
-        `gain` is what the step of everything was to take off the cost.
+        `gain` is the predicted decrease of the cost by the whole step.
         """
         still = Freedom(Lenses.FIXED, self.layout.freedom.dots[:, :0])
         for _ in range(_POSE_STEPS):
@@ -130,5 +130,5 @@ class ViewsEliminated:
 
 
 def _gain(gradient: Slopes, step: Slopes) -> float:
-    """Return what a step of the linearised equations takes off the cost."""
+    """Return the decrease of the cost by a step of the linearised equations."""
     return float(gradient.shared @ step.shared + (gradient.view * step.view).sum())

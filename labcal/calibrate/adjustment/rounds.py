@@ -1,4 +1,4 @@
-"""Bundle adjustment in rounds: adjust, predict the centre bias and the scatter, adjust again."""
+"""Bundle adjustment in rounds: adjust, compute eccentricity and variance component, adjust again."""
 
 from dataclasses import dataclass, replace
 
@@ -34,11 +34,11 @@ DAMPING = Damping(start=1e-6, ceiling=1e6)
 
 @dataclass(frozen=True)
 class Adjusted:
-    """The end of a bundle adjustment."""
+    """The result of a bundle adjustment."""
 
     state: RigState
     layout: Layout
-    """Where parameters stand in `covariance`."""
+    """Positions of parameters in `covariance`."""
     covariance: Float64[np.ndarray, "shared shared"]
     """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
     residual: Float64[np.ndarray, "n 2"]
@@ -46,14 +46,14 @@ class Adjusted:
     shift: Float64[np.ndarray, "n 2"]
     """Centroid minus centre that was taken off the measured positions, px."""
     outlier: Bool[np.ndarray, " n"]
-    """What did not enter, since its residual is beyond what noise explains."""
+    """Mask of outliers, which did not enter."""
     scatter_px: float
-    """What dots scatter (per axis) beyond their covariances."""
+    """Variance component as a standard deviation, per axis."""
     reason: StopReason
     normal: Blocks
     """The normal equations at the end, with the scatter."""
     prior_width: PriorWidth
-    """How tightly what the dots leave open of the lenses was held."""
+    """Width of the prior of lens coefficients."""
 
     @property
     def typical_px(self) -> float:
@@ -83,7 +83,7 @@ def adjust_in_rounds(
     radii: Float64[np.ndarray, " dots"],
     bias_rounds: int,
 ) -> Adjusted:
-    """Adjust, and repeat with what the adjustment tells of bias, scatter and outliers.
+    """Adjust, and repeat with eccentricity, variance component and outliers of the previous round.
 
     Where the dots leave a lens open up to folds inside the picture, its coefficients are held tighter.
 
@@ -120,7 +120,7 @@ def adjust_in_rounds(
 
 @dataclass(frozen=True)
 class _Rounds:
-    """What :func:`adjust_in_rounds` is given."""
+    """Inputs of :func:`adjust_in_rounds`."""
 
     start: RigState
     observations: Observations
@@ -169,7 +169,7 @@ class _Rounds:
 
 @dataclass(frozen=True)
 class _Standing:
-    """Where the rounds stand."""
+    """State between two rounds."""
 
     state: RigState
     measured: Observations
@@ -188,7 +188,7 @@ class _Standing:
     def of(
         cls, state: RigState, centroids: Observations, shift: Float64[np.ndarray, "n 2"], freedom: Freedom
     ) -> "_Standing":
-        """Judge the residuals of a state."""
+        """Find variance component and outliers from the residuals of a state."""
         measured = centroids.moved(-shift)
         residual = state.residuals(measured)
         if not np.isfinite(residual).all():
@@ -206,7 +206,7 @@ class _Standing:
         return cls(state, measured, shift, aside, kept.extra_variance())
 
     def shifted(self, shift: Float64[np.ndarray, "n 2"]) -> "_Standing":
-        """Return it with another centre bias taken off, and judged as before."""
+        """Return the state with another eccentricity, and the same variance component and outliers."""
         return replace(self, measured=self.measured.moved(self.shift - shift), shift=shift)
 
 
@@ -218,7 +218,7 @@ def _share(unknowns: int, dots: int) -> float:
 def predicted_shift(
     state: RigState, observations: Observations, radii: Float64[np.ndarray, " dots"]
 ) -> Float64[np.ndarray, "n 2"]:
-    """Return centroid minus centre of every observation, px."""
+    """Return the eccentricity of every observation, px."""
     discs = Discs(state.dots, radii)
     shift = np.zeros_like(observations.q)
     for picture in observations.pictures:

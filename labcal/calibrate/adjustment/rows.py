@@ -49,12 +49,12 @@ def linearised_rows(
     rows = np.empty((free + POSE + 1, 2, p.shape[1]))
     turn, shift, residual = rows[free : free + 3], rows[SHIFT], rows[_RESIDUAL]
     whitener = observations.whitener.rows(run.rows)
-    residual[...] = whitener.applied(found.q.T - observations.q[run.rows].T)
+    residual[...] = whitener.whiten(found.q.T - observations.q[run.rows].T)
     weight = np.sqrt(loss.weight((residual**2).sum(axis=0)))
     residual *= weight
-    weighted = whitener.times(weight)
-    rows[:free] = weighted.applied(found.by_camera.T)
-    shift[...] = weighted.applied(found.by_point.T)
+    weighted = whitener.weighted(weight)
+    rows[:free] = weighted.whiten(found.by_camera.T)
+    shift[...] = weighted.whiten(found.by_point.T)
     for axis in range(3):
         one, two = (axis + 1) % 3, (axis + 2) % 3
         np.subtract(arm[one] * shift[two], arm[two] * shift[one], out=turn[axis])

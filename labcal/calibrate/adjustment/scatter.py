@@ -1,4 +1,4 @@
-"""By how much dots scatter more than their covariances say."""
+"""Variance component: the variance of dots in addition to their stated covariances."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Scatter:
     def of(
         cls, residual: Float64[np.ndarray, "n 2"], covariance: Float64[np.ndarray, "n 2 2"], share: float
     ) -> "Scatter":
-        """Return that of residuals (px) whose measured positions alone have covariances (px squared)."""
+        """Return the scatter of residuals (px) whose pixels alone have covariances (px squared)."""
         spread, axes = np.linalg.eigh(covariance)
         return cls(np.einsum("nji,nj->ni", axes, residual) ** 2, spread, share)
 
@@ -35,7 +35,7 @@ class Scatter:
         return np.asarray((self.square / (self.spread + extra)).sum(axis=1))
 
     def extra_variance(self) -> float:
-        """Return the variance (px squared) to add so that residuals are as large as they should be.
+        """Return the additional variance (px squared) for which residuals agree with their covariances.
 
         What a model does not know (a print that is off, a lens of another kind) makes residuals that do not
         shrink with a dot's own noise. Weights that ignore this trust the sharpest dots too much, and stated

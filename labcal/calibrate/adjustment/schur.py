@@ -16,7 +16,7 @@ _TAKES_PART = 1e-8
 
 @dataclass(frozen=True)
 class Reduced:
-    """What is left for the shared parameters when the views' poses follow them.
+    """Normal equations of the shared parameters after elimination of the poses of views.
 
     Triggs et al., "Bundle adjustment", 2000, section 6.1. Shared parameters are in units in which each by
     itself has a curvature of 1 *after* the views have followed: pixels of the principal point, of which
@@ -34,7 +34,7 @@ class Reduced:
 
     @classmethod
     def of(cls, blocks: Blocks) -> "Reduced | None":
-        """Return it, or None where a view's dots do not fix its pose."""
+        """Return the reduced equations, or None if the dots of a view do not determine its pose."""
         try:
             inverse_root = np.linalg.inv(np.linalg.cholesky(blocks.view))
         except np.linalg.LinAlgError:

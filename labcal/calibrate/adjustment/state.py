@@ -1,4 +1,4 @@
-"""Where a bundle adjustment stands: cameras, target poses, dots; and what it may change."""
+"""The state of a bundle adjustment: cameras, target poses, dots; and its free parameters."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -17,7 +17,7 @@ POSE = 6
 
 
 class Lenses(StrEnum):
-    """Whether cameras' intrinsics and lens coefficients are estimated."""
+    """Treatment of intrinsics and lens coefficients: estimated or fixed."""
 
     FREE = "free"
     FIXED = "fixed"
@@ -25,7 +25,7 @@ class Lenses(StrEnum):
 
 @dataclass(frozen=True)
 class Freedom:
-    """What an adjustment may change beside the poses, which are always free but for the first camera's."""
+    """Free parameters other than the poses, which are always free except for the pose of the first camera."""
 
     lenses: Lenses
     dots: Float64[np.ndarray, "coordinates free"]
@@ -45,7 +45,7 @@ class RigState:
     def seen_by(
         self, observations: Observations, run: Run
     ) -> tuple[Float64[np.ndarray, "3 n"], Float64[np.ndarray, "3 n"]]:
-        """Return where the dots of a run's pictures are from the target's origin, and from the camera.
+        """Return positions of the dots relative to the origin of the target, and to the camera.
 
         Both in mm along the camera's axes.
         """
@@ -66,7 +66,7 @@ class RigState:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where parameters shared by all views stand: camera by camera lens, then pose; then the dots."""
+    """Positions of shared parameters: camera by camera lens, then pose; then the dots."""
 
     state: RigState
     freedom: Freedom
@@ -87,7 +87,7 @@ class Layout:
         )
 
     def own(self, camera: int) -> slice:
-        """Return where all that belongs to one camera stands."""
+        """Return the positions of all parameters of one camera."""
         return slice(self.lens[camera].start, self.pose[camera].stop)
 
     @property
@@ -98,7 +98,7 @@ class Layout:
 
     @property
     def count(self) -> int:
-        """How many shared parameters there are."""
+        """Number of shared parameters."""
         return int(self.dots.stop)
 
     @property

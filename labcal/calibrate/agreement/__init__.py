@@ -1,1 +1,1 @@
-"""Whether the cameras of a rig agree on where a target was that was held in the hand."""
+"""Agreement of the cameras of a rig on the poses of a hand-held target."""

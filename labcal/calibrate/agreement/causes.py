@@ -1,4 +1,4 @@
-"""Why cameras do not agree on where the target was: what may have happened, the likeliest first."""
+"""Causes of inconsistent pictures, the most likely first."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,21 +30,21 @@ from labcal.errors import InputError
 _MOST = 0.8
 """Share of what errors do not explain from which on an explanation is the likeliest."""
 _MENDED = 0.01
-"""What is left of a misfit where exchanged pictures were its cause."""
+"""Largest share of a misfit that remains if exchanged pictures were its cause."""
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """Cameras that were calibrated alone, and how they can be once more."""
+    """Single-camera calibrations, and a way to repeat them."""
 
     cameras: Sequence[CameraAlone]
     entering: Detections
     again: CalibrateAlone
     free_dots: bool = False
-    """Whether the cameras stand for a print that was found with them."""
+    """True if dots were freed with these cameras."""
 
     def pairs(self) -> list[PairAgreement]:
-        """Return how every two cameras with shared views agree."""
+        """Return the agreement of every two cameras with shared views."""
         pairs = (PairAgreement.of(one, other) for one, other in combinations(self.cameras, 2))
         return [pair for pair in pairs if pair is not None]
 
@@ -58,7 +58,7 @@ class Calibrated:
 
 
 def disagreement(found: Calibrated) -> Disagreement | None:
-    """Return what is likely to have happened where cameras do not agree; None where they do."""
+    """Return the likely causes if cameras disagree, or None if they agree."""
     if any(camera.lone.camera.model.parallel for camera in found.cameras):
         return None  # parallel rays alone tell neither depth nor the sign of a tilt
     pairs = found.pairs()
@@ -71,7 +71,7 @@ def disagreement(found: Calibrated) -> Disagreement | None:
 
 
 def _causes(found: Calibrated, pair: PairAgreement, apart: list[set[str]]) -> tuple[Cause, ...]:
-    """Return the causes that may be, by one pair; `apart` are all pairs that do not agree."""
+    """Return the possible causes for one pair; `apart` are all pairs that disagree."""
     exchanged = _exchanged(found, pair)
     if exchanged is not None:
         return (exchanged,)
@@ -132,7 +132,7 @@ def _target_moved(pair: PairAgreement, telling: tuple[str, ...], *, in_no_order:
 
 
 def _lens_misfit(found: Calibrated, pair: PairAgreement, telling: tuple[str, ...]) -> Cause:
-    """Return the cause that what each camera is calibrated with does not suit."""
+    """Return the cause that the calibration models do not fit the cameras."""
     advice = "Try `lens='auto'`." if found.free_dots else "Try `lens='auto'` or `free_dots=True`."
     return Cause(
         CauseName.LENS_MISFIT,

@@ -1,4 +1,4 @@
-"""How much larger smooth errors are than the scatter of single dots explains."""
+"""Smooth errors of residuals, compared with the scatter of single dots."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ _RANK = 1e-6
 
 @dataclass(frozen=True)
 class SmoothErrors:
-    """Energy of the smooth part of a camera's residuals, beside what its pose has taken up.
+    """Energy of the smooth part of the residuals of a camera that its pose does not absorb.
 
     A lens that does not suit, an uneven print or the detection itself makes errors that neighbouring dots
     share. They move a pose by more than independent errors of the same size would; by how much, those
@@ -30,11 +30,11 @@ class SmoothErrors:
     energy: float
     """Sum of squares, in units of the dots' variances."""
     freedom: float
-    """What that would be if dots erred independently."""
+    """The same for independent errors of dots."""
 
     @classmethod
     def of(cls, result: AdjustedDots) -> "SmoothErrors":
-        """Return that of a camera that was calibrated alone."""
+        """Return the smooth errors of a single-camera calibration."""
         end = result.adjusted
         dots = result.observations.moved(-end.shift).where(~end.outlier).scattered(end.scatter_px**2)
         energy, freedom = 0.0, 0.0
@@ -50,12 +50,12 @@ class SmoothErrors:
 
     @classmethod
     def together(cls, parts: "list[SmoothErrors]") -> "SmoothErrors":
-        """Return that of several cameras."""
+        """Return the smooth errors of several cameras."""
         return cls(sum(part.energy for part in parts), sum(part.freedom for part in parts))
 
     @property
     def inflation(self) -> float:
-        """How many times larger variances of poses are than independent errors make them, at least 1."""
+        """Factor by which pose variances exceed those of independent errors, at least 1."""
         return max(1.0, self.energy / self.freedom) if self.freedom > 0.0 else 1.0
 
 
@@ -65,13 +65,13 @@ def _smooth(
     dots: Observations,
     rows: slice,
 ) -> Float64[np.ndarray, "twom modes"]:
-    """Return an orthonormal basis of a picture's smooth errors, beside those that its pose takes up."""
+    """Return an orthonormal basis of smooth errors of a picture that its pose does not absorb."""
     x, y = places[dots.dot[rows], :2].T
     x, y = (x - x.mean()) / (np.ptp(x) or 1.0), (y - y.mean()) / (np.ptp(y) or 1.0)
     powers = [x**i * y**j for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
     fields = np.zeros((2 * len(powers), 2, len(x)))
     fields[0::2, 0], fields[1::2, 1] = powers, powers
-    white = dots.whitener.rows(rows).applied(fields)
+    white = dots.whitener.rows(rows).whiten(fields)
     columns = np.concatenate([by_pose, white]).reshape(POSE + len(white), -1).T
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     basis, triangle = np.linalg.qr(columns)

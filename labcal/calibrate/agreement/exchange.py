@@ -1,4 +1,4 @@
-"""Views in which two cameras' pictures seem to be exchanged, by the poses of the target that they show."""
+"""Detection of views in which the pictures of two cameras are exchanged, by the poses of the target."""
 
 from dataclasses import replace
 
@@ -8,18 +8,18 @@ from jaxtyping import Bool
 from labcal.arrays import Vectors3
 from labcal.calibrate.lone_calibration import CameraAlone
 from labcal.calibrate.rig_start import SharedViews
-from labcal.calibrate.view_agreement import target_misses
+from labcal.calibrate.view_agreement import target_residuals
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import inverse
 
 _EXCHANGED = 0.2
-"""What is left of the misses of all views where pictures change places that were exchanged."""
+"""Share of the residuals of all views that remains if exchanged pictures are put right."""
 _CANDIDATES = 20
 """Views that are tried for a reference."""
 
 
 def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Vectors3) -> Bool[np.ndarray, " n"] | None:
-    """Return which of the views that two cameras share seem to have exchanged pictures.
+    """Return the shared views whose pictures seem to be exchanged.
 
     The poses between the cameras of exchanged views are the inverse of the others'. None where the poses of
     all views are not much more alike when some are taken for inverse ones, or where pictures of two sizes
@@ -37,8 +37,8 @@ def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Vectors3) -> 
     best: tuple[float, Bool[np.ndarray, " n"]] | None = None
     for at in range(0, len(shared.views), -(-len(shared.views) // _CANDIDATES)):
         T_second_first = shared.second[at] @ inverse(shared.first[at])
-        given = target_misses(second.lone, T_second_first, shared, dots)
-        other = target_misses(second.lone, inverse(T_second_first), shared, dots)
+        given = target_residuals(second.lone, T_second_first, shared, dots)
+        other = target_residuals(second.lone, inverse(T_second_first), shared, dots)
         left = float(np.minimum(given, other).mean())
         if left < _EXCHANGED * float(given.mean()) and (best is None or left < best[0]):
             best = (left, other < given)

@@ -1,4 +1,4 @@
-"""What is found where cameras do not agree on where the target was, with its likely causes."""
+"""A disagreement of cameras on the poses of the target, and its likely causes."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -8,7 +8,7 @@ from labcal.wording import listed
 
 
 class CauseName(StrEnum):
-    """What may have happened; the names of the checks of a shoot."""
+    """A possible cause; the names are those of the checks of a shoot."""
 
     SWAPPED_CAMERAS = "swapped-cameras"
     CAMERA_MOVED = "camera-moved"
@@ -18,11 +18,11 @@ class CauseName(StrEnum):
 
 @dataclass(frozen=True)
 class Cause:
-    """One thing that may have happened."""
+    """One possible cause."""
 
     cause: CauseName
     why: str
-    """What speaks for it and what to do, for people."""
+    """Reason for the cause and advice, in words."""
     cameras: tuple[str, ...]
     views: tuple[str, ...]
     """Those that show it, in their order; of a moved camera those after the move."""
@@ -35,7 +35,7 @@ class Disagreement:
     causes: tuple[Cause, ...]
     """The likeliest one first; at least one."""
     times: float
-    """How many times larger variances between views are than errors explain, the worst pair's."""
+    """Factor by which variances between views exceed the errors, of the worst pair."""
 
     @property
     def cameras(self) -> tuple[str, ...]:

@@ -22,7 +22,8 @@ LEAST_TIMES = 7.0
 cameras and prints."""
 NOT_RIGID_TIMES = 20.0
 """The same where dots had to be found on the print, or cameras alone show that the board or the lens is not
-as modelled: a sheet of paper bends from view to view. Only what makes lengths worse by a fifth is told."""
+as modelled: a sheet of paper bends from view to view. Only what increases errors of lengths
+by a fifth is reported."""
 SMOOTH = 3.0
 """Inflation from which on the lens model, or the flat board, does not suit."""
 MOST_ODD = 0.2
@@ -30,9 +31,9 @@ MOST_ODD = 0.2
 _TIMES_ODD = 20.0
 """Times the misfit that errors explain, from which on a view is an odd one."""
 _FEWEST = 5
-"""Shared views from which on an odd one can be told from the others."""
+"""Number of shared views that is enough to identify an inconsistent one."""
 _VIEWS_A_MOVE = 3
-"""How many views there are at least, on average, between moves of a camera."""
+"""Least average number of views between moves of a camera."""
 _NO_CHANCE = 0.05
 """Chance from which on it is not by chance that a move explains what it does."""
 _TELLING = 3.0
@@ -63,13 +64,13 @@ def disagrees(pair: PairAgreement, pairs: int = 1, *, freed: bool = False) -> bo
 
 
 def times(pair: PairAgreement) -> float:
-    """Return how many times larger the variance between views is than errors explain."""
+    """Return the factor by which the variance between views exceeds the errors."""
     groups = together(pair)
     return pair.misfit(groups) / (POSE * (len(groups) - 1)) / pair.inflation
 
 
-def odd_views(pair: PairAgreement) -> list[int]:
-    """Return the places of the few views that contradict all others, which agree; none where no few do."""
+def inconsistent_views(pair: PairAgreement) -> list[int]:
+    """Return indices of the few views that contradict all others, which agree; none if there are no few."""
     groups = together(pair)
     if len(groups) < _FEWEST:
         return []
@@ -104,7 +105,7 @@ def moves(pair: PairAgreement) -> Int64[np.ndarray, " n"]:
 
 
 def explained(pair: PairAgreement, groups: Int64[np.ndarray, " n"]) -> float:
-    """Return the share of what errors do not explain that a grouping does."""
+    """Return the share of unexplained variance that a grouping explains."""
     all_ = together(pair)
     expected = POSE * (len(all_) - 1) * pair.inflation
     return (pair.misfit(all_) - pair.misfit(groups)) / max(pair.misfit(all_) - expected, 1e-300)
@@ -136,13 +137,13 @@ def telling_views(pair: PairAgreement) -> list[int]:
 
 
 def _gains(pair: PairAgreement, groups: Int64[np.ndarray, " n"]) -> Float64[np.ndarray, " n"]:
-    """Return by how much the misfit falls when a view gets a pose of its own, view by view."""
+    """Return the decrease of the misfit by a separate pose for a view, view by view."""
     all_ = pair.misfit(groups)
     return np.array([all_ - pair.misfit(_alone(groups, place)) for place in range(len(groups))])
 
 
 def _chance_of_view(pair: PairAgreement, gain: float) -> float:
-    """Return how likely chance makes one view fit so badly."""
+    """Return the probability that one view fits so badly by chance."""
     return f_tail(gain / POSE / pair.inflation, POSE, max(pair.smooth.freedom, 1.0))
 
 

@@ -1,4 +1,4 @@
-"""Whether the relative pose of two cameras was the same in all views: a test of hypotheses."""
+"""Tests of the hypothesis that the relative pose of two cameras is the same in all views."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +20,7 @@ _LOWEST = 5.0
 
 @dataclass(frozen=True)
 class PairAgreement:
-    """Two cameras, and the poses between them that their shared views give one by one.
+    """Two cameras, and their relative poses in each shared view.
 
     Notes
     -----
@@ -48,7 +48,7 @@ class PairAgreement:
         return cls(first.name, second.name, poses, SmoothErrors.together(smooth))
 
     def chance(self, groups: Int64[np.ndarray, " n"]) -> float:
-        """Return how likely chance makes views of the same group differ as much as they do.
+        """Return the probability that views of the same group differ so much by chance.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class PairAgreement:
 
     @property
     def inflation(self) -> float:
-        """How many times larger the variances of poses may be than independent errors of dots make them.
+        """Factor by which pose variances may exceed those of independent dot errors.
 
         Where smooth errors are larger than independent ones, something is not as modelled; of that poses take
         up more than what lies beside them, at most :data:`_LOWEST` times as much.
@@ -76,8 +76,8 @@ class PairAgreement:
         count = 1 + int(groups.max())
         weight = np.zeros((count, POSE, POSE))
         np.add.at(weight, groups, self._weight)
-        told = np.zeros((count, POSE))
-        np.add.at(told, groups, self._told)
+        sums = np.zeros((count, POSE))
+        np.add.at(sums, groups, self._weighted)
         reach = np.zeros((count, POSE, self._reach.shape[2]))
         np.add.at(reach, groups, self._reach)
         flat = reach.reshape(POSE * count, -1)
@@ -85,9 +85,9 @@ class PairAgreement:
         for group in range(count):
             at = slice(POSE * group, POSE * (group + 1))
             normal[at, at] += weight[group]
-        lenses = np.einsum("nis,ni->s", self.poses.by_shared, self._told)
-        right = told.ravel() - flat @ self._inner @ lenses
-        square = float((self.poses.difference * self._told).sum() - lenses @ self._inner @ lenses)
+        lenses = np.einsum("nis,ni->s", self.poses.by_shared, self._weighted)
+        right = sums.ravel() - flat @ self._inner @ lenses
+        square = float((self.poses.difference * self._weighted).sum() - lenses @ self._inner @ lenses)
         scale = 1.0 / np.sqrt(np.maximum(np.diagonal(normal), 1e-300))
         scaled = normal * np.outer(scale, scale)
         step, *_ = np.linalg.lstsq(scaled, scale * right, rcond=1e-13)
@@ -98,7 +98,7 @@ class PairAgreement:
         return np.linalg.inv(self.poses.own)
 
     @cached_property
-    def _told(self) -> Float64[np.ndarray, "n 6"]:
+    def _weighted(self) -> Float64[np.ndarray, "n 6"]:
         """Differences, weighted."""
         return np.asarray((self._weight @ self.poses.difference[..., None])[..., 0])
 

@@ -1,4 +1,4 @@
-"""Where one camera stands beside another by each view alone, and how sure that is."""
+"""Relative poses of two cameras by each view alone, with covariances."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from labcal.calibrate.rig_start import SharedViews, pose_between
 
 @dataclass(frozen=True)
 class LonePoses:
-    """Errors of a lone camera's target poses, linearised at the end of its adjustment.
+    """Errors of the target poses of a single-camera calibration, linearised at its result.
 
     A pose's error is its own, which is independent of all others, plus what an error of the lens (and of the
     dots, where these were free) makes of it, which all views share.
@@ -40,12 +40,12 @@ class LonePoses:
 
 @dataclass(frozen=True)
 class RelativePoses:
-    """By view: by how much ``T_second_first`` differs from what most views say, in rad and mm."""
+    """Differences of ``T_second_first`` from that of most views, by view, in rad and mm."""
 
     views: Int64[np.ndarray, " n"]
     """Numbers of the views in the rig."""
     T_second_first: Pose
-    """What most views say."""
+    """Pose in most views."""
     difference: Float64[np.ndarray, "n 6"]
     """A rotation vector, applied after that pose's rotation, and a shift."""
     own: Float64[np.ndarray, "n 6 6"]
@@ -81,7 +81,7 @@ class RelativePoses:
 def _by_pose(
     R: Float64[np.ndarray, "n 3 3"], carried: Float64[np.ndarray, "n 3"]
 ) -> tuple[Float64[np.ndarray, "n 6 6"], Float64[np.ndarray, "n 6 6"]]:
-    """Return how steps of the target's poses in both cameras change the pose between the cameras.
+    """Return the derivatives of the relative pose by the poses of the target in both cameras.
 
     Parameters
     ----------

@@ -1,15 +1,15 @@
-"""Views in which cameras contradict each other by little, but more than errors explain: left out by name."""
+"""Slightly inconsistent views, whose contradiction exceeds the errors: left out by name."""
 
 from collections.abc import Sequence
 from itertools import combinations
 
-from labcal.calibrate.agreement.hypotheses import odd_views
+from labcal.calibrate.agreement.hypotheses import inconsistent_views
 from labcal.calibrate.agreement.pair import PairAgreement
 from labcal.calibrate.lone_calibration import CameraAlone
-from labcal.calibrate.view_agreement import OddPicture, outvoted
+from labcal.calibrate.view_agreement import InconsistentPicture, majority_outliers
 
 
-def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[OddPicture]:
+def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[InconsistentPicture]:
     """Return the pictures of a few views in which cameras do not agree on where the target was.
 
     Only where the other views agree. Of three cameras or more those that agree with each other stay.
@@ -26,7 +26,7 @@ def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[OddPicture]:
     for (one, other), pair in zip(numbers, pairs, strict=True):
         if pair is None:
             continue
-        for place in odd_views(pair):
+        for place in inconsistent_views(pair):
             view = int(pair.poses.views[place])
             against.setdefault(view, []).append((one, other))
             reasons[view] = (
@@ -35,7 +35,9 @@ def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[OddPicture]:
                 "camera was moved"
             )
     return [
-        OddPicture(cameras[number].name, view, reasons[view])
+        InconsistentPicture(cameras[number].name, view, reasons[view])
         for view, pairs_apart in sorted(against.items())
-        for number in outvoted(pairs_apart, [n for n, one in enumerate(cameras) if view in one.lone.views])
+        for number in majority_outliers(
+            pairs_apart, [n for n, one in enumerate(cameras) if view in one.lone.views]
+        )
     ]

@@ -1,10 +1,10 @@
-"""What it means that the cameras of a rig contradict each other, for people."""
+"""Messages about cameras of a rig that contradict each other."""
 
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 
 
-def contradiction_words(found: HandheldCalibration) -> list[str]:
-    """Return that they do, and the likely causes in order; nothing where they agree."""
+def contradiction_message(found: HandheldCalibration) -> list[str]:
+    """Return the message with the likely causes in order; empty if the cameras agree."""
     doubt = found.disagreement
     if doubt is None:
         return []

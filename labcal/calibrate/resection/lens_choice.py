@@ -1,4 +1,4 @@
-"""Which lens model known points support, by points that were held out."""
+"""The choice of a lens model by held-out known points."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,7 @@ from labcal.cameras.prescription import load_prescription, prescription_names
 from labcal.cameras.window import FlatWindow
 from labcal.errors import InputError, UnknownNameError
 from labcal.geometry.poses import transform
-from labcal.optim.whitening import Even
+from labcal.optim.whitening import UniformNoise
 
 _LATTICE = 24
 
@@ -98,7 +98,7 @@ def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str
         return None
     squares = []
     for out in folds(q, np.linalg.norm(transform(whole.camera.T_cam_world, p), axis=1)):
-        part = adjusted(whole.placed, q[~out], p[~out], Even(max(whole.sigma_px, 1e-6)), NEAR)
+        part = adjusted(whole.placed, q[~out], p[~out], UniformNoise(max(whole.sigma_px, 1e-6)), NEAR)
         miss = ((part.camera.project(p[out]).q - q[out]) ** 2).sum(axis=1)
         squares.append(np.where(np.isfinite(miss), miss, np.inf))
     return _Trial(whole, np.concatenate(squares))

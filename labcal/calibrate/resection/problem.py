@@ -42,13 +42,13 @@ class ResectionProblem:
         if not np.isfinite(residual).all():
             return float("inf")
         numbers = parameters.numbers.deviations
-        return float((self.whitening.white(residual) ** 2).sum() + self.prior[POSE:] @ numbers**2)
+        return float((self.whitening.whiten(residual) ** 2).sum() + self.prior[POSE:] @ numbers**2)
 
     def linearize(self, parameters: PlacedCamera) -> "ResectionEquations":
         """Return the normal equations at a camera."""
         seen = parameters.seen(self.p)
-        J = self.whitening.white(seen.by_camera).reshape(-1, parameters.count)
-        residual = self.whitening.white(seen.q - self.q).ravel()
+        J = self.whitening.whiten(seen.by_camera).reshape(-1, parameters.count)
+        residual = self.whitening.whiten(seen.q - self.q).ravel()
         numbers = np.concatenate([np.zeros(POSE), parameters.numbers.deviations])
         return ResectionEquations(
             parameters, J.T @ J + np.diag(self.prior), J.T @ residual + self.prior * numbers

@@ -17,7 +17,7 @@ from labcal.geometry.arrangement import refuse_collinear, refuse_few, refuse_one
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Stopping
-from labcal.optim.whitening import Even, Whitening
+from labcal.optim.whitening import UniformNoise, Whitening
 from labcal.run.threads import one_blas_thread
 
 _STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
@@ -57,7 +57,7 @@ class ResectedCamera:
         own = self.placed.numbers.coefficients
         at = slice(POSE + own.start, POSE + own.stop)
         freedom = max(1, self.residual.size - self.placed.count)
-        scatter = float((whitening.white(self.residual) ** 2).sum()) / freedom
+        scatter = float((whitening.whiten(self.residual) ** 2).sum()) / freedom
         return FoundLens(self.camera, scatter * self.covariance[at, at])
 
 
@@ -88,7 +88,10 @@ def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamer
     refuse_collinear(method, p)
     refuse_one_plane(method, p)
     middle = p.mean(axis=0)
-    ends = [adjusted(PlacedCamera(start, middle), q, p, Even(1.0)) for start in resection_starts(q, p, kinds)]
+    ends = [
+        adjusted(PlacedCamera(start, middle), q, p, UniformNoise(1.0))
+        for start in resection_starts(q, p, kinds)
+    ]
     best = min(ends, key=lambda end: float((end.residual**2).sum()))
     rms = float(np.sqrt((best.residual**2).sum(axis=1).mean()))
     if not rms <= MOST_OFF * kind.size[0]:
@@ -96,7 +99,7 @@ def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamer
             f"{method}: no camera with the lens '{kind.lens}' explains the dots; the best is off by "
             f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."
         )
-    return adjusted(best.placed, q, p, Even(max(best.sigma_px, 1e-6)), NEAR)
+    return adjusted(best.placed, q, p, UniformNoise(max(best.sigma_px, 1e-6)), NEAR)
 
 
 def adjusted(

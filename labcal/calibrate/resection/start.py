@@ -1,4 +1,4 @@
-"""Where resection begins: cameras without distortion, the one nearest to the pixels first."""
+"""Initial values of a resection: cameras without distortion, the nearest to the pixels first."""
 
 from collections.abc import Sequence
 from dataclasses import replace

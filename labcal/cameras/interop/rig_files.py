@@ -25,8 +25,8 @@ from labcal.geometry.poses import inverse
 from labcal.run.claims import FileOutput, FolderOutput, Output
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_reading import read_bytes
+from labcal.run.output_place import require_file_place
 from labcal.run.outputs import write_file
-from labcal.run.standing import require_file_place
 from labcal.run.unfinished import unfinished_folder
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())

@@ -56,18 +56,18 @@ class CornersText:
 
     text: str
     points: int
-    """How many are measured."""
+    """Number of measured points."""
     left_out: int
     """Lines that stand as missing: no measurements of the grid, or at negative pixels."""
 
 
 @dataclass(frozen=True)
 class ReadCorners:
-    """What a ``corners.vnl`` holds."""
+    """The content of a ``corners.vnl``."""
 
     detections: Detections
     notes: tuple[str, ...] = ()
-    """What its reader should know, for people: what was assumed."""
+    """Notes on assumptions that were made."""
 
 
 def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
@@ -150,11 +150,11 @@ def read_corners(
     notes: tuple[str, ...] = ()
     parts = [_picture(image, np.array(points), target, path) for image, points in images.items()]
     if stated and _TOP_FIRST not in text:
-        told = (
+        note = (
             f"{path} was written by an older labcal, with rows from the bottom of the board, and is read so. "
             "For other programs write it anew from detections.csv."
         )
-        notes = (told,)
+        notes = (note,)
     else:
         parts = [_turned_over(part, target) for part in parts]
     refuse_unnamed_cameras(list(images), endings)
@@ -225,7 +225,7 @@ def _turned_over(points: Float64[np.ndarray, "count 3"], target: Target) -> Floa
 
 
 def _sources(images: list[str], endings: Mapping[str, str], path: Path) -> list[Source]:
-    """Return what the images' names say about them.
+    """Return sources from the names of images.
 
     Raises
     ------

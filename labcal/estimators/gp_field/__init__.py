@@ -1,1 +1,1 @@
-"""A smooth field of displacements in the picture: what a lens formula does not explain."""
+"""The residual field: smooth displacements in the picture that the lens formula does not explain."""

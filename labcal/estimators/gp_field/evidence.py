@@ -1,4 +1,4 @@
-"""How far a field reaches and how strong it is, by restricted maximum likelihood."""
+"""Hyperparameters of a residual field by restricted maximum likelihood."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -55,7 +55,7 @@ def field_scale(
     by_camera: Float64[np.ndarray, "n 2 free"],
     near: FieldScale | None = None,
 ) -> tuple[FieldScale, float]:
-    """Return the field that explains residuals best while a camera's numbers are free, and how well.
+    """Return the best field of residuals while the parameters of the camera are free, and its likelihood.
 
     How well is the restricted log-likelihood but for a constant, in natural logarithms: of the same pixels it
     can be compared between cameras.
@@ -104,7 +104,7 @@ def _kernel(logs: Float64[np.ndarray, "3"]) -> FieldKernel:
 
 @dataclass(frozen=True)
 class _Parts:
-    """What the likelihood consists of, at some hyperparameters; all by the unit of noise."""
+    """Terms of the likelihood at given hyperparameters, in units of the noise."""
 
     root: Float64[np.ndarray, "n n"]
     """Cholesky factor of W, the covariance over the noise's variance."""

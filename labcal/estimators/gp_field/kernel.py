@@ -1,4 +1,4 @@
-"""How much displacements at two places have to do with each other."""
+"""The correlation of displacements at two places."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,7 @@ class FieldKernel:
         b: Float64[np.ndarray, "m 3"],
         weights: Float64[np.ndarray, "m columns"],
     ) -> Float64[np.ndarray, "n columns 3"]:
-        """Return how ``between(a, b) @ weights`` changes with each input of `a`."""
+        """Return derivatives of ``between(a, b) @ weights`` by each input of `a`."""
         correlation = self.between(a, b)
         # d k / d a = k (b - a) / length^2, summed without an array of n x m x inputs.
         towards = np.stack([correlation @ (weights * column[:, None]) for column in b.T], axis=-1)

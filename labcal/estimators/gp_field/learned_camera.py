@@ -1,4 +1,4 @@
-"""A camera found from known points, with a field for what its lens formula does not explain."""
+"""A camera estimated from known points, with a residual field."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,17 +23,17 @@ _SUBSTITUTIONS = 20
 
 
 class Asked(StrEnum):
-    """Where in the picture a field is asked."""
+    """The position in the picture at which a field is evaluated."""
 
     IDEAL = "ideal"
-    """Where the lens formula alone images the point."""
+    """The image of the point by the lens formula alone."""
     ARRIVED = "arrived"
-    """Where its light arrives."""
+    """The true image of the point."""
 
 
 @dataclass(frozen=True)
 class LearnedField:
-    """A field, how it is asked, and the points that it was learned from, mm."""
+    """A field, its input, and its training points, mm."""
 
     field: PixelField
     places: Places
@@ -43,7 +43,7 @@ class LearnedField:
 
 @dataclass(frozen=True)
 class LearnedCamera:
-    """What images points: a lens formula and, where the pixels ask for it, a field in pixels.
+    """A camera with a lens formula and, if the residuals require it, a field in pixels.
 
     Attributes
     ----------
@@ -67,18 +67,18 @@ class LearnedCamera:
         return self.placed.camera
 
     def explained(self, q: Pixels, p: Vectors3) -> Pixels:
-        """Return what the field explains of pixels that see points (mm), px."""
+        """Return the field at pixels that see points (mm), px."""
         if self.learned is None:
             return np.zeros_like(q)
         return self.learned.field.at(self.inputs(self.learned, q, p))
 
     def inputs(self, learned: LearnedField, q: Pixels, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
-        """Return where the field is asked for points (mm) that were measured at pixels."""
+        """Return the inputs of the field for points (mm) measured at pixels."""
         at = q if learned.asked is Asked.ARRIVED else self.camera.project(p).q
         return learned.places.inputs(self.camera, at, p)
 
     def project(self, p: Vectors3) -> Pixels:
-        """Return where world points (mm) are imaged, (n, 2), px; NaN for what the lens does not image.
+        """Return the images of world points (mm), (n, 2), px; NaN where the lens has none.
 
         Where the field is asked where light arrives, that place is found by substitution: a field that bends
         the picture by less than its own slope converges.
@@ -136,7 +136,7 @@ class LearnedCamera:
 
 @dataclass(frozen=True)
 class _Measured:
-    """A learned camera that was asked at pixels; an :class:`~labcal.cameras.triangulation.Imager`.
+    """A camera with measured pixels; an :class:`~labcal.cameras.triangulation.Imager`.
 
     A field that is asked where light arrives is asked where pixels were measured: their noise moves it by
     less than it moves them.
@@ -146,7 +146,7 @@ class _Measured:
     q: Pixels
 
     def imaged(self, p: Vectors3) -> Imaged:
-        """Return where the points of the pixels are imaged, and how that changes."""
+        """Return the images of the points of the pixels, and their derivatives."""
         lens, learned = self.camera.camera, self.camera.learned
         found = imaged(lens, p)
         if learned is None:
@@ -173,7 +173,7 @@ def triangulated(
     q: Float64[np.ndarray, "n cameras 2"],
     covariance: Float64[np.ndarray, "n cameras 2 2"],
 ) -> TriangulatedPoints:
-    """Return the points whose images lie nearest to pixels, with covariances that know what was learned.
+    """Return the points whose images are nearest to pixels, with the covariance of the estimated cameras.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def triangulated(
 
 
 def _start(cameras: Sequence[LearnedCamera], q: Float64[np.ndarray, "n cameras 2"]) -> Vectors3:
-    """Return the points nearest to the rays of pixels without what the field explains of them."""
+    """Return the points nearest to the rays of pixels after subtraction of the field."""
     lenses = [camera.camera for camera in cameras]
     middle = np.mean([camera.placed.middle for camera in cameras], axis=0)
     p = np.tile(middle, (len(q), 1))

@@ -1,4 +1,4 @@
-"""Learning a camera and a field together."""
+"""Joint estimation of a camera and a residual field."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from labcal.estimators.gp_field.evidence import FieldScale, field_scale
 from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
-from labcal.optim.whitening import Correlated
+from labcal.optim.whitening import CorrelatedNoise
 from labcal.run.threads import one_blas_thread
 
 ROUNDS = 3
@@ -26,7 +26,7 @@ _EXACT_PX = 1e-4
 
 @one_blas_thread()
 def learned_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> LearnedCamera:
-    """Return a camera with the field that its residuals call for, or without where they call for none.
+    """Return a camera with the field that its residuals require, or without if they require none.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def learned_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> LearnedCame
 
 @dataclass(frozen=True)
 class _Stage:
-    """Where rounds begin: a camera, perhaps the field's scale, and the pixels where the field is asked."""
+    """The initial values of rounds: a camera, perhaps the scale of the field, and its positions."""
 
     found: ResectedCamera
     scale: FieldScale | None
@@ -64,7 +64,7 @@ class _Stage:
 
 @dataclass(frozen=True)
 class _Learned:
-    """The end of some rounds."""
+    """The result of some rounds."""
 
     found: ResectedCamera
     scale: FieldScale
@@ -79,7 +79,7 @@ class _Learned:
 
     @property
     def likelihood(self) -> float:
-        """The logarithm of how much likelier pixels are with the field than without.
+        """The logarithm of the likelihood ratio of the pixels with and without the field.
 
         A field that is asked where light arrives gives the density of measured minus explained pixels; that
         of the pixels takes the determinant of how the former change with the latter.
@@ -92,12 +92,12 @@ class _Learned:
             return self.scale.gain + float(np.log(np.maximum(np.linalg.det(turn), 0.0)).sum())
 
     def arrived(self, q: Pixels) -> Pixels:
-        """Return where the light of trained points arrives, by lens and field."""
+        """Return the true images of training points, by lens and field."""
         return np.asarray(q + self.found.residual + self.learned.field.smoothed())
 
 
 def _learned(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | None:
-    """Return camera and field after some rounds, or None where no field is called for."""
+    """Return camera and field after some rounds, or None if no field is required."""
     ends = list(_rounds(stage, q, p, asked))
     if len(ends) < ROUNDS:
         return None
@@ -108,7 +108,7 @@ def _learned(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | 
 
 
 def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Learned]:
-    """Yield camera and field after each round, until one calls for no field."""
+    """Yield camera and field after each round, until no field is required."""
     found, scale, at = stage.found, stage.scale, stage.at
     for _ in range(ROUNDS):
         camera = found.camera
@@ -116,7 +116,7 @@ def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Le
         scale, likelihood = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
         if scale.amplitude_px == 0.0:
             return
-        found = adjusted(found.placed, q, p, Correlated(scale.root(x)), NEAR)
+        found = adjusted(found.placed, q, p, CorrelatedNoise(scale.root(x)), NEAR)
         if not np.isfinite(found.residual).all():
             return
         if asked is Asked.IDEAL:

@@ -1,4 +1,4 @@
-"""A field of displacements, as far as measurements tell it."""
+"""A field of displacements given by measurements."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +12,7 @@ from labcal.estimators.gp_field.evidence import FieldScale
 
 @dataclass(frozen=True)
 class PixelField:
-    """The mean of a Gaussian process given residuals, and what is left of its variance.
+    """The mean of a Gaussian process given residuals, and its remaining variance.
 
     Rasmussen and Williams (2006), equations 2.25 and 2.26.
 
@@ -39,7 +39,7 @@ class PixelField:
         return np.asarray(self.scale.kernel.between(x, self.x) @ self._weights)
 
     def slopes(self, x: Float64[np.ndarray, "m 3"]) -> Float64[np.ndarray, "m 2 3"]:
-        """Return how it changes with its inputs."""
+        """Return its derivatives by its inputs."""
         return self.scale.kernel.slopes(x, self.x, self._weights)
 
     def smoothed(self) -> Float64[np.ndarray, "n 2"]:
@@ -47,7 +47,7 @@ class PixelField:
         return self.at(self.x)
 
     def reach(self, x: Float64[np.ndarray, "m 3"]) -> Float64[np.ndarray, "n m"]:
-        """Return what the field at places has to do with whitened measurements, px."""
+        """Return the covariance of the field at places with whitened measurements, px."""
         shared = self.scale.amplitude_px**2 * self.scale.kernel.between(self.x, x)
         return np.asarray(scipy.linalg.solve_triangular(self.root, shared, lower=True, check_finite=False))
 

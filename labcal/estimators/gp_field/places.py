@@ -1,4 +1,4 @@
-"""Where a field is asked: a place in the picture, and how near the point is that is seen there."""
+"""The inputs of a field: position in the picture, and inverse distance of the point."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from labcal.geometry.poses import transform
 
 @dataclass(frozen=True)
 class Places:
-    """The scaling of a field's inputs: pixels over the picture's width, and one over the distance.
+    """The scaling of the inputs of a field: pixels by picture width, and inverse distance.
 
     The rays of a camera that is not central (behind glass, say) differ with the distance, the less the
     farther away: one over the distance is what they are nearly linear in.
@@ -43,7 +43,7 @@ class Places:
         return np.column_stack([q / self.width_px, nearness])
 
     def depth_slopes(self, camera: Camera, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
-        """Return how the third input changes with the point, 1/mm."""
+        """Return the derivative of the third input by the point, 1/mm."""
         T = camera.T_cam_world
         p_cam = transform(T, p)
         cubed = ((p_cam**2).sum(axis=1) ** 1.5)[:, None]

@@ -12,8 +12,8 @@ from labcal.estimators.networks.network_estimator import NetworkEstimator, joint
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network_problem import NetworkProblem
-from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
+from labcal.optim.successive_halving import SuccessiveHalving
 
 
 class Mlp(NetworkEstimator):
@@ -73,12 +73,15 @@ class Mlp(NetworkEstimator):
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (*super().fitted_arrays(), FittedArray("history_", (self.n_iter_ + 1,)))
 
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        stopping, race = Stopping(self.goal, self.max_epochs), Race([range(len(starts))], self.members)
-        solutions = minimize_batch(problem, starts, stopping, Damping(), race)
+        stopping, halving = (
+            Stopping(self.goal, self.max_epochs),
+            SuccessiveHalving([range(len(starts))], self.members),
+        )
+        solutions = minimize_batch(problem, starts, stopping, Damping(), halving)
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         self.n_iter_ = max(solution.epochs for solution in solutions)
         self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])

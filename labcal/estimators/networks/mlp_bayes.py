@@ -1,4 +1,4 @@
-"""The paper's network with weight decay that the data themselves set."""
+"""The network of the paper with evidence-based weight decay."""
 
 from typing import ClassVar
 
@@ -9,11 +9,11 @@ from scipy.linalg import solve_triangular
 
 from labcal.estimators.estimator import COORDINATES, FittedArray
 from labcal.estimators.networks.network_estimator import NetworkEstimator, joint_reason, mean_history
-from labcal.estimators.pushed_noise import pushed_noise
+from labcal.estimators.propagation import propagated_covariance
 from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
 from labcal.optim.network_problem import NetworkProblem
-from labcal.optim.restarts import Race
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.run.threads import one_blas_thread, one_torch_thread
 
 AT_ONCE = 500
@@ -28,7 +28,7 @@ class MlpBayes(NetworkEstimator):
     Nothing has to be held out and no goal be chosen. Where the data have no noise at all there is little to
     settle, and `max_epochs` ends the training.
 
-    The covariance of a point is that of its pixels' noise, pushed through the network, and that of the
+    The covariance of a point is that of its pixels' noise, propagated through the network, and that of the
     weights, linearised (MacKay 1992); members of an ensemble count alike, since Laplace's evidence tells
     their errors badly (docs/decisions.md).
 
@@ -83,7 +83,7 @@ class MlpBayes(NetworkEstimator):
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         count = self._network().parameter_count
         return (
             *super().fitted_arrays(),
@@ -93,8 +93,8 @@ class MlpBayes(NetworkEstimator):
         )
 
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        race = Race([range(len(starts))], self.members)
-        solutions = train_by_evidence(problem, starts, self.max_epochs, Damping(), race)
+        halving = SuccessiveHalving([range(len(starts))], self.members)
+        solutions = train_by_evidence(problem, starts, self.max_epochs, Damping(), halving)
         self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
         evidences = [solution.evidence for solution in solutions]
         self.scales_ = np.array([(evidence.alpha, evidence.beta) for evidence in evidences])
@@ -111,11 +111,11 @@ class MlpBayes(NetworkEstimator):
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
     ) -> Float64[np.ndarray, "n dim dim"]:
-        pushed = pushed_noise(self._coordinates, pixels, pixel_covariance)
-        return np.asarray(pushed + self._of_weights(pixels) + self._spread(pixels))
+        propagated = propagated_covariance(self._coordinates, pixels, pixel_covariance)
+        return np.asarray(propagated + self._of_weights(pixels) + self._spread(pixels))
 
     def _of_weights(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n dim dim"]:
-        """Return what the uncertainty of the weights leaves open, the mean over the members."""
+        """Return the covariance of predictions by that of the weights, the mean over the members."""
         scaled, network = self._scaled(pixels), self._network()
         half_range = self.output_half_range_[:COORDINATES]
         total = np.zeros((len(pixels), len(half_range), len(half_range)))

@@ -1,4 +1,4 @@
-"""What the networks from pixels to points have in common: scaling, starts, restarts, ensembles."""
+"""The common part of networks from pixels to points: scaling, restarts, ensembles."""
 
 from abc import abstractmethod
 
@@ -21,8 +21,8 @@ Pixels = Float64[np.ndarray, "n inputs"]
 class NetworkEstimator(PointEstimator):
     """Tanh hidden layers and linear outputs, inputs and outputs scaled to [-1, 1], one network or several.
 
-    All starts are trained as one batch, of which the best become members (see `Race`). Several members
-    predict their mean, and what they differ by enters the covariance.
+    All starts are trained as one batch, of which the best become members (see `SuccessiveHalving`). Several
+    members predict their mean, and what they differ by enters the covariance.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class NetworkEstimator(PointEstimator):
     random_state: int
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         return (
             FittedArray("parameters_", (self.members, self._network().parameter_count)),
             FittedArray("input_centre_", (self.n_features_in_,)),
@@ -60,7 +60,7 @@ class NetworkEstimator(PointEstimator):
 
     @abstractmethod
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        """Train from all starts, and keep the parameters of the members and how it went."""
+        """Train from all starts, and store the parameters and histories of the members."""
 
     def _fit(self, pixels: Pixels, points: Float64[np.ndarray, "n outputs"]) -> None:
         self._refuse_parameters()
@@ -139,5 +139,5 @@ def mean_history(histories: list[Float64[np.ndarray, " states"]]) -> Float64[np.
 
 
 def joint_reason(reasons: list[str]) -> str:
-    """Return why members stopped, each reason once."""
+    """Return the stop reasons of members, each once."""
     return ", ".join(dict.fromkeys(reasons))

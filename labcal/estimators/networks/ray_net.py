@@ -12,7 +12,7 @@ from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.networks.network_estimator import joint_reason
 from labcal.estimators.networks.ray_problem import RayProblem
-from labcal.estimators.pushed_noise import pushed_noise
+from labcal.estimators.propagation import propagated_covariance
 from labcal.estimators.ray_field import Crossings, RayFrame
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import (
@@ -29,8 +29,8 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.restarts import Race
 from labcal.optim.solution import Stopping
+from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.optim.weight_decay import Decayed
 from labcal.rng import generator
 from labcal.run.threads import one_blas_thread, one_torch_thread
@@ -59,7 +59,7 @@ class RayNet(PointEstimator):
     Kelley 1981.
 
     The covariance of a point comes from the noise of its pixels and from the weights' uncertainty, which is
-    pushed through as if it were noise of pixels, too.
+    propagated through as if it were noise of pixels, too.
 
     Parameters
     ----------
@@ -68,7 +68,8 @@ class RayNet(PointEstimator):
     max_epochs : int
         Accepted steps after which to stop.
     restarts : int
-        Starts of the first training that are tried for each camera; the best is kept (see `Race`).
+        Starts of the first training that are tried for each camera; the best is kept (see
+        `SuccessiveHalving`).
     random_state : int
         Seed of the first weights; the same seed and data give the same bytes.
 
@@ -110,7 +111,7 @@ class RayNet(PointEstimator):
         self.random_state = random_state
 
     def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return which arrays the fitted estimator consists of."""
+        """Return the arrays that make up the fitted estimator."""
         cameras, count = self.n_features_in_ // 2, self._network().parameter_count
         return (
             FittedArray("parameters_", (cameras, count)),
@@ -138,11 +139,11 @@ class RayNet(PointEstimator):
         )
         starts = self._starts(len(frames))
         of_cameras = [range(k, len(starts), len(frames)) for k in range(len(frames))]
-        race = Race(of_cameras, first_milestone=FIRST_MILESTONE)
+        halving = SuccessiveHalving(of_cameras, first_milestone=FIRST_MILESTONE)
         with one_torch_thread(), one_blas_thread():
             without_decay = Decayed(self._problem(pixels, points, scales), [0.0] * len(starts))
             stopping = Stopping(max_epochs=min(ROUGH_EPOCHS, self.max_epochs))
-            rough = minimize_batch(without_decay, starts, stopping, Damping(), race)
+            rough = minimize_batch(without_decay, starts, stopping, Damping(), halving)
             self.parameters_ = np.stack([solution.parameters.numpy() for solution in rough])
             scales = np.stack([self._pixels_per_mm(k, pixels, points) for k in range(len(frames))])
             problem = self._problem(pixels, points, scales)
@@ -230,7 +231,7 @@ class RayNet(PointEstimator):
                 whitened = solve_triangular(self.weight_factors_[k], flat.T, lower=True).T
                 whitened = whitened.reshape(in_pixels.shape)
                 of_weights[:, k] = 0.5 * whitened @ whitened.mT
-        return pushed_noise(self._predict, pixels, pixel_covariance + of_weights)
+        return propagated_covariance(self._predict, pixels, pixel_covariance + of_weights)
 
     def _crossings(self, camera: int, pixels: Float64[np.ndarray, "n inputs"]) -> Crossings:
         """Return where the rays of a camera's pixels meet its planes, scaled."""

@@ -12,7 +12,7 @@ from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import NEAR, adjusted, resect
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
-from labcal.optim.whitening import Correlated
+from labcal.optim.whitening import CorrelatedNoise
 
 SIZE = (1280, 960)
 K = np.array([[1200.0, 0.0, 643.0], [0.0, 1201.0, 476.0], [0.0, 0.0, 1.0]])
@@ -76,7 +76,7 @@ def test_the_lens_of_a_hybrid_images_the_whole_picture() -> None:
     q = camera.project(p).q + random.normal(0.0, NOISE_PX, (130, 2))
     start = resect("hybrid", q, p, camera_of_lens("rational8", SIZE, None))
     # As correlated noise asks for it, from another place.
-    again = adjusted(start.placed, q, p, Correlated(NOISE_PX * np.eye(len(p))), NEAR)
+    again = adjusted(start.placed, q, p, CorrelatedNoise(NOISE_PX * np.eye(len(p))), NEAR)
     assert again.camera.share_without_rays == 0.0
     assert np.abs(again.camera.dist).max() < 2.0
 

@@ -36,7 +36,7 @@ class CrashingSource(Source):
 def test_a_picture_that_crashes_its_process_is_refused_and_the_others_are_measured(
     grid: DotGrid, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("labcal.run.pool.TRIES_BESIDE_OTHERS", 1)  # fewer processes to wait for
+    monkeypatch.setattr("labcal.run.pool.TRIES_WITH_OTHERS", 1)  # fewer processes to wait for
     lost = [Source(f"v{number}", "left", f"lost-{number}.png", None) for number in range(3)]
     sources = [lost[0], CrashingSource("bad", "left", "bad.png", None), *lost[1:]]
     counted = Counted()

@@ -15,7 +15,7 @@ from labcal.estimators.bundle import Bundle
 from labcal.estimators.hybrid import Hybrid
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import load_model, save_model
-from labcal.estimators.rehearsal import Twin, fitted_beside, rehearse, twin_of
+from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
 from labcal.evaluate.statistics import coverage
 from labcal.geometry.poses import look_at
 
@@ -77,15 +77,15 @@ def waves() -> Simulated:
 
 
 @pytest.fixture(scope="module")
-def twin(waves: Simulated) -> Twin:
-    found = twin_of(*waves.training, SIZES, lens="pinhole")
+def surrogate(waves: Simulated) -> Surrogate:
+    found = surrogate_of(*waves.training, SIZES, lens="pinhole")
     assert found is not None
     return found
 
 
 @pytest.fixture(scope="module")
-def hybrid(twin: Twin) -> Hybrid:
-    return twin.hybrid
+def hybrid(surrogate: Surrogate) -> Hybrid:
+    return surrogate.hybrid
 
 
 def test_waves_are_learned_and_their_uncertainty_known(waves: Simulated, hybrid: Hybrid) -> None:
@@ -110,8 +110,13 @@ def test_where_the_lens_is_right_there_is_no_field() -> None:
     assert 0.93 <= covered <= 0.97
 
 
-def test_training_data_alone_tell_whom_to_trust(waves: Simulated, hybrid: Hybrid, twin: Twin) -> None:
-    trusted, misled = rehearse(hybrid, twin), rehearse(Bundle("pinhole", SIZES).fit(*waves.training), twin)
+def test_training_data_alone_tell_whom_to_trust(
+    waves: Simulated, hybrid: Hybrid, surrogate: Surrogate
+) -> None:
+    trusted, misled = (
+        validate_on(hybrid, surrogate),
+        validate_on(Bundle("pinhole", SIZES).fit(*waves.training), surrogate),
+    )
     assert not trusted.misfit
     assert trusted.rmse_mm == pytest.approx(waves.outcome(hybrid)[0] * waves.oracle, rel=0.1)
     assert trusted.limit_mm == pytest.approx(waves.oracle, rel=0.1)
@@ -121,7 +126,7 @@ def test_training_data_alone_tell_whom_to_trust(waves: Simulated, hybrid: Hybrid
 
 
 def test_a_plane_cannot_be_rehearsed(stereo: View, plane: np.ndarray) -> None:
-    assert twin_of(stereo(plane), plane, ((640, 480), (640, 480))) is None
+    assert surrogate_of(stereo(plane), plane, ((640, 480), (640, 480))) is None
 
 
 def test_a_saved_field_predicts_the_same_bytes(waves: Simulated, hybrid: Hybrid, tmp_path: Path) -> None:
@@ -152,10 +157,10 @@ def test_what_cannot_be_fitted_is_refused(stereo: View, volume: np.ndarray, plan
         Hybrid().fit(np.where(X[3, 1] == X, np.nan, X), volume)
 
 
-def test_the_twins_own_method_is_not_fitted_twice(waves: Simulated, twin: Twin) -> None:
-    assert fitted_beside(twin, Hybrid("pinhole", SIZES), *waves.training) is twin.hybrid
+def test_the_twins_own_method_is_not_fitted_twice(waves: Simulated, surrogate: Surrogate) -> None:
+    assert fit_unless_surrogate(surrogate, Hybrid("pinhole", SIZES), *waves.training) is surrogate.hybrid
     for other in (Hybrid("brown-k1k2", SIZES), Bundle("pinhole", SIZES)):
-        assert fitted_beside(twin, other, *waves.training) is other
+        assert fit_unless_surrogate(surrogate, other, *waves.training) is other
 
 
 @pytest.mark.slow

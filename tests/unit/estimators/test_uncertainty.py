@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from labcal.errors import InputError
 from labcal.estimators.affine import Affine
 from labcal.estimators.dlt import Dlt
-from labcal.estimators.pushed_noise import pushed_noise
+from labcal.estimators.propagation import propagated_covariance
 
 View = Callable[[np.ndarray], np.ndarray]
 
@@ -23,7 +23,7 @@ def per_camera(points: int, seed: int) -> np.ndarray:
 def test_noise_pushed_through_a_linear_map_is_exact() -> None:
     A = np.random.default_rng(1).standard_normal((3, 4))
     covariance = per_camera(5, 2)
-    found = pushed_noise(
+    found = propagated_covariance(
         lambda pixels: pixels @ A.T, np.random.default_rng(3).uniform(0, 640, (5, 4)), covariance
     )
     for one, of_cameras in zip(found, covariance, strict=True):

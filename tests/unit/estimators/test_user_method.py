@@ -19,12 +19,12 @@ from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.estimators import registry
 from labcal.estimators.affine import Affine
 from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.fitting import FitSettings, estimators_of
 from labcal.estimators.hybrid import Hybrid
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
-from labcal.estimators.model_file import load_model, save_model, views_taught
+from labcal.estimators.model_file import load_model, save_model, training_views
 from labcal.estimators.registry import make_estimator, method_names, register_method
-from labcal.estimators.taught import FitSettings, estimators_of
 from labcal.estimators.user_method import UserMethod
 
 View = Callable[[np.ndarray], np.ndarray]
@@ -262,7 +262,7 @@ def test_a_model_is_fitted_again_when_the_reader_names_the_method(
     path = tmp_path / "m"
     save_model(path, model(estimator, X, volume), force=False)
     loaded = load_model(path, given)
-    assert loaded.calibrated_on == views_taught(path) == ("a", "b")
+    assert loaded.calibrated_on == training_views(path) == ("a", "b")
     assert loaded.estimator.method == estimator.method
     assert loaded.estimator.predict(asked) == pytest.approx(estimator.predict(asked), abs=1e-6)
     assert (loaded.estimator.residual_covariance_ == estimator.residual_covariance_).all()
@@ -281,7 +281,7 @@ def test_a_file_alone_makes_nothing_be_imported(
     with pytest.raises(InputError, match=f"is never run by itself.*`method='{own_module}:made'`"):
         load_model(path)
     assert own_module not in sys.modules
-    assert views_taught(path) == ("a", "b")
+    assert training_views(path) == ("a", "b")
     assert own_module not in sys.modules
     loaded = load_model(path, f"{own_module}:ready")  # another name of the same
     assert (loaded.estimator.predict(stereo(volume)) == estimator.predict(stereo(volume))).all()

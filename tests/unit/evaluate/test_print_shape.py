@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal.calibrate.adjustment.dot_freedom import Held
+from labcal.calibrate.adjustment.dot_freedom import Constrained
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.errors import InputError
 from labcal.evaluate.print_shape import agreement, print_shape
@@ -32,7 +32,7 @@ def freed(grid: DotGrid) -> FreedDots:
     covariance = np.zeros((count, 3, count, 3))
     for number in np.flatnonzero(free):
         covariance[number, :, number] = SIGMA**2 * np.eye(3)
-    return FreedDots(grid, p, covariance, np.where(free, 9, 2), free, Held.NOTHING)
+    return FreedDots(grid, p, covariance, np.where(free, 9, 2), free, Constrained.NOTHING)
 
 
 def test_figures(freed: FreedDots, grid: DotGrid) -> None:
@@ -64,9 +64,9 @@ def test_words(freed: FreedDots) -> None:
     assert "no more than its uncertainty allows" in words
     assert "too few pictures: (4, 3)" in words
     assert "not told" not in words
-    held = print_words(print_shape(replace(freed, held=Held.STRETCH | Held.HEIGHTS)))
-    assert "stretch, x over y: not told by these views" in held
-    assert "bow along x: not told by these views" in held
+    held = print_words(print_shape(replace(freed, held=Constrained.STRETCH | Constrained.HEIGHTS)))
+    assert "stretch, x over y: not determined by these views" in held
+    assert "bow along x: not determined by these views" in held
     assert "kept as declared, since the views do not tell: heights, stretch" in held
 
 

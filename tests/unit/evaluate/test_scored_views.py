@@ -5,7 +5,7 @@ import pytest
 
 from labcal.correspond.points import Points
 from labcal.evaluate.own_lengths import LengthErrors, errors_of_lengths
-from labcal.evaluate.scored_views import ScoredViews, scored_words
+from labcal.evaluate.scored_views import ScoredViews, scored_description
 from labcal.targets.grid import DotGrid
 from labcal.targets.places import DotPlaces
 
@@ -38,7 +38,7 @@ def test_views_that_were_calibrated_from_are_not_scored(points: Points, grid: Do
     assert errors.views_calibrated_on == 0
     assert errors.length_error_mm.max < 1e-9
     assert errors.warnings == ()
-    assert "2 views held out" in scored_words(2, 0)
+    assert "2 views held out" in scored_description(2, 0)
 
 
 def test_where_there_are_no_others_the_figures_are_said_to_be_circular(points: Points, grid: DotGrid) -> None:
@@ -46,14 +46,14 @@ def test_where_there_are_no_others_the_figures_are_said_to_be_circular(points: P
     assert errors.views_scored == VIEWS
     assert errors.views_calibrated_on == 3
     assert "circular" in errors.warnings[0]
-    assert "circular" in scored_words(3, 3)
+    assert "circular" in scored_description(3, 3)
 
 
 def test_not_knowing_is_said(points: Points, grid: DotGrid) -> None:
     errors = errors_of_lengths(points, grid)
     assert errors.views_calibrated_on is None
-    assert "not known" in scored_words(3, None)
+    assert "not known" in scored_description(3, None)
     assert ScoredViews.of(points.view, None).holds(points.view).all()
     spoilt = replace(points, flag=np.full(len(points), "model-misfit"))
     assert errors_of_lengths(spoilt, grid).n_ok == 0
-    assert "not one" in errors_of_lengths(spoilt, grid).warnings[0]
+    assert "none of the scored points" in errors_of_lengths(spoilt, grid).warnings[0]

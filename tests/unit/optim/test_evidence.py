@@ -40,7 +40,7 @@ def test_a_linear_network_has_the_evidence_of_its_gaussian() -> None:
     hessian = beta * A.T @ A + alpha * np.eye(5)
     best = torch.from_numpy(np.linalg.solve(hessian, beta * A.T @ outputs[:, 0]))
     (square,) = problem.squares([0], [best])
-    found = Evidence(alpha, beta, 5.0, 0.0).again(problem.linearize([0], [best]), 0, square, POINTS)
+    found = Evidence(alpha, beta, 5.0, 0.0).updated(problem.linearize([0], [best]), 0, square, POINTS)
     # The weights are N(0, 1 / (2 alpha)), the noise is N(0, 1 / (2 beta)).
     covariance = np.eye(POINTS) / (2 * beta) + A @ A.T / (2 * alpha)
     expected = multivariate_normal(np.zeros(POINTS), covariance).logpdf(outputs[:, 0])

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal.calibrate.ray_misses import MOST_PX
+from labcal.calibrate.triangulation_residuals import MOST_PX
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig, write_rig
 from labcal.correspond.detections import Detections

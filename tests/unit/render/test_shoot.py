@@ -40,7 +40,7 @@ def test_a_picture_that_ends_its_process_is_named_and_the_others_are_kept(
 ) -> None:
     scene, folder = load_scene("webcam-plane"), tmp_path / "shoot"
     settings, counted = RenderSettings(views=1, workers=2), Counted()
-    monkeypatch.setattr("labcal.run.pool.TRIES_BESIDE_OTHERS", 1)  # fewer processes to wait for
+    monkeypatch.setattr("labcal.run.pool.TRIES_WITH_OTHERS", 1)  # fewer processes to wait for
     monkeypatch.setattr("labcal.render.shoot.render_picture", drawn_but_for_one)
     with pytest.raises(
         DeviceError, match=r"1 of 2 pictures .*_left\.jpg \(with exit status 9\).*smaller pictures"

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from labcal.errors import OutputError
-from labcal.run import mounts, standing
+from labcal.run import mounts, output_place
 from labcal.run.claims import FileOutput, FolderOutput, claim_outputs
-from labcal.run.file_kinds import beginning_with, told_by
+from labcal.run.file_kinds import beginning_with, recognised_by
 from labcal.run.made import COMMAND
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import unfinished_folder
@@ -250,5 +250,5 @@ def test_a_file_that_cannot_be_read_is_not_replaced(home: Path, monkeypatch: pyt
 def test_kinds_are_told_by_the_content() -> None:
     assert TABLE.recognises(b"view,camera")
     assert not TABLE.recognises(b"camera,view")
-    assert told_by("any", lambda content: b"x" in content).recognises(b"..x")
-    assert standing.UNFINISHED == ".unfinished"  # a user finds it in the documents
+    assert recognised_by("any", lambda content: b"x" in content).recognises(b"..x")
+    assert output_place.UNFINISHED == ".unfinished"  # a user finds it in the documents

@@ -36,7 +36,7 @@ def test_a_file_is_replaced_where_it_is_as_labcal_wrote_it(tmp_path: Path) -> No
     path.write_bytes(path.read_bytes().replace(b"note 2", b"note 3"))
     refuse(path, "changed since labcal wrote it")
     path.write_text("note of mine")
-    refuse(path, "no mark of labcal's: somebody else made it, or an older version")
+    refuse(path, "no mark of labcal, so another program made it, or an older version")
     path.write_text("a thesis")
     refuse(path, "not a file of notes, but something else")
     path.write_text("")
@@ -48,7 +48,7 @@ def test_a_file_is_replaced_where_it_is_as_labcal_wrote_it(tmp_path: Path) -> No
 def test_a_huge_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(file_kinds, "_MOST_BYTES", 100)
     (tmp_path / "a").write_bytes(bytes(101))
-    refuse(tmp_path / "a", "too large to be a file of notes of labcal's")
+    refuse(tmp_path / "a", "too large to be a file of notes of labcal")
 
 
 def test_parts_of_folders_are_told_by_the_folders_list_and_by_a_manifest(tmp_path: Path) -> None:
@@ -108,7 +108,7 @@ def test_pictures_by_themselves_are_marked_and_parts_of_folders_are_not(tmp_path
         write_single_picture(single, picture, force=True)
     assert b"Made by labcal" in single.read_bytes()
     assert b"labcal" not in part.read_bytes()
-    refuse(part, "no mark of labcal's", picture_output(part).kind)
+    refuse(part, "no mark of labcal, so another program", picture_output(part).kind)
 
 
 def test_a_png_is_not_named_otherwise(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_a_file_that_comes_meanwhile_stays(tmp_path: Path, monkeypatch: pytest.M
         return write(scrap, data)
 
     monkeypatch.setattr(Path, "write_bytes", meanwhile)
-    with pytest.raises(OutputError, match="no mark of labcal's"):
+    with pytest.raises(OutputError, match="no mark of labcal, so another program"):
         write_file(path, "note", kind=NOTES, force=True)
     assert path.read_text() == "note of mine"
     assert [entry.name for entry in tmp_path.iterdir()] == ["a"]

@@ -70,7 +70,7 @@ def test_a_script_that_fails_in_its_workers_is_told_of_the_guard(tmp_path: Path)
     done = run(str(script))
     assert "DeviceError: No worker process can be started" in done.stderr
     assert "with exit status 1" in done.stderr
-    assert "keep what it does under 'if __name__ == \"__main__\":'" in done.stderr
+    assert "keep its code under 'if __name__ == \"__main__\":'" in done.stderr
 
 
 @pytest.mark.parametrize("way", ["script", "-c", "stdin", "deleted"])

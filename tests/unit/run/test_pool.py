@@ -11,7 +11,7 @@ import pytest
 
 from labcal.errors import DeviceError, UnknownNameError, WorkerError
 from labcal.run.executor import finished, open_executor, open_pool
-from labcal.run.pool import TRIES_ALONE, TRIES_BESIDE_OTHERS
+from labcal.run.pool import TRIES_ALONE, TRIES_WITH_OTHERS
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no signals there")
 
@@ -47,7 +47,7 @@ def square_or_end(number: int, folder: Path, killer: int, how: int) -> int:
 
 def square_where_memory_suffices(number: int, folder: Path) -> int:
     """Square a number the third time."""
-    if note(folder, f"case-{number}") < TRIES_BESIDE_OTHERS:
+    if note(folder, f"case-{number}") < TRIES_WITH_OTHERS:
         raise MemoryError
     return square(number)
 
@@ -107,7 +107,7 @@ def test_killed_processes_are_replaced_and_their_cases_done_again(tmp_path: Path
 
 @pytest.mark.slow
 def test_a_case_that_is_killed_again_and_again_is_done_in_the_end(tmp_path: Path) -> None:
-    kills = TRIES_BESIDE_OTHERS + TRIES_ALONE - 1
+    kills = TRIES_WITH_OTHERS + TRIES_ALONE - 1
     with open_executor(2) as pool:
         assert pool.submit(square_after_kills, 5, tmp_path, kills).result() == 25
     assert tries(tmp_path, 5) == kills + 1
@@ -116,12 +116,12 @@ def test_a_case_that_is_killed_again_and_again_is_done_in_the_end(tmp_path: Path
 @pytest.mark.parametrize(
     ("how", "words", "count"),
     [
-        (-signal.SIGSEGV, "crashed with SIGSEGV", TRIES_BESIDE_OTHERS + 1),
-        pytest.param(9, "with exit status 9", TRIES_BESIDE_OTHERS + 1, marks=pytest.mark.slow),
+        (-signal.SIGSEGV, "crashed with SIGSEGV", TRIES_WITH_OTHERS + 1),
+        pytest.param(9, "with exit status 9", TRIES_WITH_OTHERS + 1, marks=pytest.mark.slow),
         pytest.param(
             -signal.SIGKILL,
             "killed by SIGKILL.* memory",
-            TRIES_BESIDE_OTHERS + TRIES_ALONE,
+            TRIES_WITH_OTHERS + TRIES_ALONE,
             marks=pytest.mark.slow,
         ),
     ],
@@ -142,12 +142,12 @@ def test_only_the_case_that_ends_processes_is_given_up(
 def test_a_case_without_memory_is_tried_again_alone(tmp_path: Path) -> None:
     with open_executor(2) as pool:
         assert pool.submit(square_where_memory_suffices, 5, tmp_path).result() == 25
-    assert tries(tmp_path, 5) == TRIES_BESIDE_OTHERS + 1
+    assert tries(tmp_path, 5) == TRIES_WITH_OTHERS + 1
 
 
 def test_where_nothing_goes_it_is_told_as_that(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("labcal.run.pool.MOST_IN_VAIN", 1)
-    what = "end whatever they try.*exit status 7.*labcal doctor"
+    monkeypatch.setattr("labcal.run.pool.MOST_FAILED", 1)
+    what = "All worker processes end.*exit status 7.*labcal doctor"
     with open_executor(2) as pool:
         cases = [(n,) for n in range(3)]
         first, *others = [future for _, future in finished(pool, end, cases)]
@@ -165,7 +165,7 @@ def test_a_process_killed_within_its_result_is_noticed(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_process_killed_while_it_has_nothing_to_do_is_no_case_s_fault(tmp_path: Path) -> None:
     with open_pool(1) as pool:
-        for number in range(TRIES_BESIDE_OTHERS + TRIES_ALONE + 1):
+        for number in range(TRIES_WITH_OTHERS + TRIES_ALONE + 1):
             assert pool.submit(square_after_kills, number, tmp_path, 0).result() == square(number)
             for process in active_children():
                 process.kill()

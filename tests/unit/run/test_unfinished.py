@@ -10,10 +10,10 @@ from typing import NoReturn
 import pytest
 
 from labcal.errors import DiskFullError, OutputError
-from labcal.run.aside import settle
 from labcal.run.foreign import foreign_entries
 from labcal.run.made import ASIDE, COMMAND, JOURNAL, MADE, SCRAP, made_in, make_folder, provenance_text
 from labcal.run.outputs import write_file
+from labcal.run.replacement import recover
 from labcal.run.unfinished import abandon, unfinished_folder
 
 
@@ -399,10 +399,10 @@ def test_two_processes_do_not_work_in_the_same_folder(tmp_path: Path) -> None:
     other.start()
     assert begun.wait(60)
     for command in ("render", "another"):
-        refuse(tmp_path / "shoot", "Another labcal is at work", command)
+        refuse(tmp_path / "shoot", "Another labcal process works", command)
     old = made(tmp_path / "old").rename(tmp_path / "shoot.labcal-old")
     (old / ASIDE).write_text("shoot")  # as while the other one is putting its folder in its place
-    settle(tmp_path / "shoot")
+    recover(tmp_path / "shoot")
     assert old.is_dir()
     done.set()
     other.join(60)
@@ -460,6 +460,6 @@ def test_of_two_commands_that_begin_at_once_one_has_the_folder(
             mark.write_text("render another")
 
     monkeypatch.setattr("labcal.run.unfinished.flush_file", meanwhile)
-    refuse(tmp_path / "shoot", "Another labcal is at work", "render one", force=False)
+    refuse(tmp_path / "shoot", "Another labcal process works", "render one", force=False)
     assert mark.read_text() == "render another"
     assert entries(mark.parent) == [COMMAND]

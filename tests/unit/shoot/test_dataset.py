@@ -99,7 +99,7 @@ def test_what_is_no_shoot_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"is not a shoot: it has no shoot\.json.*labcal render"):
         open_shoot(tmp_path)
     (tmp_path / "shoot.json").write_text('{"format":')
-    with pytest.raises(InputError, match=r"The manifest .*shoot\.json is no JSON that is read here"):
+    with pytest.raises(InputError, match=r"The manifest .*shoot\.json is not valid JSON"):
         open_shoot(tmp_path)
 
 

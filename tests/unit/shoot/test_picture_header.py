@@ -61,7 +61,7 @@ def test_other_formats_are_none() -> None:
 @pytest.mark.parametrize(
     ("size", "length", "words"),
     [
-        (None, 100, "does not say how large"),
+        (None, 100, "does not state its size"),
         ((0, 50), 100, "0 x 50"),
         ((20_000, 20_000), 10**9, "more than"),
         ((5_000, 4_000), 10_000, "fill the memory"),

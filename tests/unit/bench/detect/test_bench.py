@@ -6,9 +6,9 @@ import pytest
 
 from labcal.bench.detect import speed
 from labcal.bench.detect.bench import bench_detect
+from labcal.bench.detect.dot_visibility import DotVisibility
 from labcal.bench.detect.opencv_grid import MODES, finds_grid
 from labcal.bench.detect.plain_centres import blob_centres, contour_centres
-from labcal.bench.detect.sight import Sight
 from labcal.bench.settings import BenchSettings
 from labcal.detect.detector import detect_dots
 from labcal.errors import UnknownNameError
@@ -52,9 +52,9 @@ def _found(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return dots.position[dots.ok], dots.outline[dots.ok]
 
 
-def _sight(centroid: np.ndarray) -> Sight:
+def _sight(centroid: np.ndarray) -> DotVisibility:
     n = len(centroid)
-    return Sight(
+    return DotVisibility(
         index=speed.TARGET.indices(),
         centroid=centroid,
         minor_px=np.full(n, 6.0),

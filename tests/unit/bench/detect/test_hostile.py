@@ -8,7 +8,7 @@ import pytest
 from labcal.bench.detect import hostile_files
 from labcal.bench.detect.hostile_encoding import TARGET, dots_picture, encoded
 from labcal.bench.detect.hostile_files import KINDS, hostile_file
-from labcal.bench.detect.watched import Limits, WatchedProcess
+from labcal.bench.detect.limited_process import LimitedProcess, Limits
 from labcal.correspond.measure import measure_picture
 from labcal.correspond.sources import Source
 
@@ -61,7 +61,7 @@ def test_values_that_are_no_picture_are_a_reason(tmp_path: Path) -> None:
 def test_a_watched_process_is_replaced_when_it_hangs_or_dies(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     path.write_bytes(encoded(np.zeros((40, 40), np.uint8), ".png"))
-    with WatchedProcess(TARGET, dots_picture(), Limits(2**30, 60.0)) as process:
+    with LimitedProcess(TARGET, dots_picture(), Limits(2**30, 60.0)) as process:
         assert process.measure(path).ending == "reason"
         assert process._process is not None
         assert process._process.pid is not None

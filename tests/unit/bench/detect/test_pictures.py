@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from labcal.bench.detect.design import PictureDesign, designs
-from labcal.bench.detect.judge import judged
-from labcal.bench.detect.sight import sight
-from labcal.bench.detect.staging import staged
+from labcal.bench.detect.dot_visibility import dot_visibility
+from labcal.bench.detect.exposure import blur_px, exposed_picture
 from labcal.bench.detect.suite import suite_pictures
-from labcal.bench.detect.taking import blur_px, taken
+from labcal.bench.detect.suite_scene import suite_scene
+from labcal.bench.detect.verdict import verdict_of
 from labcal.bench.held_board import BARE_BOARD, board_scene, still_take, tilted_pose
 from labcal.detect.detector import detect_dots
 from labcal.scene.camera import CameraDescription
@@ -24,8 +24,8 @@ def design() -> PictureDesign:
 
 
 def test_the_board_is_as_designed(design: PictureDesign) -> None:
-    stage = staged(design, 0)
-    seen = sight(stage.scene, stage.take, 1.5)
+    stage = suite_scene(design, 0)
+    seen = dot_visibility(stage.scene, stage.take, 1.5)
     T = stage.take.track.T_world_target
     assert np.degrees(np.arccos(T[2, 2])) == pytest.approx(design.tilt_deg)
     middle = np.argmin(np.linalg.norm(seen.index - seen.index.mean(axis=0), axis=1))
@@ -34,7 +34,7 @@ def test_the_board_is_as_designed(design: PictureDesign) -> None:
 
 
 def test_what_lies_over_half_a_dot_hides_half_of_it(design: PictureDesign) -> None:
-    target = staged(replace(design, hidden=0.0), 0).scene.target
+    target = suite_scene(replace(design, hidden=0.0), 0).scene.target
     pitch, eye = target.pitch_x_mm, (0.0, 0.0, 4000.0)
     camera = CameraDescription(
         size=(640, 480), focal_px=2000.0, lens="pinhole", eye_mm=eye, look_at_mm=(0.0, 0.0, 0.0)
@@ -47,7 +47,7 @@ def test_what_lies_over_half_a_dot_hides_half_of_it(design: PictureDesign) -> No
         size_mm=(1000.0, 9000.0, 0.02),
     )
     scene = board_scene(target, camera, 1, (box,))
-    seen = sight(scene, still_take(scene, tilted_pose(target, 0.0, 0.0, 0.0, np.zeros(3))), 0.5)
+    seen = dot_visibility(scene, still_take(scene, tilted_pose(target, 0.0, 0.0, 0.0, np.zeros(3))), 0.5)
     by_column = [seen.hidden[seen.index[:, 0] == col] for col in range(4)]
     np.testing.assert_allclose(np.concatenate(by_column[:2]), 1.0)
     np.testing.assert_allclose(by_column[2], 0.5, atol=0.04)
@@ -57,10 +57,10 @@ def test_what_lies_over_half_a_dot_hides_half_of_it(design: PictureDesign) -> No
 
 
 def test_light_falls_and_noise_is_as_designed(design: PictureDesign) -> None:
-    stage = staged(design, 0)
-    seen = sight(stage.scene, stage.take, 1.5)
+    stage = suite_scene(design, 0)
+    seen = dot_visibility(stage.scene, stage.take, 1.5)
     even = np.full((480, 640), BARE_BOARD, dtype=np.float32)
-    many = np.stack([taken(even, design, seen, 0.0, seed).astype(float) for seed in range(40)])
+    many = np.stack([exposed_picture(even, design, seen, 0.0, seed).astype(float) for seed in range(40)])
     mean = many.mean(axis=0)
     assert mean.max() == pytest.approx(0.8 * 255, rel=0.02)
     assert mean.max() / mean.min() == pytest.approx(4.0, rel=0.1)
@@ -82,10 +82,10 @@ def test_a_picture_of_the_suite_is_judged_by_its_truth() -> None:
     (one,) = suite_pictures(48, 0, frozenset(names[:1]))
     (again,) = suite_pictures(48, 0, frozenset(names[:1]))
     np.testing.assert_array_equal(one.picture, again.picture)
-    verdict = judged(detect_dots(one.picture, one.target), one.seen, one.target.cols)
+    verdict = verdict_of(detect_dots(one.picture, one.target), one.seen, one.target.cols)
     assert verdict.indexed
     assert (verdict.wrong_ids, verdict.false_dots) == (0, 0)
     assert verdict.found >= 0.9 * verdict.measurable > 0
     # A truth that is half a pitch off makes every id wrong.
     moved = replace(one.seen, centroid=one.seen.centroid + 0.6 * one.seen.pitch_px[:, None])
-    assert judged(detect_dots(one.picture, one.target), moved, one.target.cols).found == 0
+    assert verdict_of(detect_dots(one.picture, one.target), moved, one.target.cols).found == 0

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from labcal.bench.solve.adjustment import measured_growth
+from labcal.bench.solve.corruption import corruption_checks
 from labcal.bench.solve.halves import disagreement, halves
 from labcal.bench.solve.held_rig import CAMERAS, NOISE_PX, TARGET, HeldRig
-from labcal.bench.solve.spoilt import spoilt_checks
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 
 
@@ -45,4 +45,4 @@ def test_halves_of_a_sound_rig_agree_and_of_a_changed_one_do_not() -> None:
 
 
 def test_wrong_dots_and_pictures_are_found() -> None:
-    assert all(check.ok for check in spoilt_checks(0))
+    assert all(check.ok for check in corruption_checks(0))

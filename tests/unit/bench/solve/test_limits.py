@@ -21,14 +21,16 @@ def test_a_method_of_ones_own_is_measured_beside_and_checked_for_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pinhole = tuple(family for family in FAMILIES if family.name == "pinhole")
-    for module in (limits, importlib.import_module("labcal.bench.solve.duel")):
+    for module in (limits, importlib.import_module("labcal.bench.solve.comparison")):
         monkeypatch.setattr(module, "FAMILIES", pinhole)
     monkeypatch.setattr(limits, "METHODS", ("dlt", "affine"))
     found = limits.limit_findings(Bench(True, 0, tmp_path, NoProgress(), (OWN, "affine")))
-    beside = {figure.name: figure.value for figure in found.beside}
+    references = {figure.name: figure.value for figure in found.references}
     name = "limits, pinhole: {}, RMS error over the oracle's".format
-    assert beside[name(OWN)] == pytest.approx(beside[name("affine")], rel=1e-6)  # it is the same model
-    assert sum("affine, RMS" in figure for figure in beside) == 1  # named twice, measured once
+    assert references[name(OWN)] == pytest.approx(
+        references[name("affine")], rel=1e-6
+    )  # it is the same model
+    assert sum("affine, RMS" in figure for figure in references) == 1  # named twice, measured once
     assert not any(OWN in check.name for check in found.checks)
 
 

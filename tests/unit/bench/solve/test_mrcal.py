@@ -25,7 +25,7 @@ def test_the_ratio_is_that_of_all_and_what_mrcal_lost_is_told() -> None:
     found = mrcal._compared("some", [(3.0, 4.0), None, (4.0, 3.0)])
     assert found.checks[0].value == pytest.approx(1.0)
     assert found.checks[0].ok
-    assert [figure.value for figure in found.beside] == pytest.approx([12.5**0.5, 12.5**0.5, 0.75, 4 / 3])
+    assert [figure.value for figure in found.references] == pytest.approx([12.5**0.5, 12.5**0.5, 0.75, 4 / 3])
     assert "1 of 3 left out" in found.notes[0]
     assert not mrcal._compared("some", [(4.0, 3.0)]).checks[0].ok
     assert mrcal._compared("some", [None]).checks == []

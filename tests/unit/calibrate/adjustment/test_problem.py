@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labcal.calibrate.adjustment.dot_freedom import Hold, dot_freedom
+from labcal.calibrate.adjustment.dot_freedom import DatumConstraint, dot_freedom
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.schur import Reduced
@@ -64,7 +64,9 @@ def test_the_schur_complement_is_the_dense_solution(case: Case, grid: DotGrid, f
     observations, state = case
     basis = np.zeros((3 * grid.count, 0))
     if free == "dots":
-        basis = dot_freedom(state.dots, np.arange(grid.count) % 3 != 1, Hold.nothing(grid.count))[:, :20]
+        basis = dot_freedom(state.dots, np.arange(grid.count) % 3 != 1, DatumConstraint.nothing(grid.count))[
+            :, :20
+        ]
     freedom = Freedom(Lenses.FIXED if free == "poses" else Lenses.FREE, basis)
     layout = Layout(state, freedom)
     J, r = differences(observations, layout), whitened(observations, state)

@@ -1,24 +1,24 @@
-"""What a detector's answer to one picture is worth, by the truth."""
+"""The verdict on the detection of one picture, by comparison with the truth."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.bench.detect.sight import Sight
+from labcal.bench.detect.dot_visibility import DotVisibility
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 
 MEASURED_OFF_PX = 3.0
-"""A measured dot further from where it truly is has the id of another thing."""
+"""Error above which the id of a measured dot counts as wrong."""
 MISLED_PX, MISLED_SIGMAS = 0.2, 4.0
-"""A measured dot further off than both has been misled, by what lies over or beside it."""
+"""Error above which (both) a measured dot is misled by something that covers or touches it."""
 LEAST_SEEN = 0.5
-"""A dot of which less can be seen is not there."""
+"""Visible share below which a dot counts as absent."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How one picture came out."""
+    """The verdict on one picture."""
 
     indexed: bool
     refusal: str | None
@@ -28,19 +28,19 @@ class Verdict:
     wrong_ids: int
     """Measured dots whose id belongs to a dot elsewhere."""
     astray: int
-    """Dots that are flagged and not measured, and drawn elsewhere than the dot of their id."""
+    """Flagged, not measured dots that are drawn elsewhere than the dot with their id."""
     false_dots: int
     """Measured dots where no dot is, or at most a part of one."""
     measured: int
     """Dots measured, measurable or not."""
     misled: int
-    """Of these, how many are off by more than their uncertainty allows, under right ids."""
+    """The number of these whose error exceeds their uncertainty, with correct ids."""
     worst_px: float
     """Greatest error of the measurable dots found, px; NaN for none."""
 
 
-def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
-    """Compare what was detected with the truth.
+def verdict_of(dots: PictureDots, seen: DotVisibility, cols: int) -> Verdict:
+    """Return the verdict on the detection of one picture.
 
     An id is wrong where a measured dot is further than half a pitch, or :data:`MEASURED_OFF_PX`, from the
     true dot of that id. Where a dot that is not measured is drawn does no harm, but is counted too: what the
@@ -50,7 +50,7 @@ def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
     Parameters
     ----------
     dots : PictureDots
-    seen : Sight
+    seen : DotVisibility
     cols : int
         Columns of the target.
     """
@@ -80,7 +80,7 @@ def judged(dots: PictureDots, seen: Sight, cols: int) -> Verdict:
     )
 
 
-def _is_false(place: np.ndarray, seen: Sight) -> bool:
+def _is_false(place: np.ndarray, seen: DotVisibility) -> bool:
     """Tell whether there is no dot, or less than half of one, at a place."""
     away = np.linalg.norm(seen.centroid - place, axis=1)
     nearest = int(np.nanargmin(away))

@@ -13,7 +13,7 @@ from labcal.errors import InputError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import _like, load_model, save_model
 from labcal.estimators.registry import make_estimator
-from labcal.estimators.sound_points import predicted, within_sense
+from labcal.estimators.valid_points import predicted, within_sense
 
 View = Callable[[np.ndarray], np.ndarray]
 

@@ -1,4 +1,4 @@
-"""The course of one optimisation: where it is, how strongly it is damped, and why it stopped."""
+"""The state of one Levenberg-Marquardt minimisation: parameters, cost, damping and stop reason."""
 
 import math
 from dataclasses import dataclass, field
@@ -12,23 +12,23 @@ from labcal.optim.solution import History, Solution, Stopping, StopReason
 
 
 @dataclass
-class Descent(Generic[Parameters]):
-    """One run; the loop tells it what it met, and it decides.
+class LevenbergMarquardtState(Generic[Parameters]):
+    """The state of one run; the loop reports each candidate to it, and it accepts or rejects.
 
     Attributes
     ----------
     parameters : Parameters
-        The best so far.
+        Those with the lowest cost so far.
     cost : float
         Their cost.
     stopping : Stopping
-        When to stop.
+        Conditions under which it stops.
     damping : Damping
-        How damping changes.
+        The rule by which damping changes.
     mu : float
         The damping to try next.
     reason : StopReason or None
-        Why it stopped; None while it runs.
+        The reason why it stopped; None while it runs.
     is_stepping : bool
         Whether a step from the present linearisation is still to be found.
     """
@@ -42,38 +42,38 @@ class Descent(Generic[Parameters]):
     is_stepping: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
-        """Begin; what is at its goal already has stopped."""
+        """Set the initial damping, and stop a run that is at its goal already."""
         self.mu = self.damping.start
         self._costs, self._dampings = [self.cost], [self.mu]
-        self._look_at_cost()
+        self._check_cost()
 
     @property
     def epochs(self) -> int:
         """The number of accepted steps."""
         return len(self._costs) - 1
 
-    def restate(self, cost: float) -> None:
-        """Take another cost for the present parameters, where what they cost has changed."""
+    def set_cost(self, cost: float) -> None:
+        """Replace the cost of the present parameters, after the cost function has changed."""
         self.cost = self._costs[-1] = cost
         if not math.isfinite(cost):
             self.reason = StopReason.NOT_FINITE
 
     def stop(self, reason: StopReason) -> None:
-        """Stop where it is."""
+        """Stop at the present parameters."""
         self.reason = reason
 
     def begin_step(self, gradient_norm: float) -> None:
-        """Set out from a linearisation at the present parameters, unless it has stopped or need not."""
+        """Begin a step from a linearisation, unless the run has stopped or its gradient is small enough."""
         if self.reason is not None:
             return
         if gradient_norm <= self.stopping.min_gradient:
             self.reason = StopReason.GRADIENT
         else:
             self.is_stepping = True
-            self._look_at_damping()
+            self._check_damping()
 
-    def consider(self, candidate: Parameters, cost: float) -> None:
-        """Go to a candidate if it lowers the cost, which ends the step; NaN does not."""
+    def accept_if_lower(self, candidate: Parameters, cost: float) -> None:
+        """Accept a candidate if it lowers the cost, which ends the step; a cost of NaN does not."""
         if not cost < self.cost:
             return
         self.parameters, self.cost = candidate, cost
@@ -81,20 +81,20 @@ class Descent(Generic[Parameters]):
         self._costs.append(cost)
         self._dampings.append(self.mu)
         self.is_stepping = False
-        self._look_at_cost()
+        self._check_cost()
 
-    def damp(self) -> None:
-        """Raise the damping after a step that did not help."""
+    def raise_damping(self) -> None:
+        """Raise the damping after a step that did not lower the cost."""
         self.mu = self.damping.after_failure(self.mu)
-        self._look_at_damping()
+        self._check_damping()
 
     def solution(self) -> Solution[Parameters]:
-        """Return where it ended; to be asked for once there is a reason."""
+        """Return the result; call it only after the run has stopped."""
         history = History(np.array(self._costs), np.array(self._dampings))
         reason = self.reason or StopReason.EPOCHS
         return Solution(self.parameters, self.cost, reason, self.epochs, self.mu, history)
 
-    def _look_at_cost(self) -> None:
+    def _check_cost(self) -> None:
         if not math.isfinite(self.cost):
             self.reason = StopReason.NOT_FINITE
         elif self.cost <= self.stopping.goal:
@@ -102,6 +102,6 @@ class Descent(Generic[Parameters]):
         elif self.epochs >= self.stopping.max_epochs:
             self.reason = StopReason.EPOCHS
 
-    def _look_at_damping(self) -> None:
+    def _check_damping(self) -> None:
         if not self.mu <= self.damping.ceiling:
             self.reason, self.is_stepping = StopReason.CEILING, False

@@ -1,4 +1,4 @@
-"""Pixel noise pushed through a method's own predictions."""
+"""Propagation of pixel covariances through the predictions of a method."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ STEP = 0.01
 Predict = Callable[[Float64[np.ndarray, "n inputs"]], Float64[np.ndarray, "n outputs"]]
 
 
-def pushed_noise(
+def propagated_covariance(
     predict: Predict,
     pixels: Float64[np.ndarray, "n inputs"],
     pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
@@ -41,5 +41,5 @@ def pushed_noise(
         shift[column] = STEP
         slopes.append((predict(pixels + shift) - predict(pixels - shift)) / (2.0 * STEP))
     jacobian = np.stack(slopes, axis=-1).reshape(len(pixels), -1, pixels.shape[1] // 2, 2)
-    pushed = np.einsum("nics,ncst,njct->nij", jacobian, pixel_covariance, jacobian, optimize=True)
-    return np.asarray(0.5 * (pushed + pushed.mT))
+    propagated = np.einsum("nics,ncst,njct->nij", jacobian, pixel_covariance, jacobian, optimize=True)
+    return np.asarray(0.5 * (propagated + propagated.mT))

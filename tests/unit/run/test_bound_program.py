@@ -6,19 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from labcal.run.tied_program import tied
+from labcal.run.bound_program import bound_to_this_process
 
 PARENT = """
 import subprocess, sys
-from labcal.run.tied_program import tied
+from labcal.run.bound_program import bound_to_this_process
 code = "import os, sys, time; open(sys.argv[1], 'w').write(str(os.getpid())); time.sleep(60)"
-subprocess.run(tied([sys.executable, "-c", code, sys.argv[1]]))
+subprocess.run(bound_to_this_process([sys.executable, "-c", code, sys.argv[1]]))
 """
 
 
 def test_a_tied_program_says_and_returns_what_it_would() -> None:
     code = "import sys; print(sys.argv[1:], sys.stdin.read()); sys.exit(7)"
-    command = tied([sys.executable, "-c", code, "a b", "c"])
+    command = bound_to_this_process([sys.executable, "-c", code, "a b", "c"])
     done = subprocess.run(command, input="d", capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (7, "['a b', 'c'] d\n")
 

@@ -1,4 +1,4 @@
-"""What of every dot can be seen in a picture of the suite: where it is, how large, and how much is hidden."""
+"""Visibility of every dot in a picture of the suite: position, size and hidden share."""
 
 from dataclasses import dataclass
 
@@ -19,8 +19,8 @@ LEAST_MINOR_PX = 3.0
 
 
 @dataclass(frozen=True)
-class Sight:
-    """The dots of one picture as they truly are; NaN where they cannot be projected."""
+class DotVisibility:
+    """True values of the dots of one picture; NaN where they cannot be projected."""
 
     index: np.ndarray
     """(n, 2) integer, (col, row)."""
@@ -46,12 +46,12 @@ class Sight:
 
     @property
     def rings_in_sight(self) -> bool:
-        """Whether all three rings can be measured."""
+        """True if all three rings can be measured."""
         return bool(self.measurable[self.ring].all())
 
 
-def sight(scene: Scene, take: Take, clear_px: float) -> Sight:
-    """Return what can be seen of the dots.
+def dot_visibility(scene: Scene, take: Take, clear_px: float) -> DotVisibility:
+    """Return the visibility of the dots.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def sight(scene: Scene, take: Take, clear_px: float) -> Sight:
         With a flat and faultless board.
     take : Take
     clear_px : float
-        How far a measurable dot is from the frame and from what is in the way.
+        Distance of a measurable dot from the frame and from any occluder.
     """
     made = TruePrint.of(scene.target, scene.board, 0)
     images = outlined_images(take.image, made.centres, made.outlines)
@@ -76,7 +76,7 @@ def sight(scene: Scene, take: Take, clear_px: float) -> Sight:
     within = (images.outline >= clear_px) & (images.outline <= np.array(take.device.size) - 1 - clear_px)
     in_frame = images.ok & take.device.in_picture(images.outline).all(axis=-1)
     index = scene.target.indices()
-    return Sight(
+    return DotVisibility(
         index=index,
         centroid=images.centroid,
         minor_px=minor,
@@ -89,7 +89,7 @@ def sight(scene: Scene, take: Take, clear_px: float) -> Sight:
 
 
 def _covered(body: Solid, made: TruePrint, T_world_target: np.ndarray, eyes: Vectors3) -> np.ndarray:
-    """Return the share of each dot's area that a body is in front of, shape (dots,)."""
+    """Return the share of the area of each dot that a body covers, shape (dots,)."""
     share, total = np.zeros(len(eyes)), 0.0
     for radius in SHARES:
         weight = max(radius, 0.25 * (SHARES[0] - SHARES[1]))  # the ring's area; the centre stands for a disc

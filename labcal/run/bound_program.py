@@ -1,10 +1,10 @@
-"""Programs that end when the process that started them does, where the system can see to that."""
+"""Programs that end together with the process that started them, where the system supports that."""
 
 import os
 import sys
 from collections.abc import Sequence
 
-_TIE = """
+_BIND = """
 import ctypes, os, signal, sys
 PR_SET_PDEATHSIG = 1
 ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -13,7 +13,7 @@ if os.getppid() == int(sys.argv[1]):  # else it ended before the kernel was aske
 """
 
 
-def tied(words: Sequence[str]) -> list[str]:
+def bound_to_this_process(words: Sequence[str]) -> list[str]:
     """Return the command that runs a program so that it ends with this process, even if that is killed.
 
     On Linux the kernel is asked for it, by a process that then becomes the program. It looks at the thread
@@ -26,4 +26,4 @@ def tied(words: Sequence[str]) -> list[str]:
     """
     if sys.platform != "linux":
         return [*words]
-    return [sys.executable, "-I", "-S", "-c", _TIE, str(os.getpid()), *words]
+    return [sys.executable, "-I", "-S", "-c", _BIND, str(os.getpid()), *words]

@@ -1,4 +1,4 @@
-"""One method on one family of cameras: its error over that of an oracle with the true cameras."""
+"""Comparison of methods on one family of cameras with an oracle that knows the cameras."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.method_choice import estimator_of
-from labcal.estimators.rehearsal import fitted_beside, rehearse, twin_of
+from labcal.estimators.surrogate_validation import fit_unless_surrogate, surrogate_of, validate_on
 from labcal.evaluate.statistics import coverage, error_statistics
 from labcal.report.reproduction import Measured
 from labcal.rng import generator
@@ -33,8 +33,8 @@ METHODS = (
 
 
 @dataclass(frozen=True)
-class Duel:
-    """What is compared."""
+class Comparison:
+    """One comparison: a family, a seed and methods."""
 
     family: str
     seed: int
@@ -47,7 +47,7 @@ class Duel:
 
 
 class MethodFigures(BaseModel):
-    """How one method did; NaN where it refused."""
+    """Figures of one method; NaN if it refused the data."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -56,13 +56,13 @@ class MethodFigures(BaseModel):
     """RMS 3-D error over the oracle's."""
     coverage95: Measured
     misfit: bool
-    """Whether the method is flagged, from training data alone."""
+    """True if the method is flagged, from training data alone."""
     rehearsed_mm: Measured
-    """RMS error that training data alone promise."""
+    """RMS error predicted from training data alone."""
     refusal: str | None
 
 
-class DuelFigures(BaseModel):
+class ComparisonFigures(BaseModel):
     """One family and seed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -73,11 +73,11 @@ class DuelFigures(BaseModel):
     methods: tuple[MethodFigures, ...]
 
 
-def fought(duel: Duel) -> DuelFigures:
+def compared(comparison: Comparison) -> ComparisonFigures:
     """Return the figures of all methods on the same training dots and the same noisy test points."""
-    family = next(one for one in FAMILIES if one.name == duel.family)
-    cameras = family.pair(duel.seed)
-    random = generator(duel.seed, "bench solve", family.name)
+    family = next(one for one in FAMILIES if one.name == comparison.family)
+    cameras = family.pair(comparison.seed)
+    random = generator(comparison.seed, "bench solve", family.name)
     Y = family.volume.planes()
     p = family.volume.points(TESTS, random)
     X, q = (np.stack([camera.project(points).q for camera in cameras], axis=1) for points in (Y, p))
@@ -87,16 +87,16 @@ def fought(duel: Duel) -> DuelFigures:
     q, p = (q + NOISE_PX * random.standard_normal(q.shape))[seen], p[seen]
     covariance = np.tile(NOISE_PX**2 * np.eye(2), (len(p), 2, 1, 1))
     oracle = error_statistics(triangulate(cameras, q, covariance).point, p).rmse_mm
-    twin = twin_of(X, Y, (SIZE, SIZE))
-    if twin is None:
-        raise InputError(f"The training data of '{duel.key}' determine no cameras to rehearse with.")
+    surrogate = surrogate_of(X, Y, (SIZE, SIZE))
+    if surrogate is None:
+        raise InputError(f"The training data of '{comparison.key}' determine no cameras to rehearse with.")
     figures = []
-    for method in duel.methods:
-        estimator = _estimator(method, family, duel.seed)
+    for method in comparison.methods:
+        estimator = _estimator(method, family, comparison.seed)
         if estimator is None:
             continue
         try:
-            estimator = fitted_beside(twin, estimator, X, Y)
+            estimator = fit_unless_surrogate(surrogate, estimator, X, Y)
         except InputError as error:
             nan = float("nan")
             figures.append(
@@ -111,7 +111,7 @@ def fought(duel: Duel) -> DuelFigures:
             )
             continue
         found, stated = estimator.predict_with_covariance(q.reshape(len(q), -1), covariance)
-        rehearsed = rehearse(estimator, twin)
+        rehearsed = validate_on(estimator, surrogate)
         figures.append(
             MethodFigures(
                 method=method,
@@ -122,11 +122,13 @@ def fought(duel: Duel) -> DuelFigures:
                 refusal=None,
             )
         )
-    return DuelFigures(family=duel.family, seed=duel.seed, oracle_mm=oracle, methods=tuple(figures))
+    return ComparisonFigures(
+        family=comparison.family, seed=comparison.seed, oracle_mm=oracle, methods=tuple(figures)
+    )
 
 
 def _estimator(method: str, family: Family, seed: int) -> PointEstimator | None:
-    """Return a new estimator; None where a family has no right one."""
+    """Return a new estimator; None if a family has no correct one."""
     estimator = estimator_of("bundle" if method == RIGHT else method)
     if method == RIGHT:
         if family.right is None:

@@ -9,7 +9,7 @@ from labcal.bounds import MOST_MM
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError, LabcalError
-from labcal.geometry.covariances import stated_soundly
+from labcal.geometry.covariances import valid_or_not_stated
 
 if TYPE_CHECKING:
     from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
@@ -41,7 +41,7 @@ def within_sense(points: Points) -> Points:
     """Return points of which those that are nowhere (:data:`labcal.bounds.MOST_MM`) have no solution."""
     with np.errstate(invalid="ignore"):
         there = (np.abs(points.point) <= MOST_MM).all(axis=1)
-    sound = there & stated_soundly(points.covariance, MOST_MM**2)
+    sound = there & valid_or_not_stated(points.covariance, MOST_MM**2)
     if sound.all():
         return points
     return Points(

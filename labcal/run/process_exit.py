@@ -1,24 +1,24 @@
-"""How a worker process ended, in words."""
+"""Exit statuses of worker processes, explained in words."""
 
 import signal
 
 _CRASHES = {"SIGABRT", "SIGBUS", "SIGFPE", "SIGILL", "SIGSEGV", "SIGSYS", "SIGTRAP"}
 OUT_OF_MEMORY_STATUS = 86
-"""A worker process ends itself with this exit status where memory is refused to it."""
+"""The exit status with which a worker process ends itself when it cannot get memory."""
 _WINDOWS_CRASH = 0xC0000000
-"""Exit statuses of Windows from here on are those of an exception that nobody handled."""
+"""The first exit status of Windows that means an unhandled exception."""
 
 
 _FOREIGN = {"SIGHUP", "SIGINT", "SIGKILL", "SIGTERM"}
 
 
-def may_be_foreign(status: int | None) -> bool:
-    """Tell whether a process may have been ended by somebody else, who had nothing to do with its work."""
+def may_be_external(status: int | None) -> bool:
+    """Tell whether a process may have been ended from outside, independently of its work."""
     return status is not None and status < 0 and _signal_name(-status) in _FOREIGN
 
 
-def ending_in_words(status: int | None) -> str:
-    """Return how a process ended, as a clause without a verb: ``"killed by SIGKILL, ..."``.
+def exit_in_words(status: int | None) -> str:
+    """Return a description of an exit as a clause without a verb: ``"killed by SIGKILL, ..."``.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def ending_in_words(status: int | None) -> str:
         The exit status, negative where a signal ended the process; None where it is not known.
     """
     if status is None:
-        return "without a word"
+        return "for an unknown reason"
     if status < 0:
         name = _signal_name(-status)
         if name == "SIGKILL":

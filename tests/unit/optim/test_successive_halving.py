@@ -1,4 +1,4 @@
-"""Races of toy runs whose courses are known, and of small networks."""
+"""Successive halving of toy runs with known courses, and of small networks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -9,13 +9,13 @@ import torch
 
 from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
-from labcal.optim.descent import Descent
 from labcal.optim.levenberg_marquardt import minimize_batch
+from labcal.optim.lm_state import LevenbergMarquardtState
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.restarts import FIRST_MILESTONE, Race
 from labcal.optim.solution import Solution, Stopping, StopReason
+from labcal.optim.successive_halving import FIRST_MILESTONE, SuccessiveHalving
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,10 @@ class Courses:
         return Stepping(parameters)
 
 
-def raced(costs: np.ndarray, race: Race | None, goal: float = 0.0) -> list[Solution[State]]:
+def halved(costs: np.ndarray, halving: SuccessiveHalving | None, goal: float = 0.0) -> list[Solution[State]]:
     starts = [State(number, 0) for number in range(len(costs))]
     stopping = Stopping(goal=goal, max_epochs=costs.shape[1] - 1)
-    return minimize_batch(Courses(costs), starts, stopping, Damping(), race)
+    return minimize_batch(Courses(costs), starts, stopping, Damping(), halving)
 
 
 def straight(slopes: Sequence[float], epochs: int = 50) -> np.ndarray:
@@ -67,73 +67,73 @@ def straight(slopes: Sequence[float], epochs: int = 50) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Witness(Race):
-    """A race that writes down how many runs are left after every epoch, and why the others stopped."""
+class Witness(SuccessiveHalving):
+    """A halving that writes down how many runs are left after every epoch, and why the others stopped."""
 
     left: list[int] = field(default_factory=list)
     reasons: list[StopReason | None] = field(default_factory=list)
 
-    def judge(self, runs: Sequence[Descent[State]], losses: Sequence[float]) -> None:
-        super().judge(runs, losses)
+    def prune(self, runs: Sequence[LevenbergMarquardtState[State]], losses: Sequence[float]) -> None:
+        super().prune(runs, losses)
         self.reasons[:] = [run.reason for run in runs]
         self.left.append(self.reasons.count(None))
 
 
 def test_half_is_given_up_at_every_doubling_and_the_best_is_kept() -> None:
-    race = Witness([range(8)])
-    (best,) = raced(straight([1.0, 0.4, 1.2, 0.7, 1.9, 0.2, 1.5, 0.9]), race)
+    halving = Witness([range(8)])
+    (best,) = halved(straight([1.0, 0.4, 1.2, 0.7, 1.9, 0.2, 1.5, 0.9]), halving)
     assert (best.parameters.start, best.epochs, best.cost) == (4, 50, 5.0)
     five, ten, twenty = (FIRST_MILESTONE * factor for factor in (1, 2, 4))
     expected = [8] * (five - 1) + [4] * (ten - five) + [2] * (twenty - ten) + [1] * (50 - twenty) + [0]
-    assert race.left == expected
-    assert [reason is StopReason.OUTRUN for reason in race.reasons] == [k != 4 for k in range(8)]
+    assert halving.left == expected
+    assert [reason is StopReason.PRUNED for reason in halving.reasons] == [k != 4 for k in range(8)]
 
 
 def test_the_better_half_is_that_of_the_milestone() -> None:
     # The last start is by far the best in the end, but the worst at the first milestone.
     costs = straight([1.0, 1.1, 1.2, 0.1])
     costs[3, 10:] -= 60.0
-    assert raced(costs, Race([range(4)]))[0].parameters.start == 2
-    assert raced(costs, Race([range(4)], first_milestone=12))[0].parameters.start == 3
+    assert halved(costs, SuccessiveHalving([range(4)]))[0].parameters.start == 2
+    assert halved(costs, SuccessiveHalving([range(4)], first_milestone=12))[0].parameters.start == 3
 
 
 def test_groups_keep_their_own() -> None:
     # Every run of the second group is worse than every run of the first.
     courses = straight([1.5, 0.2, 1.6, 0.3, 1.4, 0.1])
-    found = raced(courses, Race([range(0, 6, 2), range(1, 6, 2)]))
+    found = halved(courses, SuccessiveHalving([range(0, 6, 2), range(1, 6, 2)]))
     assert [one.parameters.start for one in found] == [2, 3]
 
 
 def test_as_many_as_are_wanted_are_kept_in_the_order_of_their_starts() -> None:
-    race = Witness([range(6)], keep=3)
-    found = raced(straight([0.3, 1.0, 0.2, 1.5, 0.1, 1.2]), race)
+    halving = Witness([range(6)], keep=3)
+    found = halved(straight([0.3, 1.0, 0.2, 1.5, 0.1, 1.2]), halving)
     assert [one.parameters.start for one in found] == [1, 3, 5]
-    assert min(race.left[:-1]) == 3
+    assert min(halving.left[:-1]) == 3
 
 
 def test_the_goal_ends_all_of_a_group() -> None:
     courses = straight([1.0, 4.0, 2.0, 3.0])
-    race = Witness([range(2), range(2, 4)])
-    first, second = raced(courses, race, goal=90.0)
+    halving = Witness([range(2), range(2, 4)])
+    first, second = halved(courses, halving, goal=90.0)
     assert (first.parameters.start, first.epochs, first.reason) == (1, 3, StopReason.GOAL)
     assert (second.parameters.start, second.epochs, second.reason) == (3, 4, StopReason.GOAL)
-    assert race.reasons[::2] == [StopReason.OUTRUN] * 2
-    assert race.left == [4, 4, 2, 0]
+    assert halving.reasons[::2] == [StopReason.PRUNED] * 2
+    assert halving.left == [4, 4, 2, 0]
 
 
 def test_a_goal_that_one_reaches_does_not_end_those_that_are_wanted_too() -> None:
-    found = raced(straight([1.0, 4.0, 2.0]), Race([range(3)], keep=2), goal=90.0)
+    found = halved(straight([1.0, 4.0, 2.0]), SuccessiveHalving([range(3)], keep=2), goal=90.0)
     assert [(one.parameters.start, one.epochs) for one in found] == [(1, 3), (2, 5)]
 
 
 def test_a_loss_that_is_nan_is_worst() -> None:
     courses = straight([1.0, 0.5, 0.8])
     courses[0, 0] = np.nan
-    assert raced(courses, Race([range(3)]))[0].parameters.start == 2
+    assert halved(courses, SuccessiveHalving([range(3)]))[0].parameters.start == 2
 
 
 def test_without_a_race_all_go_to_their_end() -> None:
-    assert [one.epochs for one in raced(straight([1.0, 2.0, 1.5]), None)] == [50, 50, 50]
+    assert [one.epochs for one in halved(straight([1.0, 2.0, 1.5]), None)] == [50, 50, 50]
 
 
 def network_batch(members: int) -> tuple[NetworkProblem, list[torch.Tensor]]:
@@ -148,19 +148,19 @@ def network_batch(members: int) -> tuple[NetworkProblem, list[torch.Tensor]]:
 
 def test_one_start_has_the_bytes_that_it_has_without_a_race() -> None:
     problem, starts = network_batch(1)
-    race = Race([range(1)])
+    halving = SuccessiveHalving([range(1)])
     stopping = Stopping(max_epochs=30)
-    plain = [minimize_batch(problem, starts, stopping, Damping(), given)[0] for given in (None, race)]
+    plain = [minimize_batch(problem, starts, stopping, Damping(), given)[0] for given in (None, halving)]
     assert plain[0].parameters.numpy().tobytes() == plain[1].parameters.numpy().tobytes()
     assert (plain[0].epochs, plain[0].reason) == (plain[1].epochs, plain[1].reason)
-    ruled = [train_by_evidence(problem, starts, 30, Damping(), given)[0] for given in (None, race)]
+    ruled = [train_by_evidence(problem, starts, 30, Damping(), given)[0] for given in (None, halving)]
     assert ruled[0].parameters.numpy().tobytes() == ruled[1].parameters.numpy().tobytes()
     assert ruled[0].factor.tobytes() == ruled[1].factor.tobytes()
 
 
 def test_training_by_evidence_keeps_the_run_that_it_would_be_alone() -> None:
     problem, starts = network_batch(5)
-    (best,) = train_by_evidence(problem, starts, 40, Damping(), Race([range(5)]))
+    (best,) = train_by_evidence(problem, starts, 40, Damping(), SuccessiveHalving([range(5)]))
     alone = train_by_evidence(problem, starts, 40, Damping())
     distances = [float((best.parameters - one.parameters).abs().max()) for one in alone]
     same = alone[int(np.argmin(distances))]
@@ -168,7 +168,7 @@ def test_training_by_evidence_keeps_the_run_that_it_would_be_alone() -> None:
     np.testing.assert_allclose(best.factor, same.factor, rtol=1e-5, atol=1e-5 * np.abs(same.factor).max())
     expected = [one.evidence.expected_square(problem.residual_count) for one in alone]
     assert expected[int(np.argmin(distances))] <= np.median(expected)
-    assert int(np.argmin(distances)) != 0  # the first would do without any race
+    assert int(np.argmin(distances)) != 0  # the first would do without any halving
 
 
 def test_the_square_to_expect_is_that_of_leaving_points_out() -> None:

@@ -1,4 +1,4 @@
-"""Folders that are kept beside their place while others take it, until these are there."""
+"""Replacement of folders: the old one is kept under another name until the new one is in place."""
 
 import os
 from pathlib import Path
@@ -7,58 +7,58 @@ from labcal.run.durable import flush_file
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
 from labcal.run.made import ASIDE, COMMAND, command_in, made_in
-from labcal.run.standing import old_of, working_of
+from labcal.run.output_place import old_place_of, working_place_of
 
 
-def settle(path: Path) -> None:
-    """Bring to its end what a run was killed in that was replacing `path`.
+def recover(path: Path) -> None:
+    """Complete or undo the replacement of `path` that an earlier run was killed in.
 
     Where the new folder is not in its place, the old one is put back; where it is, the old one is removed.
-    Nothing is done unless labcal moved the old one there, as its mark says, and nothing else is in it; nor
-    while another process is at work.
+    Nothing is done unless labcal moved the old one there (its mark states that) and nothing else is in it;
+    nor while another process is working.
     """
-    for home in (working_of(path), path):
+    for home in (working_place_of(path), path):
         if command_in(home) is not None:
             with locked(home / COMMAND) as free:
                 if not free:
                     return
-    old = old_of(path)
+    old = old_place_of(path)
     if not os.path.lexists(old):
-        _remove_aside(path)  # killed before the old one was moved, or after it was moved back
+        _remove_mark(path)  # killed before the old one was moved, or after it was moved back
         return
     if old.is_symlink() or not old.is_dir() or foreign_entries(old):
         return
     if not os.path.lexists(path):
-        if _is_aside(old, path):
-            put_back(old, path)
+        if _is_marked(old, path):
+            restore(old, path)
         return
     replaced = command_in(path) is not None and made_in(path) is not None
-    if replaced and (_is_aside(old, path) or not any(old.iterdir())):  # it may have been about to be removed
+    if replaced and (_is_marked(old, path) or not any(old.iterdir())):  # it may have been about to be removed
         remove_made(old)
 
 
-def mark_aside(folder: Path) -> None:
-    """Mark a folder as one that is about to be moved aside; its name in the mark is the one to go back to."""
+def mark_replaced(folder: Path) -> None:
+    """Mark a folder that is about to be replaced; the mark holds the name to restore."""
     mark = folder / ASIDE
     mark.write_text(folder.name, encoding="utf-8", errors="surrogateescape")
     flush_file(mark)
 
 
-def _is_aside(folder: Path, path: Path) -> bool:
-    """Return whether a folder has the mark that it got at `path`."""
+def _is_marked(folder: Path, path: Path) -> bool:
+    """Return whether a folder has the mark of the one that was at `path`."""
     mark = folder / ASIDE
     if folder.is_symlink() or mark.is_symlink() or not mark.is_file():
         return False
     return mark.read_text(encoding="utf-8", errors="surrogateescape") == path.name
 
 
-def _remove_aside(path: Path) -> None:
+def _remove_mark(path: Path) -> None:
     """Remove the mark of a folder that is in its place."""
-    if _is_aside(path, path):
+    if _is_marked(path, path):
         (path / ASIDE).unlink()
 
 
-def put_back(old: Path, path: Path) -> None:
-    """Move a folder back that was moved aside."""
+def restore(old: Path, path: Path) -> None:
+    """Move a replaced folder back to its place."""
     old.rename(path)
-    _remove_aside(path)
+    _remove_mark(path)

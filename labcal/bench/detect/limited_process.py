@@ -1,4 +1,4 @@
-"""A process that measures pictures within limits of time and memory, and is replaced where it dies."""
+"""A process that measures pictures within limits of time and memory, and is replaced if it ends."""
 
 import multiprocessing
 import os
@@ -22,8 +22,8 @@ _WANT_OF_MEMORY = ("takes more memory than there is", "nsufficient memory", "bad
 
 
 @dataclass(frozen=True)
-class Watched:
-    """What became of one picture."""
+class ProcessResult:
+    """The result of one picture."""
 
     ending: Ending
     words: str
@@ -34,7 +34,7 @@ class Watched:
 
 @dataclass(frozen=True)
 class Limits:
-    """What one picture may take."""
+    """Limits of one picture."""
 
     memory_bytes: int
     """Beyond what the process has when idle; more is refused to it by the system, where that can be set."""
@@ -42,7 +42,7 @@ class Limits:
     """After these the process is ended."""
 
 
-class WatchedProcess:
+class LimitedProcess:
     """One process that measures pictures, started when it is needed.
 
     Parameters
@@ -59,7 +59,7 @@ class WatchedProcess:
         self._process: multiprocessing.process.BaseProcess | None = None
         self._pipe: Connection | None = None
 
-    def __enter__(self) -> "WatchedProcess":
+    def __enter__(self) -> "LimitedProcess":
         return self
 
     def __exit__(
@@ -67,18 +67,18 @@ class WatchedProcess:
     ) -> None:
         self._end()
 
-    def measure(self, path: Path) -> Watched:
-        """Measure one picture and return what came of it, whatever that is."""
+    def measure(self, path: Path) -> ProcessResult:
+        """Measure one picture, and return the result or the failure."""
         pipe = self._pipe or self._start()
         try:
             pipe.send(str(path))
             if not pipe.poll(self.limits.seconds):
                 self._end()
-                return Watched("hang", f"not done after {self.limits.seconds:g} s", 0.0)
-            found: Watched = pipe.recv()
+                return ProcessResult("hang", f"not done after {self.limits.seconds:g} s", 0.0)
+            found: ProcessResult = pipe.recv()
         except (EOFError, OSError):  # the other end is gone
             status = self._end()
-            return Watched("crash", f"the process ended with {status}", 0.0)
+            return ProcessResult("crash", f"the process ended with {status}", 0.0)
         return found
 
     def _start(self) -> Connection:
@@ -94,7 +94,7 @@ class WatchedProcess:
         return self._pipe
 
     def _end(self) -> int | None:
-        """End the process, whatever it does, and return its exit status."""
+        """End the process, and return its exit status."""
         status = None
         if self._pipe is not None:
             self._pipe.close()
@@ -136,11 +136,11 @@ def _work(pipe: Connection, target: DotGrid, first: np.ndarray, memory_bytes: in
             ending, words = "memory", repr(error)
         except Exception as error:  # noqa: BLE001 -- any exception is what is looked for
             ending, words = "error", repr(error)
-        pipe.send(Watched(ending, words, (_peak_bytes() - idle) / BYTES_A_KIB**2))
+        pipe.send(ProcessResult(ending, words, (_peak_bytes() - idle) / BYTES_A_KIB**2))
 
 
 def _peak_bytes() -> float:
-    """Return the most memory that this process has had; 0 where the system does not tell."""
+    """Return the peak memory of this process; 0 if the system does not report it."""
     if sys.platform == "win32":
         return 0.0
     import resource  # noqa: PLC0415 -- Windows has none
@@ -150,7 +150,7 @@ def _peak_bytes() -> float:
 
 
 def _limit_memory(more_bytes: int) -> None:
-    """Let the system refuse memory beyond what this process has now, where it can."""
+    """Limit the memory of this process to its present size plus an allowance, if the system supports it."""
     if sys.platform != "linux":
         return
     import resource  # noqa: PLC0415 -- as above

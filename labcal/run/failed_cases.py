@@ -1,15 +1,15 @@
-"""Cases that end each process that tries them: told by name when all others are done."""
+"""Cases that end every process that tries them, reported by name when all others are done."""
 
 from collections.abc import Mapping
 
 from labcal.errors import DeviceError, WorkerError
 
 MOST_NAMED = 5
-"""So many cases are named; a message does not grow with their number."""
+"""The number of cases that a message names."""
 
 
-def refuse_given_up(given_up: Mapping[str, WorkerError], count: int, kind: str, advice: str) -> None:
-    """Raise where cases were given up.
+def raise_failed_cases(given_up: Mapping[str, WorkerError], count: int, kind: str, advice: str) -> None:
+    """Raise an error that names the cases that could not be done, if there are any.
 
     Parameters
     ----------
@@ -18,9 +18,9 @@ def refuse_given_up(given_up: Mapping[str, WorkerError], count: int, kind: str, 
     count : int
         All cases.
     kind : str
-        What a case is, in the plural: ``"pictures"``.
+        The noun for cases, in the plural: ``"pictures"``.
     advice : str
-        What to do about it: a sentence.
+        A sentence that says how to mend it.
 
     Raises
     ------
@@ -34,6 +34,6 @@ def refuse_given_up(given_up: Mapping[str, WorkerError], count: int, kind: str, 
         named.append(f"{len(given_up) - len(named)} more")
     raise DeviceError(
         f"{len(given_up)} of {count} {kind} cannot be done: {', '.join(named)}. Each worker process that "
-        f"tried one of them ended, the last one with no other beside it. {advice} What is done is kept: the "
-        "same command goes on from there."
+        f"tried one of them ended, the last one while no other was running. {advice} Finished results are "
+        "kept: the same command resumes from there."
     )

@@ -1,4 +1,4 @@
-"""What may stand at the place of an output, and be replaced by it."""
+"""The place of an output: checks of what is there, and whether the output may replace it."""
 
 import os
 import stat
@@ -11,11 +11,11 @@ from labcal.run.made import made_in
 from labcal.run.mounts import is_mount
 
 UNFINISHED = ".unfinished"
-"""Ending of the name of a folder under construction, beside the one to appear."""
+"""Ending of the name of a folder under construction, next to the final one."""
 OLD = ".labcal-old"
-"""Ending of the name that a folder gets while another one takes its place."""
+"""Ending of the name that a folder has while it is being replaced."""
 _SHOWN = 3
-"""So many foreign entries are named."""
+"""The number of foreign entries that a message names."""
 _KINDS = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
@@ -25,7 +25,7 @@ _KINDS = (
 
 
 def require_name(path: Path) -> None:
-    """Raise where a path ends in no name, as ``.``, ``..`` and ``/`` do.
+    """Raise if a path does not end in a name, as ``.``, ``..`` and ``/``.
 
     Raises
     ------
@@ -35,12 +35,12 @@ def require_name(path: Path) -> None:
     if path.name in {"", ".."}:
         raise OutputError(
             f"{path} exists already, and is never replaced: it names the current folder, or one above. "
-            "End the path with the name of what shall appear."
+            "End the path with the name of the output."
         )
 
 
 def require_file_place(path: Path, *, force: bool) -> None:
-    """Raise where a file may not appear at `path`.
+    """Raise if a file may not be written at `path`.
 
     Nothing but a regular file is ever replaced: no link (nor what it leads to), folder, device or mount.
 
@@ -60,10 +60,10 @@ def require_file_place(path: Path, *, force: bool) -> None:
 
 
 def require_folder_place(path: Path, *, force: bool) -> None:
-    """Raise where a folder may not appear at `path`.
+    """Raise if a folder may not be made at `path`.
 
-    With `force` a folder is replaced that labcal made, as its mark says, and that holds nothing else; an
-    empty one, too. Never the current folder, the home folder, or one above them.
+    With `force` a folder is replaced if labcal made it (its mark states that) and it holds nothing else, or
+    if it is empty. Never the current folder, the home folder, or one above them.
 
     Raises
     ------
@@ -71,33 +71,33 @@ def require_folder_place(path: Path, *, force: bool) -> None:
         Something is there that may not be replaced, or `force` is not set.
     """
     require_name(path)
-    for other in (working_of(path), old_of(path)):
+    for other in (working_place_of(path), old_place_of(path)):
         _status(other)  # raises where such a name is too long
     status = _status(path)
     if status is None:
         return
     _require_plain(path, status)
     if not stat.S_ISDIR(status.st_mode):
-        told = "" if force else f"{path} exists already. "
-        raise OutputError(f"{told}{path} is a file, but a folder is to be made. Choose another name.")
+        exists = "" if force else f"{path} exists already. "
+        raise OutputError(f"{exists}{path} is a file, but a folder is to be made. Choose another name.")
     require_elsewhere(path)
     _require_leave(path, status, force=force)
     if any(path.iterdir()):
         if made_in(path) is None:
             raise OutputError(
-                f"{path} is not replaced, for it has no mark of labcal's: somebody else made it, or an older "
-                "version. Choose another name, or remove it yourself."
+                f"{path} is not replaced: it has no mark of labcal, so another program made it, or an older "
+                "version of labcal. Choose another name, or remove it yourself."
             )
         require_nothing_foreign(path)
-    if os.path.lexists(old_of(path)):
+    if os.path.lexists(old_place_of(path)):
         raise OutputError(
-            f"{path} is not replaced: {old_of(path)} is in the way, where it would be kept meanwhile. Move "
-            "that elsewhere."
+            f"{path} is not replaced: it would be kept as {old_place_of(path)} meanwhile, but that "
+            "exists. Move it elsewhere."
         )
 
 
 def require_nothing_foreign(folder: Path) -> None:
-    """Raise where a folder holds anything that labcal did not make.
+    """Raise if a folder holds anything that labcal did not make.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def require_nothing_foreign(folder: Path) -> None:
     if foreign:
         more = f" and {len(foreign) - _SHOWN} more" if len(foreign) > _SHOWN else ""
         raise OutputError(
-            f"{folder} is not replaced, for it holds what labcal did not make: "
+            f"{folder} is not replaced: it contains files or folders that labcal did not make: "
             f"{', '.join(foreign[:_SHOWN])}{more}. Choose another name, or move these elsewhere."
         )
 
@@ -131,7 +131,7 @@ def require_elsewhere(folder: Path) -> None:
 
 
 def holds(folder: Path, paths: Iterable[Path]) -> bool:
-    """Return whether a folder is one of these paths or, by whatever spelling or link, holds one."""
+    """Return whether a folder is, or contains, one of these paths, whatever their spelling or links."""
     try:
         own = folder.stat()
     except OSError:
@@ -147,18 +147,18 @@ def holds(folder: Path, paths: Iterable[Path]) -> bool:
     return False
 
 
-def working_of(path: Path) -> Path:
-    """Return where a folder is made, beside its place."""
+def working_place_of(path: Path) -> Path:
+    """Return the path at which a folder is made, next to its final place."""
     return path.with_name(path.name + UNFINISHED)
 
 
-def old_of(path: Path) -> Path:
-    """Return where a folder is kept while another one takes its place."""
+def old_place_of(path: Path) -> Path:
+    """Return the path at which a folder is kept while it is being replaced."""
     return path.with_name(path.name + OLD)
 
 
 def _status(path: Path) -> os.stat_result | None:
-    """Return what is at a path, a link as such; None where nothing is."""
+    """Return the status of what is at a path (of a link, its own), or None if nothing is."""
     try:
         return path.lstat()
     except FileNotFoundError:
@@ -168,7 +168,7 @@ def _status(path: Path) -> os.stat_result | None:
 
 
 def _require_plain(path: Path, status: os.stat_result) -> None:
-    """Raise unless it is a file or a folder in its own right."""
+    """Raise if it is a link, a device, a mount or the like."""
     if stat.S_ISLNK(status.st_mode):
         raise OutputError(
             f"{path} exists already, as a link to {path.readlink()}. A link is not replaced, nor anything "
@@ -177,15 +177,15 @@ def _require_plain(path: Path, status: os.stat_result) -> None:
     for is_kind, kind in _KINDS:
         if is_kind(status.st_mode):
             raise OutputError(
-                f"{path} exists already and is {kind}, which is never replaced: results are written whole "
-                "and then get their name. Give the name of a file."
+                f"{path} exists already and is {kind}, which is never replaced: a result is written to a "
+                "temporary file and then renamed. Give the name of a file."
             )
     if is_mount(path):
-        raise OutputError(f"{path} exists already: something is mounted there. Choose another name.")
+        raise OutputError(f"{path} exists already: a disk or folder is mounted there. Choose another name.")
 
 
 def _require_leave(path: Path, status: os.stat_result, *, force: bool) -> None:
-    """Raise unless the user has said that it may be replaced, and has not protected it."""
+    """Raise unless the user allows replacement and the place is not write-protected."""
     if not force:
         raise OutputError(f"{path} exists already. Choose another name, or add `force=True` to replace it.")
     if not status.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):

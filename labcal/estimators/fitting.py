@@ -1,4 +1,4 @@
-"""Methods taught the dots of a target: on a stage, or in the hand where a bundle adjustment places it."""
+"""Fitting of methods to the dots of a target, on a stage or in the hand (placed by a bundle adjustment)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
-from labcal.estimators.rehearsal import Twin, fitted_beside, rehearse, twin_of
+from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -29,33 +29,33 @@ from labcal.targets.catalogue import AnyTarget
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How methods are taught."""
+    """Settings of a fit."""
 
     lens: str = AUTO
-    """Of methods that have cameras, and of the adjustment that places a target in the hand."""
+    """Lens of methods with cameras, and of the adjustment that places a hand-held target."""
     seed: int = 0
     free_dots: bool = False
-    """Whether the dots of a target in the hand are freed."""
+    """True to free the dots of a hand-held target."""
     rehearsal: bool = True
-    """Whether each method is tried between the trained dots, which tells what error to expect of it."""
+    """True to validate each method on a surrogate, which gives its expected error."""
     hold_out: HoldOut = ()
-    """Views of a target in the hand that do not enter."""
+    """Views of a hand-held target that do not enter."""
 
 
 @dataclass(frozen=True)
 class Training:
-    """What methods are taught.
+    """Training data, and how they were made.
 
     Attributes
     ----------
     centred : CentredTraining
         Pixels and points.
     held : Calibration or None
-        How the target was placed; None where a stage told.
+        The calibration that placed the target; None on a stage.
     warnings : tuple of str
-        What is not as it should be, for people.
+        Warnings in words.
     held_out : tuple of str
-        Views that are kept to test on.
+        Test views.
     """
 
     centred: CentredTraining
@@ -65,7 +65,7 @@ class Training:
 
     @property
     def calibrated_on(self) -> tuple[str, ...]:
-        """The views that it comes from."""
+        """Names of the training views."""
         if self.held is not None:
             return self.held.calibrated_on
         return tuple(dict.fromkeys(self.centred.data.view.tolist()))
@@ -83,7 +83,7 @@ def training_of(
     settings: FitSettings | None = None,
     progress: Progress | None = None,
 ) -> Training:
-    """Return what methods are taught: centres of dots, and where they were.
+    """Return training data: centres of dots, and their places.
 
     Parameters
     ----------
@@ -128,14 +128,14 @@ def _refuse_of_held(settings: FitSettings) -> None:
 
 
 def _unlearned(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
-    """Return which training views teach nothing, for people."""
+    """Return warnings about training views without usable dots."""
     learned = set(data.view.tolist())
     views = [view.name for view in shoot.views(Role.TRAIN) if view.name not in learned]
-    return tuple(f"view '{name}' teaches nothing: no dot in it was measured by all cameras" for name in views)
+    return tuple(f"view '{name}' is not used: no dot in it was measured by all cameras" for name in views)
 
 
 def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[PointEstimator]:
-    """Return methods, with the settings that concern them.
+    """Return estimators with the settings that concern them.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
     """
     estimators = [estimator_of(method) for method in methods]
     if settings.lens != AUTO:
-        camera_of_lens(settings.lens, (1, 1), None)  # tells now whether there is such a lens
+        camera_of_lens(settings.lens, (1, 1), None)  # raises now if there is no such lens
     wanted = {"random_state": settings.seed, "lens": settings.lens}
     for method, estimator in zip(methods, estimators, strict=True):
         if isinstance(method, PointEstimator):
@@ -163,23 +163,23 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
     return estimators
 
 
-def taught(
+def fit_methods(
     training: Training,
     estimators: Sequence[PointEstimator],
     settings: FitSettings | None = None,
     progress: Progress | None = None,
 ) -> list[Model | InputError]:
-    """Return what each method learned, or why it cannot."""
+    """Return the fitted model of each method, or the error that prevents it."""
     settings, progress = settings or FitSettings(), progress or NoProgress()
     data, learned = training.centred.data, list[Model | InputError]()
     progress.start("methods", len(estimators) + 1)
-    twin = None
+    surrogate = None
     if settings.rehearsal:
-        twin = twin_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
+        surrogate = surrogate_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
     progress.advance()
     for estimator in estimators:
         try:
-            model = teach(data, estimator, training.centred.cameras, twin)
+            model = fit_method(data, estimator, training.centred.cameras, surrogate)
             about = replace(model, calibration=training.centred.calibration, warnings=training.warnings)
             learned.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
         except InputError as error:
@@ -188,33 +188,33 @@ def taught(
     return learned
 
 
-def teach(
+def fit_method(
     data: TrainingData,
     estimator: PointEstimator,
     resected: tuple[Camera, ...] | None = None,
-    twin: Twin | None = None,
+    surrogate: Surrogate | None = None,
 ) -> Model:
-    """Teach one method pixels and points.
+    """Fit one method to pixels and points.
 
     Parameters
     ----------
     data : TrainingData
     estimator : PointEstimator
-        It stays as it was; a copy learns.
+        It is not changed; a copy is fitted.
     resected : tuple of Camera, optional
         Of the training where its pixels are those of centres.
-    twin : Twin, optional
-        Where the method is rehearsed, so that it is known whether to trust it.
+    surrogate : Surrogate, optional
+        The surrogate on which the method is validated.
 
     Raises
     ------
     InputError
-        The method cannot learn from these data.
+        The method cannot be fitted to these data.
     """
     estimator = clone(estimator)
     if "image_sizes" in estimator.get_params():
         estimator.set_params(image_sizes=data.image_sizes)
     box = TrainingBox.of(data.X, data.Y)
-    fitted = fitted_beside(twin, estimator, data.X, data.Y)
-    rehearsed = None if twin is None else rehearse(fitted, twin)
+    fitted = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
+    rehearsed = None if surrogate is None else validate_on(fitted, surrogate)
     return Model(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)

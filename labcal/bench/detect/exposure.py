@@ -1,11 +1,11 @@
-"""From the light of a staged picture to the picture: a light gradient, a sensor, a file's compression."""
+"""The exposure of a picture of the suite: light gradient, sensor and file compression."""
 
 import cv2
 import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.bench.detect.design import BLUR, MOST_BLUR_PX, PictureDesign
-from labcal.bench.detect.sight import LEAST_MINOR_PX, Sight
+from labcal.bench.detect.dot_visibility import LEAST_MINOR_PX, DotVisibility
 from labcal.bench.held_board import BARE_BOARD
 from labcal.render.development import develop
 from labcal.render.response import Exposure, Shot, read_sensor
@@ -19,14 +19,16 @@ READ_NOISE = 0.1
 
 
 def blur_px(design: PictureDesign, minor_px: np.ndarray) -> float:
-    """Return the standard deviation of a picture's blur, px, by the smallest of its measurable dots."""
+    """Return the standard deviation of the blur of a picture, px, by its smallest measurable dot."""
     large = minor_px[minor_px >= LEAST_MINOR_PX]
     smallest = float(large.min()) if len(large) else LEAST_MINOR_PX
     most = max(BLUR[0], min(MOST_BLUR_PX, BLUR[1] * smallest))
     return float(BLUR[0] + design.blur * (most - BLUR[0]))
 
 
-def taken(light: np.ndarray, design: PictureDesign, seen: Sight, blur: float, seed: int) -> np.ndarray:
+def exposed_picture(
+    light: np.ndarray, design: PictureDesign, seen: DotVisibility, blur: float, seed: int
+) -> np.ndarray:
     """Return the picture, uint8, in grey or in red, green and blue.
 
     Parameters
@@ -34,7 +36,7 @@ def taken(light: np.ndarray, design: PictureDesign, seen: Sight, blur: float, se
     light : ndarray of float32, shape (height, width)
         Rendered under even light.
     design : PictureDesign
-    seen : Sight
+    seen : DotVisibility
         The light falls off over where the dots are.
     blur : float
         Standard deviation, px.

@@ -1,4 +1,4 @@
-"""By how much the rays of a dot miss each other: it tells moved cameras and wrong dots."""
+"""Triangulation residuals of dots, which reveal moved cameras and wrong dots."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from labcal.correspond.matching import Matches
 from labcal.distributions import chi2_quantile, chi2_upper_quantile
 
 MOST_PX = 1.0
-"""A typical miss beyond this is no noise: the cameras are not as they were, or not these."""
+"""Median residual beyond which noise is no explanation: the cameras have changed or are others."""
 OUTLYING = 1e-6
-"""A point is no measurement where noise would leave so few as far off."""
+"""Probability of a residual by noise below which a point is an outlier."""
 
 
 @dataclass(frozen=True)
-class RayMisses:
-    """Reprojection errors of triangulated dots; infinite where the rays meet nowhere before the cameras."""
+class TriangulationResiduals:
+    """Triangulation residuals; infinite if the rays do not intersect in front of the cameras."""
 
     px: Float64[np.ndarray, " n"]
     """Root mean square over the cameras of the 2-D distance."""
@@ -28,13 +28,15 @@ class RayMisses:
     freedom: int
 
     @classmethod
-    def of(cls, cameras: Sequence[Camera], matches: Matches) -> "RayMisses":
-        """Return those of matched dots; cameras in the order of the matches."""
+    def of(cls, cameras: Sequence[Camera], matches: Matches) -> "TriangulationResiduals":
+        """Return the residuals of matched dots; cameras in the order of the matches."""
         return cls.at(cameras, matches, triangulate(cameras, matches.q, matches.covariance))
 
     @classmethod
-    def at(cls, cameras: Sequence[Camera], matches: Matches, found: TriangulatedPoints) -> "RayMisses":
-        """Return those of matched dots that have been triangulated already."""
+    def at(
+        cls, cameras: Sequence[Camera], matches: Matches, found: TriangulatedPoints
+    ) -> "TriangulationResiduals":
+        """Return the residuals of matched dots that are triangulated already."""
         px, chi_square = np.full(len(matches), np.inf), np.full(len(matches), np.inf)
         q = np.stack([camera.project(found.point[found.ok]).q for camera in cameras], axis=1)
         off = q - matches.q[found.ok]
@@ -45,11 +47,11 @@ class RayMisses:
 
     @property
     def typical_px(self) -> float:
-        """The median miss, px."""
+        """The median residual, px."""
         return float(np.median(self.px))
 
     @property
     def outlying(self) -> Bool[np.ndarray, " n"]:
-        """Which dots miss by more than noise explains, that of their covariances or what all of them show."""
+        """Mask of dots whose residual exceeds the noise of their covariances and that of all dots."""
         typical = float(np.median(self.chi_square)) / chi2_quantile(0.5, self.freedom)
         return np.asarray(self.chi_square > max(1.0, typical) * chi2_upper_quantile(OUTLYING, self.freedom))

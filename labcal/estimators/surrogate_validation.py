@@ -1,4 +1,4 @@
-"""Which method to trust, from training data alone: each is tried where the hybrid knows the truth."""
+"""Surrogate validation of methods: their errors on cameras that the hybrid method estimated."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ from labcal.calibrate.lens_candidates import AUTO
 from labcal.cameras.triangulation import refined
 from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.gp_field.learned_camera import measured_by
 from labcal.estimators.hybrid import Hybrid
-from labcal.estimators.rehearsed import Rehearsed
 from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.geometry.hull import inside_hull
 from labcal.rng import generator
@@ -24,8 +24,8 @@ _MOST_DRAWS = 50
 
 
 @dataclass(frozen=True)
-class Twin:
-    """Points within a trained volume and where cameras like the real ones see them, with noise.
+class Surrogate:
+    """Points within the training volume, and their noisy pixels in cameras like the real ones.
 
     Attributes
     ----------
@@ -48,14 +48,14 @@ class Twin:
     limit_mm: float
 
 
-def twin_of(
+def surrogate_of(
     X: Float64[np.ndarray, "n inputs"],
     Y: Vectors3,
     image_sizes: tuple[tuple[int, int], ...],
     seed: int = 0,
     lens: str = AUTO,
-) -> Twin | None:
-    """Return a rehearsal's stage from training data, or None where they determine no cameras.
+) -> Surrogate | None:
+    """Return a surrogate from training data, or None if they do not determine cameras.
 
     Parameters
     ----------
@@ -93,34 +93,36 @@ def twin_of(
     limit = refined(measured_by(cameras, q), p, q, covariance).covariance
     q = q + noise[:, None] * random.standard_normal(q.shape)
     limit_mm = float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
-    return Twin(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm)
+    return Surrogate(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm)
 
 
-def fitted_beside(
-    twin: Twin | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Vectors3
+def fit_unless_surrogate(
+    surrogate: Surrogate | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Vectors3
 ) -> PointEstimator:
-    """Return a method fitted to the training data of a twin.
+    """Return a method fitted to the training data of a surrogate.
 
-    The twin's own method is not fitted a second time: it is returned in the place of an estimator with the
-    same parameters.
+    The hybrid method of the surrogate is not fitted again: it is returned if the estimator has the same
+    parameters.
     """
     if (
-        twin is not None
+        surrogate is not None
         and isinstance(estimator, Hybrid)
-        and estimator.get_params() == twin.hybrid.get_params()
+        and estimator.get_params() == surrogate.hybrid.get_params()
     ):
-        return twin.hybrid
+        return surrogate.hybrid
     return estimator.fit(X, Y)
 
 
-def rehearse(estimator: PointEstimator, twin: Twin) -> Rehearsed:
-    """Return how a fitted method does on the points of a twin."""
-    outputs, covariance = estimator.predict_with_covariance(twin.X, twin.covariance)
-    error = outputs[:, :3] - twin.p
+def validate_on(estimator: PointEstimator, surrogate: Surrogate) -> ExpectedError:
+    """Return the expected error of a fitted method: its errors on the points of a surrogate."""
+    outputs, covariance = estimator.predict_with_covariance(surrogate.X, surrogate.covariance)
+    error = outputs[:, :3] - surrogate.p
     square = (error**2).sum(axis=1)
     known = square[np.isfinite(square)]
     rmse = float(np.sqrt(known.mean())) if len(known) else float("nan")
-    return Rehearsed(rmse, twin.limit_mm, float(within_ellipsoids(error, covariance, CONFIDENCE).mean()))
+    return ExpectedError(
+        rmse, surrogate.limit_mm, float(within_ellipsoids(error, covariance, CONFIDENCE).mean())
+    )
 
 
 def _points_within(Y: Vectors3, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:

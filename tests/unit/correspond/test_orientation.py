@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from labcal.cameras.camera import Camera
+from labcal.correspond.orientation import resolve_orientation
 from labcal.correspond.sources import Source
-from labcal.correspond.way_up import settle_way_up
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.targets.catalogue import load_target
@@ -72,7 +72,7 @@ def settle(
     sources = [Source(view, name, f"{view}_{name}.png", None) for view, name in keys]
     seen = [picture(cameras[name], poses[view], target, int(rng.integers(fold))) for view, name in keys]
     found: dict[str, list[int | None]] = {name: [] for name in cameras}
-    for (view, name), dots in zip(keys, settle_way_up(sources, seen, target), strict=True):
+    for (view, name), dots in zip(keys, resolve_orientation(sources, seen, target), strict=True):
         if dots.refusal is None:
             assert len(dots.others) == fold - 1
             order = np.lexsort((dots.index[:, 0], dots.index[:, 1]))
@@ -119,10 +119,10 @@ def test_cameras_that_never_see_the_target_together_are_left_alone(pair: dict[st
     poses = views(PLAIN, 2, 0.1, 5)
     sources = [Source("v0", "left", "a.png", None), Source("v1", "right", "b.png", None)]
     pictures = [picture(pair[s.camera], poses[s.view], PLAIN, 0) for s in sources]
-    assert settle_way_up(sources, pictures, PLAIN) == pictures
+    assert resolve_orientation(sources, pictures, PLAIN) == pictures
 
 
 def test_a_target_with_rings_is_left_alone(pair: dict[str, Camera]) -> None:
     target = load_target("rings-10x8")
     dots = picture(pair["left"], views(target, 1, 0.1, 5)["v0"], target, 0)
-    assert settle_way_up([Source("v0", "left", "a.png", None)], [dots], target) == [dots]
+    assert resolve_orientation([Source("v0", "left", "a.png", None)], [dots], target) == [dots]

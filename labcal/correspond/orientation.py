@@ -1,9 +1,9 @@
-"""Which way up a plain grid is held, settled over all pictures of a rig and of a series.
+"""Orientation of plain grids, resolved over all pictures of a rig and of a series.
 
-One picture of a grid that looks the same after half a turn (or a quarter) cannot tell. All cameras of a view
-must agree, though, or their dots are not the same dots; and from view to view the target is taken to turn as
-little as possible, so that a series is numbered alike where it can be. All of it may still be turned at
-once: that is harmless for a target in the hand, and stands in `PictureDots.others`.
+One picture does not determine the orientation of a grid that looks the same after half a turn (or a quarter).
+The numberings of all cameras of a view must agree, though; and the target is assumed to rotate as little as
+possible between views, so that a series is numbered alike. The whole series may still be rotated: that does
+not matter for a hand-held target, and `PictureDots.others` holds the other numberings.
 """
 
 from collections.abc import Sequence
@@ -20,40 +20,40 @@ from labcal.geometry.epipolar import epipolar_misfit
 from labcal.targets.target import Target
 
 _ALIKE = 0.7  # mean resultant length of the turns between two cameras over the views, at least
-_SURE_TURN = 1 / 3  # of the angle between two numberings: less is certainly the same way up
+_SURE_TURN = 1 / 3  # of the angle between two numberings: less is certainly the same orientation
 _DECISIVE = 1 / 3  # of the other numberings' misfits: less is proof
 _FEWEST_VIEWS = 2  # one view of a flat target fits any epipolar geometry
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """A picture whose dots have several numberings, and the board's turn under each, radians."""
+    """A picture with several possible numberings, and the rotation of the board for each, radians."""
 
     number: int
     dots: PictureDots
     turns: Float64[np.ndarray, " numberings"]
 
     def nearest(self, turn: float) -> int:
-        """Return the numbering whose turn is nearest to one."""
+        """Return the numbering whose rotation is nearest to an angle."""
         return int(np.argmax(np.cos(self.turns - turn)))
 
     def numbered(self, numbering: int) -> PictureDots:
-        """Return the dots under a numbering; 0 is the picture's own."""
+        """Return the dots under a numbering; 0 is that of the picture itself."""
         return self.dots if numbering == 0 else self.dots.renumbered(numbering - 1)
 
     def index(self, numbering: int) -> np.ndarray:
-        """Return (col, row) under a numbering; 0 is the picture's own."""
+        """Return (col, row) under a numbering; 0 is that of the picture itself."""
         return self.dots.index if numbering == 0 else self.dots.others[numbering - 1]
 
 
-def settle_way_up(
+def resolve_orientation(
     sources: Sequence[Source], pictures: Sequence[PictureDots], target: Target
 ) -> list[PictureDots]:
-    """Return the pictures with numberings that agree in every view, and that turn little between views.
+    """Return pictures with numberings that agree in every view and rotate little between views.
 
     Two cameras turned against each other about their axes by less than a third of what lies between two
-    numberings (60 degrees, for a square grid 30) see the target the same way up. Else, or where that is
-    contradicted, the numbering is taken under which all views together have an epipolar geometry, if all
+    numberings (60 degrees, for a square grid 30) see the target in the same orientation. Else, or where that
+    is contradicted, the numbering is taken under which all views together have an epipolar geometry, if all
     others fit it three times worse; this takes two views that are not parallel.
 
     Parameters
@@ -67,21 +67,21 @@ def settle_way_up(
     Returns
     -------
     list of PictureDots
-        In the same order; pictures of a camera that cannot be settled against the first one are refused as
-        ``ambiguous``.
+        In the same order; pictures of a camera that cannot be resolved relative to the first one are refused
+        as ``ambiguous``.
     """
     seen: dict[str, dict[str, _Seen]] = {}
     for number, (source, dots) in enumerate(zip(sources, pictures, strict=True)):
         if dots.indexed and dots.others and dots.ok.any():
             found = _Seen(number, dots, _turns(dots, target))
             seen.setdefault(source.camera, {})[source.view] = found
-    settled = list(pictures)
+    resolved = list(pictures)
     rolls: dict[str, float] = {}
     for name, of_camera in seen.items():
         roll = _roll(seen[next(iter(seen))], of_camera)
         if roll is None:
             for found in of_camera.values():
-                settled[found.number] = found.dots.refused(Refusal.AMBIGUOUS)
+                resolved[found.number] = found.dots.refused(Refusal.AMBIGUOUS)
         else:
             rolls[name] = roll
     turn = 0.0
@@ -89,12 +89,12 @@ def settle_way_up(
         together = [(seen[name][view], roll) for name, roll in rolls.items() if view in seen[name]]
         turn = _next_turn(together, turn)
         for found, roll in together:
-            settled[found.number] = found.numbered(found.nearest(turn + roll))
-    return settled
+            resolved[found.number] = found.numbered(found.nearest(turn + roll))
+    return resolved
 
 
 def _next_turn(together: list[tuple[_Seen, float]], turn: float) -> float:
-    """Return by how much the target is turned in a view, nearest to how it was turned before."""
+    """Return the rotation of the target in a view that is nearest to the previous one."""
     if not together:
         return turn
     found, roll = together[0]
@@ -102,7 +102,7 @@ def _next_turn(together: list[tuple[_Seen, float]], turn: float) -> float:
 
 
 def _turns(dots: PictureDots, target: Target) -> np.ndarray:
-    """Return by how much the board is turned in the picture under every numbering, radians."""
+    """Return the rotation of the board in the picture under every numbering, radians."""
     from labcal.detect.plain import turn_in_picture  # noqa: PLC0415 -- imports Numba, which tables do not need
 
     return np.array(
@@ -114,7 +114,7 @@ def _turns(dots: PictureDots, target: Target) -> np.ndarray:
 
 
 def _roll(first: dict[str, _Seen], other: dict[str, _Seen]) -> float | None:
-    """Return by how much more the board is turned in the other camera; None where that is not settled."""
+    """Return the relative roll of the other camera, or None if it cannot be resolved."""
     pairs = [(first[view], other[view]) for view in first if view in other]
     if not pairs:
         return 0.0  # in no view do they see it together, so there is nothing to agree on
@@ -136,7 +136,7 @@ def _roll(first: dict[str, _Seen], other: dict[str, _Seen]) -> float | None:
 
 
 def _matched(pairs: list[tuple[_Seen, _Seen]], roll: float) -> tuple[Pixels, Pixels]:
-    """Return the dots that both cameras measured, px, if the second one is turned by `roll`."""
+    """Return the dots that both cameras measured, px, with the second one rotated by `roll`."""
     in_first, in_other = [], []
     for a, b in pairs:
         index = b.index(b.nearest(float(a.turns[0]) + roll))

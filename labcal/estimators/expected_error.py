@@ -1,17 +1,16 @@
-"""What a rehearsal tells of a method: whether to trust it."""
+"""The expected error of a method, and whether it is acceptable."""
 
 from dataclasses import dataclass
 
 LEAST_COVERAGE = 0.92
-"""A method whose 95% ellipsoids hold fewer is wrong by more than it says; a thousand points scatter by
-0.007."""
+"""Least acceptable coverage of 95% ellipsoids; its standard deviation with a thousand points is 0.007."""
 MOST_OVER_LIMIT = 2.0
-"""A method that errs by more than so many times what the noise leaves does not fit the cameras."""
+"""Largest acceptable error, as a multiple of the noise limit."""
 
 
 @dataclass(frozen=True)
-class Rehearsed:
-    """How a method did on points within the trained volume, seen by the twin's cameras.
+class ExpectedError:
+    """Errors of a method on points within the training volume, seen by the cameras of a surrogate.
 
     Attributes
     ----------
@@ -29,10 +28,10 @@ class Rehearsed:
 
     @property
     def misfit(self) -> bool:
-        """Whether the method errs by far more than the noise leaves, or by more than it says."""
+        """True if the errors are far above the noise limit or the stated covariance."""
         return self.too_large or not self.coverage95 >= LEAST_COVERAGE
 
     @property
     def too_large(self) -> bool:
-        """Whether it errs by far more than the noise leaves."""
+        """True if the errors are far above the noise limit."""
         return not self.rmse_mm <= MOST_OVER_LIMIT * self.limit_mm  # of NaN, too

@@ -1,4 +1,4 @@
-"""Whether the same seed gives the same bytes: twice, with more workers, after being killed and resumed."""
+"""Reproducibility: same bytes for the same seed, with more workers, and after kills and resumptions."""
 
 import hashlib
 import os
@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
+from labcal.run.bound_program import bound_to_this_process
 from labcal.run.progress import Progress
-from labcal.run.tied_program import tied
 
 SCENE = "still-volume"
 SPP = 4
@@ -20,15 +20,15 @@ KILLS = 10
 LONGEST_S = 600.0
 
 
-def sameness_checks(seed: int, progress: Progress) -> list[Check]:
-    """Return how many files of a shoot differ from those of the first run.
+def reproducibility_checks(seed: int, progress: Progress) -> list[Check]:
+    """Return the number of files of a shoot that differ from those of the first run.
 
     Parameters
     ----------
     seed : int
         Draws the moments at which a run is killed, too.
     progress : Progress
-        Told of every run.
+        Notified of every run.
     """
     progress.start("same bytes", 4)
     checks = []
@@ -54,7 +54,9 @@ def sameness_checks(seed: int, progress: Progress) -> list[Check]:
 def _command(folder: Path, workers: int) -> list[str]:
     """Return the command that renders the shoot."""
     options = ["--spp", str(SPP), "--workers", str(workers), "--quiet"]
-    return tied([sys.executable, "-m", "labcal", "render", SCENE, "-o", str(folder), *options])
+    return bound_to_this_process(
+        [sys.executable, "-m", "labcal", "render", SCENE, "-o", str(folder), *options]
+    )
 
 
 def _render(folder: Path, workers: int) -> None:
@@ -64,7 +66,7 @@ def _render(folder: Path, workers: int) -> None:
 
 
 def _render_killed(folder: Path, seconds: float, seed: int) -> int:
-    """Start the shoot again and again, kill it at random moments, let it end at last; return the kills."""
+    """Start the shoot repeatedly, kill it at random moments, finally let it finish; return the kills."""
     random = generator(seed, "bench kills")
     kills = 0
     for _ in range(KILLS):
@@ -86,7 +88,7 @@ def _render_killed(folder: Path, seconds: float, seed: int) -> int:
 
 
 def _digests(folder: Path) -> dict[str, str]:
-    """Return the digest of every file but ``run.json``, which holds times."""
+    """Return the digest of every file except ``run.json``, which holds times."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))
@@ -95,6 +97,6 @@ def _digests(folder: Path) -> dict[str, str]:
 
 
 def _differing(first: dict[str, str], folder: Path) -> int:
-    """Return how many files are not the same."""
+    """Return the number of files that differ."""
     other = _digests(folder)
     return sum(first.get(name) != other.get(name) for name in {*first, *other})

@@ -1,4 +1,4 @@
-"""From the design of a picture to a scene: camera, target, pose and what is in the way."""
+"""The scene of a picture of the suite: camera, target, pose and occluders."""
 
 from dataclasses import dataclass
 
@@ -28,27 +28,27 @@ DISTORTION = {
     "fisheye-kb4": (-0.04, 0.01, -0.006, 0.001),
 }
 GRIDS = ((19, 14), (16, 12), (14, 11), (13, 10), (10, 8), (9, 7), (8, 6), (7, 6), (6, 5), (5, 4))
-"""Columns and rows; the first that fits into the picture is taken, else the last one."""
+"""Columns and rows; the first that fits into the picture is used, else the last one."""
 RING_HOLE = 0.45
 """Inner diameter of a ring over its outer one."""
 
 
 @dataclass(frozen=True)
-class Staged:
-    """A picture that is ready to be taken."""
+class SuiteScene:
+    """A scene and a take of one picture of the suite."""
 
     scene: Scene
     take: Take
 
 
-def staged(design: PictureDesign, seed: int) -> Staged:
+def suite_scene(design: PictureDesign, seed: int) -> SuiteScene:
     """Return the scene of a design.
 
     Parameters
     ----------
     design : PictureDesign
     seed : int
-        What is in the way is drawn from it.
+        Occluders are drawn from it.
     """
     description = _camera(design)
     camera = description.camera()
@@ -62,7 +62,7 @@ def staged(design: PictureDesign, seed: int) -> Staged:
         random = generator(seed, "bench detect", design.name, "obstruction")
         occluders = obstruction(design, target, (camera, T_world_target), random)
     scene = board_scene(target, description, SPP, occluders)
-    return Staged(scene, still_take(scene, T_world_target))
+    return SuiteScene(scene, still_take(scene, T_world_target))
 
 
 def _camera(design: PictureDesign) -> CameraDescription:
@@ -78,7 +78,7 @@ def _camera(design: PictureDesign) -> CameraDescription:
 
 
 def _grid(design: PictureDesign, cols: int, rows: int) -> DotGrid:
-    """Return a target whose rings are some way from its edges."""
+    """Return a target whose rings are not near its edges."""
     pitch = design.pitch_over_radius * RADIUS_MM
     first, last = (cols // 5, rows // 5), (cols - 1 - cols // 4, rows - 1 - rows // 3)
     return DotGrid(
@@ -97,7 +97,7 @@ def _grid(design: PictureDesign, cols: int, rows: int) -> DotGrid:
 
 
 def _pose(design: PictureDesign, target: DotGrid) -> Pose:
-    """Return the pose at which a dot of the board's middle has the radius."""
+    """Return the pose at which a dot in the middle of the board has the given radius."""
     focal_px = FOCAL_OVER_WIDTH[design.lens] * design.size[0]
     square_px = design.radius_px / np.sqrt(np.cos(np.radians(design.tilt_deg)))
     away = focal_px * RADIUS_MM / square_px

@@ -1,4 +1,4 @@
-"""Whether a calibration survives dots and pictures that are wrong, and names them."""
+"""Calibration from corrupted data: wrong dots and pictures must be found, and not change the result."""
 
 from dataclasses import replace
 
@@ -21,12 +21,12 @@ _VIEW = "pose-7"
 _LAST = np.array([TARGET.cols - 1, TARGET.rows - 1])
 
 
-def spoilt_checks(seed: int) -> list[Check]:
-    """Return what gross outliers do to the intrinsics, and how many wrong dots and pictures are not named."""
+def corruption_checks(seed: int) -> list[Check]:
+    """Return errors of intrinsics with gross outliers, and numbers of wrong dots and pictures not found."""
     held = HeldRig.drawn(VIEWS, seed)
     dots = held.detections()
-    spoilt, wrong = _with_outliers(dots, seed)
-    found = _calibrated(spoilt)
+    corrupted, wrong = _with_outliers(dots, seed)
+    found = _calibrated(corrupted)
     named = ~np.isin(_keys(dots), _keys(found.entering(dots)))
     off = [
         np.subtract(found.rig.camera(name).intrinsics, true.intrinsics) / found.fits[name].sigma.intrinsics
@@ -42,7 +42,7 @@ def spoilt_checks(seed: int) -> list[Check]:
 
 
 def _with_outliers(dots: Detections, seed: int) -> tuple[Detections, np.ndarray]:
-    """Return dots of which some are far off, and which."""
+    """Return dots with outliers, and a mask of these."""
     random = generator(seed, "bench solve", "outliers")
     wrong = random.random(len(dots)) < SHARE
     angle, length = random.uniform(0.0, 2.0 * np.pi, len(dots)), random.uniform(*OFF_PX, len(dots))
@@ -51,7 +51,7 @@ def _with_outliers(dots: Detections, seed: int) -> tuple[Detections, np.ndarray]
 
 
 def _pictures_missed(dots: Detections) -> int:
-    """Return how many of exchanged, mirrored and wrongly numbered pictures are not named."""
+    """Return the number of exchanged, mirrored and wrongly numbered pictures that are not found."""
     in_view = dots.view == _VIEW
     of_right = in_view & (dots.camera == CAMERAS[1])
     other = np.where(dots.camera == CAMERAS[0], CAMERAS[1], CAMERAS[0])
@@ -64,7 +64,7 @@ def _pictures_missed(dots: Detections) -> int:
 
 
 def _named(found: HandheldCalibration) -> bool:
-    """Tell whether the wrong picture, and no other view, is among what was left out."""
+    """Tell whether the wrong picture, and no other view, was left out."""
     return bool(found.skipped) and all(f"'{_VIEW}'" in reason for reason in found.skipped)
 
 
@@ -73,6 +73,6 @@ def _calibrated(dots: Detections) -> HandheldCalibration:
 
 
 def _keys(dots: Detections) -> np.ndarray:
-    """Return a word for every line that tells it from all others."""
+    """Return a unique key for every line."""
     lines = zip(dots.view.tolist(), dots.camera.tolist(), dots.index.tolist(), strict=True)
     return np.array([f"{view} {camera} {col} {row}" for view, camera, (col, row) in lines])
