@@ -3,14 +3,14 @@
 import cv2
 import numpy as np
 
-from labcal.detect.corner_fit import is_cut
-from labcal.detect.corners import Corners, measured_corners
+from labcal.detect.corners.corner_fit import is_cut
+from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.dots import PictureDots
+from labcal.detect.edges.noise import noise_factor
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice import Lattice
-from labcal.detect.noise import noise_factor
-from labcal.detect.smoothness import is_smooth
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.smoothness import is_smooth
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import Polarity
@@ -25,7 +25,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
     """Find the board's corners in one picture.
 
     A corner is known where OpenCV recognises the markers beside it, or by its place among corners that are.
-    Where it is, the two edges that cross there say (:mod:`labcal.detect.corners`).
+    Where it is, the two edges that cross there say (:mod:`labcal.detect.corners.corners`).
 
     Parameters
     ----------

@@ -6,7 +6,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
-from labcal.detect.edge_judge import (
+from labcal.detect.checks.peers import misfits, paleness
+from labcal.detect.edges.edge_model import STATE
+from labcal.detect.edges.gauss_newton import LEAST_BLUR, fit_all
+from labcal.detect.edges.noise import noise_factor
+from labcal.detect.edges.residuals import (
     BURNT,
     CLIPPED,
     COLUMNS,
@@ -19,12 +23,8 @@ from labcal.detect.edge_judge import (
     TIE_COVARIANCE,
     VARIANCE,
 )
-from labcal.detect.edge_kernel import LEAST_BLUR, fit_all
-from labcal.detect.edge_model import STATE
 from labcal.detect.grey import GreyPicture, clipping
-from labcal.detect.noise import noise_factor
-from labcal.detect.outlines import Outlines, matrix_root
-from labcal.detect.peers import misfits, paleness
+from labcal.detect.outlines.outlines import Outlines, matrix_root
 from labcal.geometry.two_by_two import inverses
 
 _FIRST_BLUR, _MOST_BLUR = 0.4, 0.3

@@ -5,7 +5,14 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from labcal.detect.corner_fit import CornerFit, Surroundings, _blurred_board, _linearise, _Window, fit_corner
+from labcal.detect.corners.corner_fit import (
+    CornerFit,
+    Surroundings,
+    _blurred_board,
+    _linearise,
+    _Window,
+    fit_corner,
+)
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal

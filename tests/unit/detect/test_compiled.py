@@ -7,8 +7,8 @@ import pytest
 
 from labcal.detect import compiled
 from labcal.detect.compiled import _SOURCES, _digest_of, is_kept
-from labcal.detect.edge_kernel import fit_all
-from labcal.detect.grid_kernel import miss
+from labcal.detect.edges.gauss_newton import fit_all
+from labcal.detect.lattice.grid_kernel import miss
 
 
 def test_the_digest_sees_every_source(tmp_path: Path) -> None:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from labcal.detect.flags import Refusal
-from labcal.detect.lattice import Lattice
-from labcal.detect.outlines import Outlines
-from labcal.detect.plain import DiagonalNumbering, number_plain
-from labcal.detect.rings import Numbering, number_by_rings
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.plain import DiagonalNumbering, number_plain
+from labcal.detect.lattice.rings import Numbering, number_by_rings
+from labcal.detect.outlines.outlines import Outlines
 from labcal.targets.grid import DotGrid
 
 AnyNumbering = Numbering | DiagonalNumbering

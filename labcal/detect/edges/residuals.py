@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
-from labcal.detect.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
+from labcal.detect.edges.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
 
 COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, BURNT, PROFILE, COLUMNS = (
     14,

@@ -6,18 +6,7 @@ import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
-from labcal.detect.edge_judge import (
-    BURNT,
-    CLIPPED,
-    COVARIANCE,
-    SURELY_FLAT,
-    VARIANCE,
-    add_scatter,
-    clipped_sides,
-    judge,
-    tie,
-)
-from labcal.detect.edge_model import (
+from labcal.detect.edges.edge_model import (
     ALONG,
     CHUNK,
     FAR,
@@ -33,6 +22,17 @@ from labcal.detect.edge_model import (
     flattened,
     linearise,
     normal_equations,
+)
+from labcal.detect.edges.residuals import (
+    BURNT,
+    CLIPPED,
+    COVARIANCE,
+    SURELY_FLAT,
+    VARIANCE,
+    add_scatter,
+    clipped_sides,
+    judge,
+    tie,
 )
 
 _TOLD = 3

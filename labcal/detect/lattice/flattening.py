@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arrays import PixelCovariances, Pixels
-from labcal.detect.outlines import Outlines
+from labcal.detect.outlines.outlines import Outlines
 
 _LIMIT = 1.3
 """Rad: beyond this angle to the axis a plane runs off; the map goes on straight."""

@@ -11,7 +11,7 @@ import pytest
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
-from labcal.detect.plain import turn_in_picture
+from labcal.detect.lattice.plain import turn_in_picture
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 

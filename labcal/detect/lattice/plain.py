@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import DotIndices
+from labcal.detect.checks.lost import LostDot
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
-from labcal.detect.lattice import Lattice, Node
-from labcal.detect.lost import LostDot
-from labcal.detect.outlines import Outlines
-from labcal.detect.rings import TURNS, Numbering, pitches_agree
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.rings import TURNS, Numbering, pitches_agree
+from labcal.detect.outlines.outlines import Outlines
 from labcal.targets.grid import DotGrid, Layout
 
 _EDGE_SHARE = 0.5  # of an outermost row or column that must be seen, so that it is no accident

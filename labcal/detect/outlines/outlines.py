@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
-from labcal.detect.blobs import Blobs
 from labcal.detect.grey import GreyPicture
-from labcal.detect.trace_kernel import COLUMNS, distinct, trace_all
+from labcal.detect.outlines.blobs import Blobs
+from labcal.detect.outlines.rays import COLUMNS, distinct, trace_all
 from labcal.geometry.two_by_two import determinants
 from labcal.targets.grid import DotGrid
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.flags import Refusal
-from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines, geometric_mean, matrix_root
-from labcal.detect.seeds import RING_HOLE
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.seeds import RING_HOLE
+from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
 from labcal.geometry.two_by_two import inverses
 from labcal.targets.grid import DotGrid, Rings
 

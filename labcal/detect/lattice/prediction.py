@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import PixelCovariances
-from labcal.detect.flattening import Flattening
-from labcal.detect.grid_kernel import miss, predict_all
-from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines
+from labcal.detect.lattice.flattening import Flattening
+from labcal.detect.lattice.grid_kernel import miss, predict_all
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.outlines.outlines import Outlines
 from labcal.geometry.two_by_two import inverses
 
 _AROUND = 4

@@ -3,7 +3,7 @@
 import numpy as np
 
 from labcal.arrays import Pixels
-from labcal.detect.lattice import Lattice
+from labcal.detect.lattice.lattice import Lattice
 from labcal.errors import InputError
 from labcal.geometry.projective_map import projective_map
 

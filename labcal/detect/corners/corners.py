@@ -6,11 +6,11 @@ import numpy as np
 from jaxtyping import Int
 
 from labcal.arrays import Pixels
-from labcal.detect.corner_fit import CornerFit, Surroundings, fit_corner
+from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice import Lattice, Node
-from labcal.detect.outlines import Outlines
-from labcal.detect.prediction import Prediction, Predictor
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.prediction import Prediction, Predictor
+from labcal.detect.outlines.outlines import Outlines
 from labcal.geometry.projective_map import projective_map
 from labcal.targets.charuco import CharucoBoard
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erf, ndtr, owens_t
 
-from labcal.detect.edge_judge import LAGS, REACH, SUMS
+from labcal.detect.edges.residuals import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
 
 _ITERATIONS = 30

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.detect.edge_judge import LAGS, REACH
+from labcal.detect.edges.residuals import LAGS, REACH
 
 _SHADINGS = 4
 """Of the fit's six, about so many are spent on the flat parts (a small dot has none inside)."""

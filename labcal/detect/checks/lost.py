@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Int64
 
 from labcal.arrays import PixelCovariances, Pixels
-from labcal.detect.blobs import Blobs
 from labcal.detect.flags import DotFlag
-from labcal.detect.lattice import Node
-from labcal.detect.outlines import inside_frame, mean_radius
-from labcal.detect.prediction import Predictor
+from labcal.detect.lattice.lattice import Node
+from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.outlines.blobs import Blobs
+from labcal.detect.outlines.outlines import inside_frame, mean_radius
 
 _MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
 _NEAR_MISS = 0.5  # radii between a spot and where its node is expected

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.detect.peers import misfits, paleness
+from labcal.detect.checks.peers import misfits, paleness
 
 LIGHT = np.linspace(40.0, 200.0, 60)
 DARK = 0.06 * LIGHT + 3.0

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.outlines import Outlines, geometric_mean, matrix_root
+from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
 from labcal.geometry.two_by_two import inverses
 from labcal.targets.grid import DotGrid
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from labcal.detect.lattice import Lattice
-from labcal.detect.outlines import Outlines
-from labcal.detect.probe import _consistent
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.missed import _consistent
+from labcal.detect.outlines.outlines import Outlines
 
 ROWS = 6
 

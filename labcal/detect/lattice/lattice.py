@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.flattening import NONE, Flattening
-from labcal.detect.grid_kernel import drop_inconsistent, grow, keep_largest_part
-from labcal.detect.outlines import Outlines
-from labcal.detect.seeds import Seed, seed_at
+from labcal.detect.lattice.flattening import NONE, Flattening
+from labcal.detect.lattice.grid_kernel import drop_inconsistent, grow, keep_largest_part
+from labcal.detect.lattice.seeds import Seed, seed_at
+from labcal.detect.outlines.outlines import Outlines
 from labcal.targets.grid import DotGrid
 
 Node = tuple[int, int]

@@ -3,10 +3,10 @@
 import numpy as np
 
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice import Lattice, Node
-from labcal.detect.numbering import AnyNumbering
-from labcal.detect.outlines import Outlines, inside_frame, mean_radius, trace_from
-from labcal.detect.prediction import Predictor
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.numbering import AnyNumbering
+from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.outlines.outlines import Outlines, inside_frame, mean_radius, trace_from
 from labcal.targets.grid import DotGrid
 
 _MISS = 0.12  # of a step between an outline and where it is expected

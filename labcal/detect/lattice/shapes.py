@@ -3,10 +3,10 @@
 import numpy as np
 
 from labcal.arrays import Mask
-from labcal.detect.lattice import Lattice
-from labcal.detect.outlines import Outlines
-from labcal.detect.prediction import Predictor
-from labcal.detect.seeds import RING_HOLE
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.lattice.seeds import RING_HOLE
+from labcal.detect.outlines.outlines import Outlines
 from labcal.geometry.two_by_two import eigenvalues, inverses
 from labcal.targets.grid import DotGrid
 
