@@ -17,14 +17,14 @@ from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.outlines.outlines import Outlines, clear_reach
 from labcal.detect.quality import FlaggedDot, cause, flag_dots, hardly_measured
 from labcal.detect.segmentation import Candidates, segmentations
+from labcal.detect.settings import DEFAULTS, DetectSettings
+from labcal.detect.stage_settings.quality import QualitySettings
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid, Polarity
 
-_ALIKE = 0.5  # in the logarithm of the radius
 
-
-def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
+def detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings | None = None) -> PictureDots:
     """Find the target's dots, or the corners of a ChArUco board, in one picture.
 
     The target's polarity is tried first. Where that gives no ids the other one is tried, and taken only if it
@@ -36,6 +36,8 @@ def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
         uint8, uint16 or float; colour in any order.
     target : AnyTarget
         What to look for.
+    settings : DetectSettings, optional
+        Thresholds, sizes and counts of all stages; the defaults where not given.
 
     Returns
     -------
@@ -47,28 +49,30 @@ def detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
     InputTypeError, InputError
         `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
     """
-    found = _detect_dots(image, target)
-    return found.unusable() if found.indexed and hardly_measured(found) else found
+    settings = DEFAULTS if settings is None else settings
+    found = _detect_dots(image, target, settings)
+    spoilt = found.indexed and hardly_measured(found, settings.quality)
+    return found.unusable() if spoilt else found
 
 
-def _detect_dots(image: AnyPicture, target: AnyTarget) -> PictureDots:
+def _detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings) -> PictureDots:
     """Find dots or corners, of whatever polarity."""
     grey = grey_picture(image)
     if isinstance(target, CharucoBoard):
         from labcal.detect.charuco import detect_charuco  # noqa: PLC0415 -- imports SciPy, which dots do not need
 
-        return detect_charuco(grey, target)
+        return detect_charuco(grey, target, settings)
     if np.shares_memory(grey, image):
         grey = grey.copy()  # it is turned into its negative in place, since it may be large
     black = 0.0
     if target.polarity is Polarity.WHITE_ON_BLACK:
         black = _invert(grey, black)
-    first = _detect(grey, target, target.polarity, black)
+    first = _detect((grey, black), target, target.polarity, settings)
     if first.indexed:
         return first
     black = _invert(grey, black)
     other = Polarity.WHITE_ON_BLACK if target.polarity is Polarity.BLACK_ON_WHITE else Polarity.BLACK_ON_WHITE
-    second = _detect(grey, target, other, black)
+    second = _detect((grey, black), target, other, settings)
     return second if second.indexed else first
 
 
@@ -81,37 +85,43 @@ def _invert(grey: GreyPicture, black: float) -> float:
     return float(largest) - black
 
 
-def _detect(grey: GreyPicture, target: DotGrid, polarity: Polarity, black: float) -> PictureDots:
-    """Detect dots of one polarity, which are dark in `grey`; `black` is the grey value of no light."""
+def _detect(
+    picture: tuple[GreyPicture, float], target: DotGrid, polarity: Polarity, settings: DetectSettings
+) -> PictureDots:
+    """Detect dots of one polarity, which are dark in a picture with its grey value of no light."""
+    grey, black = picture
     size = (grey.shape[1], grey.shape[0])
-    candidates, grid = _search(grey, target)
+    candidates, grid = _search(grey, target, settings)
     if isinstance(grid, Refusal):
-        refusal = cause(grid, grey, candidates.whole)
+        refusal = cause(grid, grey, candidates.whole, settings)
         return _collect(_unnamed(candidates.whole.joined(candidates.cut), set()), size, polarity, refusal)
     numbering = grid.numbering
-    lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target)
-    predictor = Predictor(lattice, outlines)
-    lost = lost_dots(predictor, candidates.blobs, size, lambda node: target.holds(*numbering.index(node)))
-    if target.rings is None and goes_on(lost, numbering, target):
+    lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
+    predictor = Predictor(lattice, outlines, settings.grid)
+    declared = lambda node: target.holds(*numbering.index(node))  # noqa: E731
+    lost = lost_dots(predictor, candidates.blobs, size, declared, settings.quality)
+    if target.rings is None and goes_on(lost, numbering, target, settings.grid):
         every = candidates.whole.joined(candidates.cut)
         return _collect(_unnamed(every, set()), size, polarity, Refusal.AMBIGUOUS)
     spots = list(lattice.spots.values())
     ring = np.array([numbering.index(node) in target.ring_indices for node in lattice.spots])
     holes = np.where(ring, target.hole_share, 0.0)
-    fits = fit_edges(grey, outlines.select(np.array(spots)), holes, clear_reach(target), black)
-    dots = flag_dots(fits, predictor, numbering, target)
+    reach = clear_reach(target, settings.segmentation)
+    fits = fit_edges(grey, outlines.select(np.array(spots)), holes, reach, black, settings.edge)
+    dots = flag_dots(fits, predictor, numbering, target, settings)
     dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
-    taken = np.array([dot.seen_at for dot in dots])
-    typical = float(np.median(outlines.radius[spots]))
     unnamed = _unnamed(outlines.joined(candidates.cut), set(spots))
-    dots += [dot for dot in unnamed if _alike(dot, typical) and _is_apart(dot, taken)]
+    typical = float(np.median(outlines.radius[spots]))
+    dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
     return with_lookalikes(_collect(_one_an_id(dots), size, polarity, None), target)
 
 
-def _search(grey: GreyPicture, target: DotGrid) -> tuple[Candidates, Grid | Refusal]:
+def _search(
+    grey: GreyPicture, target: DotGrid, settings: DetectSettings
+) -> tuple[Candidates, Grid | Refusal]:
     """Return the candidates of a picture, and their grid, from a coarse level on until nothing is missed."""
-    for candidates in segmentations(grey, target):
-        grid = find_grid(candidates.whole, target, (grey.shape[1], grey.shape[0]))
+    for candidates in segmentations(grey, target, settings.segmentation):
+        grid = find_grid(candidates.whole, target, (grey.shape[1], grey.shape[0]), settings.grid)
         if not isinstance(grid, Refusal) and candidates.resolve(candidates.whole.shape[grid.spots]):
             break
     return candidates, grid
@@ -126,15 +136,18 @@ def _unnamed(outlines: Outlines, named: set[int]) -> list[FlaggedDot]:
     ]
 
 
-def _alike(dot: FlaggedDot, radius: float) -> bool:
-    """Tell whether a spot is about as large as the dots, so that a person might take it for one."""
-    return bool(abs(np.log(np.linalg.det(dot.outline) ** 0.25 / radius)) < _ALIKE)
-
-
-def _is_apart(dot: FlaggedDot, taken: np.ndarray) -> bool:
-    """Tell whether a spot is none of the dots at places (n, 2), which were looked for once more."""
-    away = np.linalg.norm(taken - dot.seen_at, axis=1).min()
-    return bool(away > 0.5 * np.linalg.det(dot.outline) ** 0.25)
+def _further(
+    unnamed: list[FlaggedDot], radius: float, taken: np.ndarray, settings: QualitySettings
+) -> list[FlaggedDot]:
+    """Return the spots that a person might take for dots, and that are none of those at places (n, 2)."""
+    further = []
+    for dot in unnamed:
+        size = np.linalg.det(dot.outline) ** 0.25
+        away = np.linalg.norm(taken - dot.seen_at, axis=1).min()
+        alike = abs(np.log(size / radius)) < settings.no_id_radius_log
+        if alike and away > settings.no_id_apart_radii * size:
+            further.append(dot)
+    return further
 
 
 def _one_an_id(dots: list[FlaggedDot]) -> list[FlaggedDot]:

@@ -9,10 +9,8 @@ from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, why_un
 from labcal.detect.lattice.shapes import without_odd
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid
-
-_FEWEST_DOTS = 9  # a cross, its corners: less is no grid
-_COMPLETE = 0.97  # of the spots that are as large as dots
 
 
 @dataclass(frozen=True)
@@ -28,7 +26,9 @@ class Grid:
         return list(self.lattice.spots.values())
 
 
-def find_grid(outlines: Outlines, target: DotGrid, size: tuple[int, int]) -> Grid | Refusal:
+def find_grid(
+    outlines: Outlines, target: DotGrid, size: tuple[int, int], settings: GridSettings
+) -> Grid | Refusal:
     """Return the grid that can be numbered, with the lens that shows most of it.
 
     Parameters
@@ -38,44 +38,50 @@ def find_grid(outlines: Outlines, target: DotGrid, size: tuple[int, int]) -> Gri
     target : DotGrid
     size : tuple of int
         Width and height of the picture, px.
+    settings : GridSettings
     """
-    best = _find_through(NONE, outlines, target)
-    if len(outlines.centre) < _FEWEST_DOTS or _is_complete(best, outlines):
+    best = _find_through(NONE, outlines, target, settings)
+    if len(outlines.centre) < settings.min_dots or _is_complete(best, outlines, settings):
         return best
-    for lens in fisheyes(size):
-        other = _find_through(lens, outlines, target)
+    for lens in fisheyes(size, settings.fisheye_fields_deg):
+        other = _find_through(lens, outlines, target, settings)
         if not isinstance(other, Refusal) and (
             isinstance(best, Refusal) or len(other.spots) > len(best.spots)
         ):
             best = other
-            if _is_complete(best, outlines):
+            if _is_complete(best, outlines, settings):
                 break
     return best
 
 
-def _is_complete(grid: Grid | Refusal, outlines: Outlines) -> bool:
+def _is_complete(grid: Grid | Refusal, outlines: Outlines, settings: GridSettings) -> bool:
     """Tell whether a grid holds nearly every spot that is as large as its dots."""
     if isinstance(grid, Refusal):
         return False
     radius = outlines.radius
     known = radius[grid.spots]
-    alike = (radius > 0.8 * known.min()) & (radius < 1.2 * known.max())
-    return len(known) >= _COMPLETE * int(alike.sum())
+    spare = settings.similar_radius_share
+    alike = (radius > (1.0 - spare) * known.min()) & (radius < (1.0 + spare) * known.max())
+    return len(known) >= settings.complete_share * int(alike.sum())
 
 
-def _find_through(lens: Flattening, outlines: Outlines, target: DotGrid) -> Grid | Refusal:
+def _find_through(
+    lens: Flattening, outlines: Outlines, target: DotGrid, settings: GridSettings
+) -> Grid | Refusal:
     """Return the one lattice that can be numbered in the picture of a lens."""
     if len(outlines.centre) == 0:
         return Refusal.NO_DOTS
-    if len(outlines.centre) < _FEWEST_DOTS:
+    if len(outlines.centre) < settings.min_dots:
         return Refusal.TOO_FEW_DOTS
-    lattices = [without_odd(lattice, outlines, target) for lattice in find_lattices(outlines, target, lens)]
+    found = find_lattices(outlines, target, lens, settings)
+    lattices = [without_odd(lattice, outlines, target, settings) for lattice in found]
     outlines = lens.outlines(outlines)
     if not lattices:
         return Refusal.NO_GRID
-    outcomes = [(lattice, number_lattice(lattice, outlines, target)) for lattice in lattices]
+    outcomes = [(lattice, number_lattice(lattice, outlines, target, settings)) for lattice in lattices]
     named = [Grid(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
     refusal = why_unnamed([outcome for _, outcome in outcomes], target)
     if refusal is not None:
         return refusal
-    return named[0] if is_smooth(named[0].lattice, outlines.centre) else Refusal.GRID_INCONSISTENT
+    smooth = is_smooth(named[0].lattice, outlines.centre, settings)
+    return named[0] if smooth else Refusal.GRID_INCONSISTENT

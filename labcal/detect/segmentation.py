@@ -9,12 +9,10 @@ from labcal.arrays import PixelCovariances
 from labcal.detect.grey import GreyPicture, is_flat
 from labcal.detect.outlines.blobs import Blobs, blobs_of, joined, pyramid
 from labcal.detect.outlines.outlines import Outlines, inside_frame, trace_outlines
+from labcal.detect.stage_settings.segmentation import SegmentationSettings
 from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import DotGrid
 
-_COARSE = 700  # px: the longer side of the level where the search begins
-_TOO_LARGE = 12.0  # px of a level: larger ones are looked for in coarser levels as well
-_RESOLVED = 3.5  # px of a level: it misses no dot whose neighbours' minor axes are all larger
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 
 
@@ -43,7 +41,7 @@ class Candidates:
         return bool(minor.min() >= self.axes_px[0] and major.max() <= self.axes_px[1])
 
 
-def segmentations(grey: GreyPicture, target: DotGrid) -> Iterator[Candidates]:
+def segmentations(grey: GreyPicture, target: DotGrid, settings: SegmentationSettings) -> Iterator[Candidates]:
     """Yield the candidates of one coarse level, of all coarser ones too, and of ever finer ones with them.
 
     Whoever takes them stops where nothing is missed; the last ones hold everything there is.
@@ -53,25 +51,31 @@ def segmentations(grey: GreyPicture, target: DotGrid) -> Iterator[Candidates]:
     grey : ndarray, shape (h, w)
         The picture, dots darker than the board.
     target : DotGrid
+    settings : SegmentationSettings
     """
-    levels = [] if is_flat(grey) else pyramid(grey)  # however large: there is nothing to look at
+    levels = [] if is_flat(grey) else pyramid(grey, settings)  # however large: there is nothing to look at
     if not levels:
-        yield _candidates(grey, joined([]), target, (np.inf, 0.0))
+        nothing = joined([])
+        outlines = trace_outlines(grey, nothing, target, settings)
+        yield _candidates(grey, nothing, outlines, (np.inf, 0.0))
         return
-    start = next((k for k, level in enumerate(levels) if max(level.grey.shape) <= _COARSE), 0)
+    start = next((k for k, level in enumerate(levels) if max(level.grey.shape) <= settings.coarse_side_px), 0)
     looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
     blobs: dict[int, Blobs] = {}
     for look in looks:
         for number, level in enumerate(levels[look], start=look.start):
             if number not in blobs:
-                blobs[number] = blobs_of(level)
-        largest = levels[start].scale * _TOO_LARGE if look.stop else np.inf
+                blobs[number] = blobs_of(level, settings)
+        largest = levels[start].scale * settings.max_spot_axis_px if look.stop else np.inf
+        smallest = settings.min_resolved_axis_px * levels[look.start].scale
         found = joined([blobs[number] for number in sorted(blobs)])
-        yield _candidates(grey, found, target, (_RESOLVED * levels[look.start].scale, largest))
+        outlines = trace_outlines(grey, found, target, settings)
+        yield _candidates(grey, found, outlines, (smallest, largest))
 
 
-def _candidates(grey: GreyPicture, blobs: Blobs, target: DotGrid, axes_px: tuple[float, float]) -> Candidates:
+def _candidates(
+    grey: GreyPicture, blobs: Blobs, outlines: Outlines, axes_px: tuple[float, float]
+) -> Candidates:
     """Return the outlines of blobs, sorted by whether the frame cuts them."""
-    outlines = trace_outlines(grey, blobs, target)
     inside = inside_frame(outlines.centre, outlines.shape, (grey.shape[1], grey.shape[0]), _MARGIN)
     return Candidates(blobs, outlines.select(inside), outlines.select(~inside), axes_px)

@@ -12,13 +12,7 @@ from labcal.detect.lattice.lattice import Node
 from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.outlines.blobs import Blobs
 from labcal.detect.outlines.outlines import inside_frame, mean_radius
-
-_MARGIN = 1.0  # px: an outline predicted so near to the frame may be cut
-_NEAR_MISS = 0.5  # radii between a spot and where its node is expected
-_CUT_MISS = 0.35  # radii between a cut spot's box and the part of the predicted outline that is in the frame
-_LIKELY = 5  # neighbours that tell where a dot with an unclean outline is
-_SURE = 8  # neighbours that tell where a hidden dot must be
-_SIZE_TOLERANCE = 0.5  # in the logarithm of the radius
+from labcal.detect.stage_settings.quality import QualitySettings
 
 
 @dataclass(frozen=True)
@@ -32,7 +26,11 @@ class LostDot:
 
 
 def lost_dots(
-    predictor: Predictor, blobs: Blobs, size: tuple[int, int], declared: Callable[[Node], bool]
+    predictor: Predictor,
+    blobs: Blobs,
+    size: tuple[int, int],
+    declared: Callable[[Node], bool],
+    settings: QualitySettings,
 ) -> list[LostDot]:
     """Return the nodes beside the lattice that the frame cuts, that are hidden, or have no clean outline.
 
@@ -46,6 +44,7 @@ def lost_dots(
         Width and height of the picture, px.
     declared : callable
         Tells whether a node belongs to the declared grid: only such ones can be hidden.
+    settings : QualitySettings
     """
     span, spots = (-1, 0, 1), predictor.lattice.spots
     beside = {(a + i, b + j) for a, b in spots for i in span for j in span}
@@ -56,9 +55,10 @@ def lost_dots(
     position = np.array([prediction.position for prediction in predictions])
     shape = np.array([prediction.outline for prediction in predictions])
     neighbours = np.array([prediction.neighbours for prediction in predictions])
-    cut = _cut(position, shape, blobs, size)
-    unclean = np.where(neighbours >= _LIKELY, _unclean(position, shape, blobs), -1)
-    in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= _SURE)
+    cut = _cut(position, shape, blobs, size, settings)
+    likely = neighbours >= settings.unclean_neighbours
+    unclean = np.where(likely, _unclean(position, shape, blobs, settings), -1)
+    in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= settings.hidden_neighbours)
     nothing = np.full((2, 2), np.nan)
     lost = []
     for k, node in enumerate(nodes):
@@ -75,14 +75,18 @@ def lost_dots(
 
 
 def _cut(
-    position: Pixels, shape: PixelCovariances, blobs: Blobs, size: tuple[int, int]
+    position: Pixels,
+    shape: PixelCovariances,
+    blobs: Blobs,
+    size: tuple[int, int],
+    settings: QualitySettings,
 ) -> Int64[np.ndarray, " n"]:
     """Return the spots in what remains of outlines that the frame cuts; -1 where there is none."""
     spots = np.flatnonzero(blobs.cut)
     found = np.full(len(position), -1)
     extent = np.sqrt(np.diagonal(shape, axis1=1, axis2=2))
     low, high = np.maximum(position - extent, 0), np.minimum(position + extent, np.array(size) - 1.0)
-    crossed = ~inside_frame(position, shape, size, 0.5 - _MARGIN) & (high >= low).all(axis=1)
+    crossed = ~inside_frame(position, shape, size, 0.5 - settings.cut_margin_px) & (high >= low).all(axis=1)
     if len(spots) == 0 or not crossed.any():
         return found
     half = np.sqrt(np.diagonal(blobs.shape[spots], axis1=1, axis2=2))
@@ -90,17 +94,20 @@ def _cut(
     wanted = np.concatenate([low, high], axis=1)[crossed]
     miss = np.abs(corners - wanted[:, None]).max(axis=2) / extent[crossed].max(axis=1)[:, None]
     best = miss.argmin(axis=1)
-    found[crossed] = np.where(miss.min(axis=1) <= _CUT_MISS, spots[best], -1)
+    found[crossed] = np.where(miss.min(axis=1) <= settings.cut_miss_radii, spots[best], -1)
     return found
 
 
-def _unclean(position: Pixels, shape: PixelCovariances, blobs: Blobs) -> Int64[np.ndarray, " n"]:
+def _unclean(
+    position: Pixels, shape: PixelCovariances, blobs: Blobs, settings: QualitySettings
+) -> Int64[np.ndarray, " n"]:
     """Return the whole spots of about the right size at places of dots; -1 where there is none."""
     spots = np.flatnonzero(~blobs.cut)
     if len(spots) == 0:
         return np.full(len(position), -1)
     radius = mean_radius(shape)[:, None]
     distance = np.linalg.norm(blobs.centre[spots] - position[:, None], axis=2) / radius
-    distance[np.abs(np.log(mean_radius(blobs.shape[spots]) / radius)) > _SIZE_TOLERANCE] = np.inf
-    near = distance.min(axis=1) <= _NEAR_MISS
+    odds = np.abs(np.log(mean_radius(blobs.shape[spots]) / radius))
+    distance[odds > settings.unclean_radius_log] = np.inf
+    near = distance.min(axis=1) <= settings.unclean_miss_radii
     return np.where(near, spots[distance.argmin(axis=1)], -1)

@@ -7,23 +7,11 @@ from scipy.special import erf, ndtr, owens_t
 
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
+from labcal.detect.stage_settings.corner import CornerSettings
 
-_ITERATIONS = 30
-_TOLERANCES = (0.05, 5e-4)  # px: change of the corner at which the first and the second round end
 _PARAMETERS = 10
-_FIRST_BLUR, _LEAST_BLUR = 0.8, 0.2  # px
-_LONGEST_STEP = 1.0  # px
-_FARTHEST = 0.45  # of a square: the next corner is one away
-_GUARD = 1.0  # blurs around a marker that are left out
 _MOST_OBLIQUE = 0.999  # cosine of the angle between the edges
 _TINY = 1e-9
-_ROOM = 3.0  # px between a corner and the frame
-_FLAT = 2.5  # blurs from both edges: beyond is black or white only
-_LEVELS = 6  # to either side of the middle, at which a tone curve is told from noise
-_LEAST_VARIANCE = 0.1  # of the mean
-_FEWEST = 4 * _PARAMETERS  # pixels
-_LARGEST_BLUR = 0.25  # of a square
-_FARTHEST_MOVE = 0.2  # of a square, from where the fit began
 
 
 @dataclass(frozen=True)
@@ -109,7 +97,7 @@ class _Board:
     by_correlation: np.ndarray
 
 
-def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
+def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> CornerFit | None:
     """Fit ``(1 + g d) (m + h X(u1 / s1, u2 / s2))`` to the pixels around a corner, by Gauss-Newton.
 
     `u1` and `u2` are the distances from the two edges, `s1` and `s2` their blurs, `d` the offset from where
@@ -125,6 +113,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
         The picture.
     around : Surroundings
         Where to begin.
+    settings : CornerSettings
 
     Returns
     -------
@@ -133,29 +122,33 @@ def fit_corner(grey: GreyPicture, around: Surroundings) -> CornerFit | None:
     """
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
-    window = _window(grey, around, _GUARD * _FIRST_BLUR / narrow)
-    first = _settle(_begin(window, around), window, _TOLERANCES[0])
+    window = _window(grey, around, settings.marker_guard_blurs * settings.first_blur_px / narrow, settings)
+    first = _settle(
+        _begin(window, around, settings.first_blur_px), window, settings.first_tolerance_px, settings
+    )
     if first is None:
         return None
     # What is left out around markers follows the blur, now that it is known.
     blur = float(first[4:6].max())
-    window = _window(grey, around, _GUARD * blur / narrow)
-    state = _settle(first, window, _TOLERANCES[1])
-    if state is None or state[7] <= 0 or state[4:6].max() > _LARGEST_BLUR * narrow:
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
+    state = _settle(first, window, settings.tolerance_px, settings)
+    if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
         return None
     moved = float(np.hypot(state[0], state[1]))
-    if moved > min(_FARTHEST_MOVE * square, around.reach):
+    if moved > min(settings.max_move_squares * square, around.reach):
         return None
-    return None if is_cut(around.centre + state[:2], grey) else _judge(state, window, around)
+    if is_cut(around.centre + state[:2], grey, settings.frame_margin_px):
+        return None
+    return _judge(state, window, around, settings)
 
 
-def is_cut(place: np.ndarray, grey: GreyPicture) -> bool:
-    """Tell whether the frame leaves too little of a corner, or nothing."""
+def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
+    """Tell whether the frame is nearer to a corner than a margin (px), or leaves nothing of it."""
     last = np.array(grey.shape[::-1]) - 1
-    return bool((place < _ROOM).any() or (place > last - _ROOM).any())
+    return bool((place < margin).any() or (place > last - margin).any())
 
 
-def _window(grey: GreyPicture, around: Surroundings, guard: float) -> _Window:
+def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: CornerSettings) -> _Window:
     """Select the pixels around a corner that belong to its own edges; `guard` is in squares."""
     height, width = grey.shape
     low = np.maximum(np.ceil(around.centre - around.reach), 0).astype(int)
@@ -167,14 +160,14 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float) -> _Window:
     along, up = np.linalg.solve(around.axes, offset)
     nearest, farthest = np.minimum(np.abs(along), np.abs(up)), np.maximum(np.abs(along), np.abs(up))
     marked = (along * up * around.white > 0) & (nearest > around.gap - guard)
-    mask = (farthest < _FARTHEST) & (np.hypot(*offset) < around.reach) & ~marked
+    mask = (farthest < settings.max_reach_squares) & (np.hypot(*offset) < around.reach) & ~marked
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
     # Heights of the parallelogram that a square is in the picture.
     heights = abs(np.linalg.det(around.axes)) / np.linalg.norm(around.axes, axis=0)[::-1]
     return _Window(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights)
 
 
-def _begin(window: _Window, around: Surroundings) -> np.ndarray:
+def _begin(window: _Window, around: Surroundings, blur: float) -> np.ndarray:
     """Return first parameters; the normals are those of the board's axes, so that the step is positive."""
     (ax, ay), (bx, by) = around.axes.T
     # The edge along y separates left from right: its normal points to the board's right; likewise the other.
@@ -182,8 +175,9 @@ def _begin(window: _Window, around: Surroundings) -> np.ndarray:
     right, up = right * np.sign(right @ [ax, ay]), up * np.sign(up @ [bx, by]) * around.white
     angles = [np.arctan2(right[1], right[0]), np.arctan2(up[1], up[0])]
     black, white = np.percentile(window.value, [10, 90]) if len(window.value) else (0.0, 0.0)
-    blurs = (_FIRST_BLUR, _FIRST_BLUR)
-    return np.array([0, 0, *angles, *blurs, (black + white) / 2, (white - black) / 2, 0, 0], dtype=np.float64)
+    return np.array(
+        [0, 0, *angles, blur, blur, (black + white) / 2, (white - black) / 2, 0, 0], dtype=np.float64
+    )
 
 
 def _linearise(state: np.ndarray, window: _Window) -> _Linear:
@@ -232,11 +226,13 @@ def _blurred_board(u: np.ndarray, correlation: float) -> _Board:
     )
 
 
-def _settle(state: np.ndarray, window: _Window, tolerance: float) -> np.ndarray | None:
+def _settle(
+    state: np.ndarray, window: _Window, tolerance: float, settings: CornerSettings
+) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
-    if len(window.value) < _FEWEST:
+    if len(window.value) < settings.min_pixels:
         return None
-    for _ in range(_ITERATIONS):
+    for _ in range(settings.max_iterations):
         linear = _linearise(state, window)
         normal = linear.jacobian @ linear.jacobian.T
         ridge = 1e-9 * np.diag(np.diag(normal))
@@ -246,29 +242,32 @@ def _settle(state: np.ndarray, window: _Window, tolerance: float) -> np.ndarray 
             return None
         if not np.isfinite(change).all():
             return None
-        far = max(np.hypot(change[0], change[1]) / _LONGEST_STEP, np.abs(change[2:4]).max() / 0.3, 1.0)
+        far, turn = np.hypot(change[0], change[1]), np.abs(change[2:4]).max()
+        far = max(far / settings.max_step_px, turn / settings.max_turn_rad, 1.0)
         blurs = np.clip(state[4:6] + change[4:6] / far, state[4:6] / 2, state[4:6] * 2)
         state = state + change / far
-        state[4:6] = np.maximum(blurs, _LEAST_BLUR)
+        state[4:6] = np.maximum(blurs, settings.min_blur_px)
         if np.abs(change[:2]).max() < tolerance:
             return state
     return None
 
 
-def _variance(noise: np.ndarray, board: np.ndarray) -> np.ndarray:
+def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
     """Return the noise's variance at every pixel, linear from black to white: photons, tone curves."""
     squares = noise**2
     design = np.stack([np.ones_like(board), board], axis=-1)
     fitted = design @ np.linalg.lstsq(design, squares, rcond=None)[0]
-    return np.asarray(np.maximum(fitted, _LEAST_VARIANCE * squares.mean()))
+    return np.asarray(np.maximum(fitted, least * squares.mean()))
 
 
-def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFit | None:
+def _judge(
+    state: np.ndarray, window: _Window, around: Surroundings, settings: CornerSettings
+) -> CornerFit | None:
     """Return the fit with its uncertainty."""
     linear = _linearise(state, window)
     normal = linear.jacobian @ linear.jacobian.T
     # What the residual is on average at a level between black and white is a tone curve and no noise.
-    level = np.round(_LEVELS * linear.board).astype(int) + 2 * _LEVELS
+    level = np.round(settings.tone_levels * linear.board).astype(int) + 2 * settings.tone_levels
     mean = np.bincount(level, linear.residual) / np.maximum(np.bincount(level), 1)
     noise = linear.residual - mean[level]
     freedom = len(window.value) - _PARAMETERS - len(np.unique(level))
@@ -278,19 +277,19 @@ def _judge(state: np.ndarray, window: _Window, around: Surroundings) -> CornerFi
         gain = np.linalg.solve(normal, linear.jacobian)[:2]
     except np.linalg.LinAlgError:
         return None
-    variance = _variance(noise, linear.board) * len(noise) / freedom
+    variance = _variance(noise, linear.board, settings.min_variance_share) * len(noise) / freedom
     return CornerFit(
         centre=around.centre + state[:2],
         covariance=(gain * variance) @ gain.T,
         step=2 * float(state[7]),
         roughness=float(np.sqrt((linear.residual**2).mean())) / (2 * float(state[7])),
-        sums=_sums(linear, window),
+        sums=_sums(linear, window, settings.flat_blurs),
     )
 
 
-def _sums(linear: _Linear, window: _Window) -> np.ndarray:
+def _sums(linear: _Linear, window: _Window, flat_blurs: float) -> np.ndarray:
     """Return sums of products of pixels at all distances, the edges themselves left out of the residuals."""
-    flat = linear.off_edges > _FLAT
+    flat = linear.off_edges > flat_blurs
     planes = np.zeros((4, *window.mask.shape))  # flat or not, residual there, gradients along x and y
     planes[0][window.mask], planes[1][window.mask] = flat, np.where(flat, linear.residual, 0.0)
     planes[2:, window.mask] = linear.jacobian[:2]

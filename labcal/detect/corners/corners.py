@@ -11,16 +11,12 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.geometry.projective_map import projective_map
 from labcal.targets.charuco import CharucoBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
-# (Reach of a fit)^2 over the picture's width, px: within it a wide lens bends an edge by 0.01 px on average.
-_BEND = 0.08
-_SHORTEST_REACH = 5.0  # px
-_ROUGHEST = (2.5, 0.06)  # times the usual roughness of the picture's corners, and of the step
-_FAINTEST = 0.3  # of the usual step
-_MISS = 0.1  # of a square, between a corner and where its neighbours say that it is
 
 
 @dataclass(frozen=True)
@@ -73,14 +69,17 @@ class _Standard:
             float(np.median([fit.step for fit in sound] or [0.0])),
         )
 
-    def met_by(self, fit: CornerFit | None) -> CornerFit | None:
+    def met_by(self, fit: CornerFit | None, settings: CornerSettings) -> CornerFit | None:
         """Return the fit if it is about as good as the others."""
-        if fit is None or fit.step < _FAINTEST * self.step:
+        if fit is None or fit.step < settings.min_step_share * self.step:
             return None
-        return fit if fit.roughness < _ROUGHEST[0] * self.roughness + _ROUGHEST[1] else None
+        roughest = settings.roughness_factor * self.roughness + settings.roughness_share
+        return fit if fit.roughness < roughest else None
 
 
-def measured_corners(grey: GreyPicture, board: CharucoBoard, rough: Corners) -> Corners:
+def measured_corners(
+    grey: GreyPicture, board: CharucoBoard, rough: Corners, settings: DetectSettings
+) -> Corners:
     """Fit the corners that are known roughly, and those of the board beside them that can be found.
 
     A corner whose markers were not recognised is looked for where its neighbours say that it is; there it
@@ -88,12 +87,13 @@ def measured_corners(grey: GreyPicture, board: CharucoBoard, rough: Corners) -> 
     """
     if not rough.spans_a_plane():
         return rough
+    search = _Search(grey, board, settings.corner)
     fits = [
-        fit_corner(grey, _surroundings(grey, board, (int(i), int(j)), place, axes))
+        fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
         for (i, j), place, axes in zip(rough.index, rough.seen_at, _axes(rough), strict=True)
     ]
     standard = _Standard.of(fits)
-    fits = [standard.met_by(fit) for fit in fits]
+    fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
     seen_at = [place if fit is None else fit.centre for place, fit in zip(rough.seen_at, fits, strict=True)]
     known = {node: k for k, node in enumerate(index) if fits[k] is not None}
@@ -101,13 +101,14 @@ def measured_corners(grey: GreyPicture, board: CharucoBoard, rough: Corners) -> 
     found = True
     while found:
         found = False
-        expected = Predictor(Lattice(dict(known)), _as_outlines(seen_at)).predict(_beside(known, board))
+        predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)
+        expected = predictor.predict(_beside(known, board))
         for node, prediction in expected.items():
             if tried.get(node, 0) >= prediction.neighbours:
                 continue
             tried[node] = prediction.neighbours
-            fit = _looked_for(grey, board, node, prediction)
-            if (fit := standard.met_by(fit)) is not None:
+            fit = standard.met_by(search.fit_at(node, prediction), settings.corner)
+            if fit is not None:
                 known[node] = len(index)
                 index.append(node)
                 fits.append(fit)
@@ -129,26 +130,31 @@ def _beside(known: dict[Node, int], board: CharucoBoard) -> list[Node]:
     return sorted(node for node in near if 0 <= node[0] < board.cols and 0 <= node[1] < board.rows)
 
 
-def _looked_for(
-    grey: GreyPicture, board: CharucoBoard, node: Node, prediction: Prediction
-) -> CornerFit | None:
-    """Return the fit of a corner where its neighbours say that it is, if it is one."""
-    fit = fit_corner(grey, _surroundings(grey, board, node, prediction.position, prediction.steps))
-    return None if fit is None or prediction.miss(fit.centre) > _MISS else fit
+@dataclass(frozen=True)
+class _Search:
+    """The picture of a board in which corners are looked for."""
 
+    grey: GreyPicture
+    board: CharucoBoard
+    settings: CornerSettings
 
-def _surroundings(
-    grey: GreyPicture, board: CharucoBoard, node: Node, place: np.ndarray, axes: np.ndarray
-) -> Surroundings:
-    """Return what lies around a corner of the board."""
-    upper_right = np.array([node[0] + 1]), np.array([node[1] + 1])
-    return Surroundings(
-        centre=place,
-        axes=axes,
-        white=-1 if board.is_black(*upper_right)[0] else 1,
-        gap=0.5 * (1.0 - board.marker_mm / board.square_mm),
-        reach=max(_SHORTEST_REACH, float(np.sqrt(_BEND * max(grey.shape)))),
-    )
+    def fit_at(self, node: Node, prediction: Prediction) -> CornerFit | None:
+        """Return the fit of a corner where its neighbours say that it is, if it is one."""
+        around = self.surroundings(node, prediction.position, prediction.steps)
+        fit = fit_corner(self.grey, around, self.settings)
+        return None if fit is None or prediction.miss(fit.centre) > self.settings.max_miss_squares else fit
+
+    def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
+        """Return what lies around a corner of the board."""
+        board, upper_right = self.board, (np.array([node[0] + 1]), np.array([node[1] + 1]))
+        reach = float(np.sqrt(self.settings.reach_bend_px * max(self.grey.shape)))
+        return Surroundings(
+            centre=place,
+            axes=axes,
+            white=-1 if board.is_black(*upper_right)[0] else 1,
+            gap=0.5 * (1.0 - board.marker_mm / board.square_mm),
+            reach=max(self.settings.min_reach_px, reach),
+        )
 
 
 def _axes(corners: Corners) -> np.ndarray:

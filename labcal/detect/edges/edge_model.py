@@ -23,9 +23,8 @@ MOMENTS = 13
 next."""
 FAR = 6.0
 """Blurs from the edge: so far it is all over."""
-_DOT_SHADING, _EGG, PRIORS = 0.1, 1e-4, 4
-"""What a small dot cannot tell, as prior standard deviations: of the shading across a dot, of its step, a
-radius; and of an egg's numbers, a px of radius."""
+PRIORS = 4
+"""Rows of what a small dot cannot tell: the shading across a dot, and an egg's two numbers."""
 TINY = 1e-30
 
 
@@ -35,11 +34,14 @@ def normal_equations(
     shading: np.ndarray,
     edge: np.ndarray,
     moments: np.ndarray,
+    expected: tuple[float, float],
     work: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> None:
     """Sum the normal equations, with the priors, over the pixels of the edge and the moments of the others.
 
-    The workspace is a chunk, the priors' rows, which are written, and the system with the right side below.
+    Expected are the standard deviations of the shading across a dot, of its step, a radius, and of an egg's
+    numbers, a px of radius. The workspace is a chunk, the priors' rows, which are written, and the system
+    with the right side below.
     """
     chunk, priors, system = work
     system[:] = 0.0
@@ -55,7 +57,7 @@ def normal_equations(
         for k in range(count):
             squares += planes[RESIDUAL, k] * planes[RESIDUAL, k]
     variance = max(squares, 0.0) / (pixels - PARAMETERS)  # nothing is left of a picture without noise
-    _write_priors(state, shading, sqrt(variance), priors)
+    _write_priors(state, shading, sqrt(variance), expected, priors)
     for number in range(PRIORS):
         row = priors[number]
         for i in range(PARAMETERS + 1):
@@ -154,16 +156,22 @@ def _add_products(planes: np.ndarray, count: int, system: np.ndarray) -> None:
 
 
 @compiled
-def _write_priors(state: np.ndarray, shading: np.ndarray, noise: float, priors: np.ndarray) -> None:
+def _write_priors(
+    state: np.ndarray,
+    shading: np.ndarray,
+    noise: float,
+    expected: tuple[float, float],
+    priors: np.ndarray,
+) -> None:
     """Write what is known beforehand as rows of derivatives and residual, weighed like pixels."""
     priors[:] = 0.0
     step = max(abs(shading[3] - shading[0]), TINY)
     for axis in range(2):
-        weight = noise / (_DOT_SHADING * step)
+        weight = noise / (expected[0] * step)
         priors[axis, STATE + 4 + axis] = weight
         priors[axis, PARAMETERS] = -weight * shading[4 + axis]
         # An egg grows with the radius as the picture bends under the dot.
-        weight = noise * sqrt(state[2] * state[4] - state[3] * state[3]) / _EGG
+        weight = noise * sqrt(state[2] * state[4] - state[3] * state[3]) / expected[1]
         priors[2 + axis, 6 + axis] = weight
         priors[2 + axis, PARAMETERS] = -weight * state[6 + axis]
 

@@ -1,6 +1,7 @@
 """Gauss-Newton on dots, one after the other, in compiled code."""
 
 from math import ceil, floor, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,8 +28,8 @@ from labcal.detect.edges.residuals import (
     BURNT,
     CLIPPED,
     COVARIANCE,
-    SURELY_FLAT,
     VARIANCE,
+    ResidualLimits,
     add_scatter,
     clipped_sides,
     judge,
@@ -37,25 +38,45 @@ from labcal.detect.edges.residuals import (
 
 _TOLD = 3
 """Where a settled fit leaves how many parameters the pixels have told, in the row below the system."""
-_ITERATIONS, _SOME = 12, 4
+_SOME = 4
 """The first levels come from one of so many pixels."""
-_EDGE_BLURS, _EDGE_PX = 2.8, 0.3
-"""Half width of the edge: pixels beyond show the dot or the board alone."""
-_FLAT_BLURS, _FLAT_PX, _FLAT_RADII = 3.5, 2.0, 0.12
-"""Half width of the fitted band: blurs, and px or radii, whatever is more."""
-_HOLE_BLURS = 1.5
-"""Blurs kept away from a ring's hole."""
-_CLUTTER_SIGMAS, _CLUTTER_STEP, _CLUTTER_PX = 5.0, 0.08, 2.0
-"""Clutter differs by so many standard deviations and so much of the step, away from the edge; it takes its
-neighbours with it."""
-LEAST_BLUR = 0.2
-"""px. An edge that is sharper, as where a picture was drawn without grey, has this blur."""
-_SHIFT, _REBLUR = 0.02, 0.04
-"""px, and of the blur: Gauss-Newton is done after so small a step, since its next one would be about their
-product."""
-_OTHER_BLUR = 1.3
-"""A band that was made for a blur so many times less or more is made anew."""
 _SINGULAR = 1e-12
+
+
+class EdgeLimits(NamedTuple):
+    """The settings of the edge fit that compiled code takes."""
+
+    max_iterations: int
+    settled_shift_px: float
+    settled_blur_share: float
+    max_step_radii: float
+    max_blur_factor: float
+    max_move_radii: float
+    min_blur_px: float
+    edge_blurs: float
+    edge_px: float
+    band_blurs: float
+    band_px: float
+    band_radii: float
+    max_bands: int
+    reband_factor: float
+    hole_blurs: float
+    clutter_sigma: float
+    clutter_share: float
+    clutter_px: float
+    prior_shading_share: float
+    prior_egg_per_px: float
+    near_flat_blurs: float
+
+
+class PictureLimits(NamedTuple):
+    """What holds for a picture: see :func:`fit_all`."""
+
+    reach_radii: float
+    clipped_black: float
+    clipped_white: float
+    black: float
+    noise_every: int
 
 
 @compiled
@@ -63,37 +84,40 @@ def fit_all(
     grey: np.ndarray,
     table: np.ndarray,
     hole: np.ndarray,
-    limits: tuple[float, float, float, float],
-    every: int,
+    picture: PictureLimits,
+    limits: tuple[EdgeLimits, ResidualLimits],
     sums: np.ndarray,
 ) -> np.ndarray:
     """Fit dot after dot, from the states in `table` and into its rows; return which settled.
 
-    The limits are the reach (radii), the grey values at which the picture is clipped, and that of no light.
-    Into `sums` goes what every so-manieth dot tells of the noise.
+    Of the picture are told the reach (radii), the grey values at which it is clipped, that of no light, and
+    that every so-manieth dot tells of the noise: this goes into `sums`.
     """
+    edge, residual = limits
     ok = np.zeros(len(table), dtype=np.bool_)
     system = np.empty((PARAMETERS + 2, PARAMETERS + 2))
     work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
     for number in range(len(table)):
         row, start = table[number], table[number].copy()
         radius = 1.0 / sqrt(start[2] * start[4] - start[3] * start[3])
-        band, found = _fit_one(grey, row, (hole[number], limits[0]), work)
+        band, found = _fit_one(grey, row, (hole[number], picture.reach_radii), edge, work)
         pixels = band[0]
         moved = sqrt((row[0] - start[0]) ** 2 + (row[1] - start[1]) ** 2)
-        if pixels.shape[1] == 0 or moved > 0.5 * radius:
+        if pixels.shape[1] == 0 or moved > edge.max_move_radii * radius:
             continue
-        row[CLIPPED], clipped = clipped_sides(row, pixels, found, (limits[1], limits[2]))
-        is_dot = int(abs(row[STATE + 3] - limits[3]) > abs(row[STATE] - limits[3]))
+        row[CLIPPED], clipped = clipped_sides(
+            row, pixels, found, (picture.clipped_black, picture.clipped_white), residual
+        )
+        is_dot = int(abs(row[STATE + 3] - picture.black) > abs(row[STATE] - picture.black))
         row[BURNT] = clipped[is_dot] - clipped[1 - is_dot]
-        if not judge(row, band, found, system[PARAMETERS, _TOLD], clipped):
+        if not judge(row, band, found, (system[PARAMETERS, _TOLD], clipped), residual):
             continue
-        tie(row, limits[3], system)
+        tie(row, picture.black, system)
         for i in range(3):
             row[COVARIANCE + i] = row[VARIANCE] * system[PARAMETERS, i]
         ok[number] = True
-        if number % every == 0:
-            add_scatter(pixels, found, sums[number // every])
+        if number % picture.noise_every == 0:
+            add_scatter(pixels, found, residual.flat_blurs, sums[number // picture.noise_every])
     return ok
 
 
@@ -101,49 +125,53 @@ def fit_all(
 def _fit_one(
     grey: np.ndarray,
     row: np.ndarray,
-    limits: tuple[float, float],
+    sizes: tuple[float, float],
+    limits: EdgeLimits,
     work: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[tuple[np.ndarray, int], np.ndarray]:
     """Fit one dot, in place; return its band and what :func:`_residuals` tells, empty where it ran away."""
     state, shading = row[:STATE], row[STATE : STATE + SHADING]
     nothing = (np.empty((3, 0)), 0), np.empty((5, 0))
     band = nothing[0]
-    for attempt in range(3):  # the band follows the blur once that is known
+    for attempt in range(limits.max_bands):  # the band follows the blur once that is known
         made_for = state[5]
-        band = _band(grey, state, limits[0], limits[1])
+        band = _band(grey, state, sizes, limits)
         if attempt == 0:
             _first_shading(state, band[0], shading)
-        if not _settle(state, shading, band, work):
+        if not _settle(state, shading, band, limits, work):
             return nothing
-        if max(made_for / state[5], state[5] / made_for) < _OTHER_BLUR:
+        if max(made_for / state[5], state[5] / made_for) < limits.reband_factor:
             break
     found = _residuals(state, shading, band, work[0])
-    clean = _without_clutter(band, found, abs(shading[0] - shading[3]))
+    clean = _without_clutter(band, found, abs(shading[0] - shading[3]), limits)
     if clean[0].shape[1] < band[0].shape[1]:
-        if not _settle(state, shading, clean, work):
+        if not _settle(state, shading, clean, limits, work):
             return nothing
         return clean, _residuals(state, shading, clean, work[0])
     return band, found
 
 
 @compiled
-def _band(grey: np.ndarray, state: np.ndarray, hole: float, reach: float) -> tuple[np.ndarray, int]:
+def _band(
+    grey: np.ndarray, state: np.ndarray, sizes: tuple[float, float], limits: EdgeLimits
+) -> tuple[np.ndarray, int]:
     """Return x, y and value, shape (3, n), of the pixels around the outline, away from hole and other dots.
 
     The edge's pixels come first; how many these are is returned as well.
     """
+    hole, reach = sizes
     a, b, c = state[2], state[3], state[4]
     xx, yy, xy = a * a + b * b, b * b + c * c, b * (a + c)
     determinant = xx * yy - xy * xy
     extent_x, extent_y = sqrt(yy / determinant), sqrt(xx / determinant)
     radius = determinant**-0.25
-    width = _EDGE_BLURS * state[5] + _EDGE_PX
+    width = limits.edge_blurs * state[5] + limits.edge_px
     # The distance changes with rho by no less than one over the largest slope, which bounds rho cheaply.
     wide = width * (0.5 * (a + c) + sqrt(0.25 * (a - c) ** 2 + b * b))
-    flat = _FLAT_BLURS * state[5] / radius + max(_FLAT_PX / radius, _FLAT_RADII)
+    flat = limits.band_blurs * state[5] / radius + max(limits.band_px / radius, limits.band_radii)
     nearest, farthest = max(1.0 - max(wide, flat), 0.0), min(1.0 + max(wide, flat), reach)
     if hole > 0.0:
-        beside = hole + _HOLE_BLURS * state[5] / min(extent_x, extent_y)
+        beside = hole + limits.hole_blurs * state[5] / min(extent_x, extent_y)
         nearest = max(nearest, min(beside, 0.5 * (1.0 + hole)))
     half_x, half_y = extent_x * farthest + 1.0, extent_y * farthest + 1.0
     height, columns = grey.shape
@@ -200,20 +228,23 @@ def _settle(
     state: np.ndarray,
     shading: np.ndarray,
     band: tuple[np.ndarray, int],
+    limits: EdgeLimits,
     work: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> bool:
     """Iterate to the least squares, in place; False where it runs away.
 
     The row below the system is left with what :func:`_write_certainty` tells.
     """
+    expected = limits.prior_shading_share, limits.prior_egg_per_px
+    longest, blur_factor, least_blur = limits.max_step_radii, limits.max_blur_factor, limits.min_blur_px
     step, moments, system = np.empty(PARAMETERS), np.empty((2, MOMENTS)), work[2]
     pixels, count = band
     if pixels.shape[1] < 3 * PARAMETERS:
         return False
     edge = pixels[:, :count:2]  # half of it is enough for the first step
     flat_moments(state, shading, pixels[:, count:], moments)
-    for number in range(_ITERATIONS):
-        normal_equations(state, shading, edge, moments, work)
+    for number in range(limits.max_iterations):
+        normal_equations(state, shading, edge, moments, expected, work)
         if not factorise(system, PARAMETERS, _SINGULAR):
             return False
         step[:] = system[PARAMETERS, :PARAMETERS]
@@ -223,14 +254,15 @@ def _settle(
         # A step that leaves the region where the linearisation means anything is shortened.
         stretch = max(abs(step[2]), abs(step[3]), abs(step[4]))
         shift = sqrt(step[0] ** 2 + step[1] ** 2)
-        short = 1.0 / max(shift / (0.2 * radius), stretch / 0.2, 1.0)
+        short = 1.0 / max(shift / (longest * radius), stretch / longest, 1.0)
         if not short > 0.0:
             return False
         edge = pixels[:, :count]
         _reshape(state, step[2] * short, step[3] * short, step[4] * short)
         state[0] += step[0] * short
         state[1] += step[1] * short
-        state[5] = max(min(max(state[5] + step[5], 0.5 * state[5]), 2.0 * state[5]), LEAST_BLUR)
+        blur = max(state[5] + step[5], state[5] / blur_factor)
+        state[5] = max(min(blur, blur_factor * state[5]), least_blur)
         state[6] += step[6]
         state[7] += step[7]
         for i in range(SHADING):
@@ -239,9 +271,12 @@ def _settle(
             return False
         if (
             number > 0
-            and shift < _SHIFT
-            and stretch * radius < 2.0 * _SHIFT
-            and (abs(step[5]) < _REBLUR * state[5] or (step[5] < 0.0 and state[5] == LEAST_BLUR))
+            and shift < limits.settled_shift_px
+            and stretch * radius < 2.0 * limits.settled_shift_px
+            and (
+                abs(step[5]) < limits.settled_blur_share * state[5]
+                or (step[5] < 0.0 and state[5] == least_blur)
+            )
         ):
             _write_certainty(step, work[1], system)
             return True
@@ -310,20 +345,22 @@ def _residuals(
 
 
 @compiled
-def _without_clutter(band: tuple[np.ndarray, int], found: np.ndarray, step: float) -> tuple[np.ndarray, int]:
+def _without_clutter(
+    band: tuple[np.ndarray, int], found: np.ndarray, step: float, limits: EdgeLimits
+) -> tuple[np.ndarray, int]:
     """Leave out what is neither dot nor board: dirt, glare, other marks, all away from the edge."""
     pixels, edge = band
-    count = pixels.shape[1]
+    count, least = pixels.shape[1], limits.clutter_share * step
     suspect = False
     for k in range(count):
-        if abs(found[0, k]) > _CLUTTER_STEP * step and abs(found[1, k]) > SURELY_FLAT:
+        if abs(found[0, k]) > least and abs(found[1, k]) > limits.near_flat_blurs:
             suspect = True
     if not suspect:
         return band
-    size, away = np.abs(found[0]), np.abs(found[1]) > SURELY_FLAT
-    odd = (size > max(_CLUTTER_SIGMAS * 1.4826 * np.median(size), _CLUTTER_STEP * step)) & away
+    size, away = np.abs(found[0]), np.abs(found[1]) > limits.near_flat_blurs
+    odd = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away
     keep = np.ones(count, dtype=np.bool_)
     for j in np.flatnonzero(odd):
         near = np.maximum(np.abs(pixels[0] - pixels[0, j]), np.abs(pixels[1] - pixels[1, j]))
-        keep &= ~((near <= _CLUTTER_PX) & away)
+        keep &= ~((near <= limits.clutter_px) & away)
     return pixels[:, keep], int(keep[:edge].sum())

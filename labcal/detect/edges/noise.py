@@ -3,16 +3,15 @@
 import numpy as np
 
 from labcal.detect.edges.residuals import LAGS, REACH
+from labcal.detect.stage_settings.edge import EdgeSettings
 
 _SHADINGS = 4
 """Of the fit's six, about so many are spent on the flat parts (a small dot has none inside)."""
-_CHANCES, _OF_A_MEDIAN = 2.0, 1.2533
-"""Standard deviations: less than so many of a tie is chance. Those of a median are larger than of a mean."""
-_FEWEST = 500
-"""Pixels: fewer tell nothing."""
+_OF_A_MEDIAN = 1.2533
+"""The standard deviation of a median over that of a mean."""
 
 
-def noise_factor(sums: np.ndarray, shadings: float = _SHADINGS) -> float:
+def noise_factor(sums: np.ndarray, settings: EdgeSettings, shadings: float = _SHADINGS) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
     Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation over the
@@ -25,13 +24,14 @@ def noise_factor(sums: np.ndarray, shadings: float = _SHADINGS) -> float:
     sums : ndarray, shape (n, LAGS, SUMS)
         For every dot, by how many pixels down and across: pairs of flat pixels, products of their residuals,
         and products of the fit's gradients.
+    settings : EdgeSettings
     shadings : float
         How many of a fit's parameters are spent on the flat parts.
     """
     count, energy, weight = sums[:, REACH].T
     sums = sums[(count > 0.0) & (energy > 0.0) & (weight > 0.0)]
     count, energy, weight = sums[:, REACH].T
-    if count.sum() < _FEWEST:
+    if count.sum() < settings.noise_min_pixels:
         return 1.0
     pairs = np.maximum(sums[..., 0], 1.0)
     # Residuals of a fit are tied a little even where the noise is not.
@@ -45,4 +45,4 @@ def noise_factor(sums: np.ndarray, shadings: float = _SHADINGS) -> float:
     variance = (share**2 / pairs * np.where(times > 1.0, 1.0, 2.0)).sum(axis=1)
     chance = _OF_A_MEDIAN * np.sqrt(variance.mean() / len(sums))
     typical = float(np.median(excess))
-    return 1.0 + typical if typical > _CHANCES * chance else 1.0
+    return 1.0 + typical if typical > settings.noise_chance_sigma * chance else 1.0

@@ -1,6 +1,7 @@
 """What the residuals of a settled fit tell: of the outline, the noise, clipping, and the light."""
 
 from math import pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,23 +23,26 @@ COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, BURNT, PROFILE, C
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
 how one-sidedly the board or the dot is clipped (0 to 1), the tie, see :func:`tie`, how much more of the
 brighter side is clipped than of the darker one, and by how much of the step the edge is no error function."""
-_SECTORS = 12
-_MOST_ARCS, _SHORTEST_ARC, _FEWEST_ARCS = 24, 8.0, 8
-"""Arcs of the outline whose places are no noise: so many, px long; fewer are the ellipse itself."""
-_PROFILE_BIN = 0.5
-"""Blurs."""
-SURELY_FLAT = 2.0
-"""Blurs from the edge: beyond, a pixel shows nearly the dot or the board alone."""
-_CUT_OFF = 0.01
-"""Of a side of the edge: where more is clipped, its noise is not that of the edge."""
 REACH = 2
 """Noise is looked at together over so many neighbouring pixels to either side."""
 LAGS = (2 * REACH + 1) * (REACH + 1)
 """Rows down 0 to REACH, columns -REACH to REACH; row 0 holds every pair to the left twice."""
 SUMS = 3
 """Of pairs of flat pixels, of products of their residuals, of products of gradients."""
-_FLAT = 3.2
-"""Blurs from the edge: beyond is dot or board only."""
+
+
+class ResidualLimits(NamedTuple):
+    """The settings of the edge fit by which residuals are judged."""
+
+    sectors: int
+    max_arcs: int
+    arc_px: float
+    min_arcs: int
+    profile_bin_blurs: float
+    near_flat_blurs: float
+    flat_blurs: float
+    clipped_side_share: float
+    clipped_chance_sigma: float
 
 
 @compiled
@@ -46,15 +50,18 @@ def judge(
     row: np.ndarray,
     band: tuple[np.ndarray, int],
     found: np.ndarray,
-    told: float,
-    clipped: tuple[float, float],
+    fit: tuple[float, tuple[float, float]],
+    limits: ResidualLimits,
 ) -> bool:
-    """Write departure and variance of the noise; False for too few pixels, of which a fit has `told` so many.
+    """Write departure and variance of the noise; False for too few pixels.
+
+    `fit` tells how many parameters the pixels have told, and how much of board and of dot is clipped.
 
     The departure is the root mean square distance (px) of the outline from the ellipse over sectors. What is
     the same at every sight of this dot (a print that is no circle, an edge that is no error function) is no
     noise: where arcs of the outline lie and the mean profile across it are taken out before the variance.
     """
+    told, clipped = fit
     pixels, count = band  # only the edge has anything to tell of the outline
     state = row[:STATE]
     around = np.empty(count)
@@ -64,11 +71,11 @@ def judge(
         quarter = u / (abs(u) + abs(v) + TINY)
         around[k] = 0.25 * (1.0 - quarter) if v >= 0.0 else 0.25 * (3.0 + quarter)
     noise, along = found[0].copy(), found[2]  # of all pixels
-    moved = _arcs(around, along, noise, _SECTORS)
+    moved = _arcs(around, along, noise, limits.sectors)
     row[DEPARTURE] = sqrt((moved**2).mean())
     perimeter = 2.0 * pi / sqrt(state[2] * state[4] - state[3] * state[3])
-    arcs = min(_MOST_ARCS, int(perimeter / _SHORTEST_ARC))
-    if arcs < _FEWEST_ARCS:
+    arcs = min(limits.max_arcs, int(perimeter / limits.arc_px))
+    if arcs < limits.min_arcs:
         arcs = 0
     else:
         moved = _arcs(around, along, noise, arcs)
@@ -76,12 +83,12 @@ def judge(
             noise[k] -= along[k] * moved[min(int(around[k] * arcs), arcs - 1)]
     # The mean profile holds both levels and the blur, which the fit has told already.
     before = noise[:count].copy()
-    profile = max(_take_out_profile(noise, found[1]) - 3, 0)
+    profile = max(_take_out_profile(noise, found[1], limits.profile_bin_blurs) - 3, 0)
     row[PROFILE] = sqrt(((before - noise[:count]) ** 2).mean()) / max(abs(row[STATE] - row[STATE + 3]), TINY)
-    freedom = len(noise) - told - max(arcs - _FEWEST_ARCS + 1, 0) - profile
+    freedom = len(noise) - told - max(arcs - limits.min_arcs + 1, 0) - profile
     # Clipping cuts the noise off: such a side does not tell how much of it the edge has.
     for k in range(count, len(noise)):
-        if clipped[int(found[1, k] < 0.0)] > _CUT_OFF:
+        if clipped[int(found[1, k] < 0.0)] > limits.clipped_side_share:
             noise[k] = 0.0
             freedom -= 1.0
     if freedom < PARAMETERS:
@@ -102,23 +109,27 @@ def _arcs(around: np.ndarray, along: np.ndarray, residual: np.ndarray, arcs: int
 
 
 @compiled
-def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray) -> int:
+def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray, width: float) -> int:
     """Take the mean over each distance from the outline out of the residuals; return how many there are."""
-    count = int(2.0 * FAR / _PROFILE_BIN) + 1
+    count = int(2.0 * FAR / width) + 1
     total, number = np.zeros(count), np.zeros(count)
     for k in range(len(noise)):
-        here = int((blurs_away[k] + FAR) / _PROFILE_BIN)
+        here = int((blurs_away[k] + FAR) / width)
         total[here] += noise[k]
         number[here] += 1.0
     mean = total / np.maximum(number, 1.0)
     for k in range(len(noise)):
-        noise[k] -= mean[int((blurs_away[k] + FAR) / _PROFILE_BIN)]
+        noise[k] -= mean[int((blurs_away[k] + FAR) / width)]
     return int((number > 0.0).sum())
 
 
 @compiled
 def clipped_sides(
-    state: np.ndarray, pixels: np.ndarray, found: np.ndarray, limits: tuple[float, float]
+    state: np.ndarray,
+    pixels: np.ndarray,
+    found: np.ndarray,
+    clipped_at: tuple[float, float],
+    limits: ResidualLimits,
 ) -> tuple[float, tuple[float, float]]:
     """Return how one-sidedly board or dot are clipped beside the edge, and how much of board and of dot is.
 
@@ -126,20 +137,20 @@ def clipped_sides(
     """
     sums, counts, cut_off = np.zeros((2, 2)), np.zeros(2), np.zeros(2)
     for k in range(pixels.shape[1]):
-        if abs(found[1, k]) <= SURELY_FLAT:
+        if abs(found[1, k]) <= limits.near_flat_blurs:
             continue
         inside = int(found[1, k] < 0.0)
         counts[inside] += 1.0
-        if (pixels[2, k] <= limits[0]) if inside else (pixels[2, k] >= limits[1]):
+        if (pixels[2, k] <= clipped_at[0]) if inside else (pixels[2, k] >= clipped_at[1]):
             u, v = flattened(state, pixels[0, k], pixels[1, k])
             share = 1.0 / max(sqrt(u * u + v * v), TINY)
             sums[inside, 0] += u * share
             sums[inside, 1] += v * share
             cut_off[inside] += 1.0
-    counts = np.maximum(counts, 1.0)
+    counts, chance = np.maximum(counts, 1.0), limits.clipped_chance_sigma
     # What noise cuts off lies to all sides, as far as chance has it.
-    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - 2.0 * sqrt(cut_off[0])) / counts[0]
-    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - 2.0 * sqrt(cut_off[1])) / counts[1]
+    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - chance * sqrt(cut_off[0])) / counts[0]
+    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - chance * sqrt(cut_off[1])) / counts[1]
     return max(board, dot), (cut_off[0] / counts[0], cut_off[1] / counts[1])
 
 
@@ -169,7 +180,7 @@ def tie(row: np.ndarray, black: float, system: np.ndarray) -> None:
 
 
 @compiled
-def add_scatter(pixels: np.ndarray, found: np.ndarray, sums: np.ndarray) -> None:
+def add_scatter(pixels: np.ndarray, found: np.ndarray, flat_blurs: float, sums: np.ndarray) -> None:
     """Add what one dot's residuals tell of the noise to `sums`, shape (LAGS, SUMS).
 
     The edge itself is left out of the residuals, since what a print's outline does there is no noise.
@@ -180,7 +191,7 @@ def add_scatter(pixels: np.ndarray, found: np.ndarray, sums: np.ndarray) -> None
     for k in range(pixels.shape[1]):
         x, y = int(pixels[0, k]) - left, int(pixels[1, k]) - top
         planes[2, y, x], planes[3, y, x] = found[3, k], found[4, k]
-        if abs(found[1, k]) > _FLAT:
+        if abs(found[1, k]) > flat_blurs:
             planes[0, y, x], planes[1, y, x] = 1.0, found[0, k]
     for k in range(pixels.shape[1]):
         x, y = int(pixels[0, k]) - left, int(pixels[1, k]) - top

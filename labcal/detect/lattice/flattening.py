@@ -1,5 +1,6 @@
 """A guess at what a wide lens does to a picture, taken back so that a grid's lines are nearly straight."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +10,6 @@ from labcal.detect.outlines.outlines import Outlines
 
 _LIMIT = 1.3
 """Rad: beyond this angle to the axis a plane runs off; the map goes on straight."""
-FIELDS_DEG = (100.0, 140.0, 170.0)
-"""Fields of view along the diagonal that are tried, of an equidistant fisheye about the picture's middle."""
 _STRAIGHT_ON, _STEEPEST = float(np.tan(_LIMIT)), float(1.0 + np.tan(_LIMIT) ** 2)
 
 
@@ -82,8 +81,8 @@ NONE = Flattening(np.zeros(2), float("inf"))
 """For a lens that images straight lines straight."""
 
 
-def fisheyes(size: tuple[int, int]) -> list[Flattening]:
-    """Return guesses for a picture of some width and height, px."""
+def fisheyes(size: tuple[int, int], fields_deg: Sequence[float]) -> list[Flattening]:
+    """Return equidistant fisheyes about the middle of a picture (width, height, px), by diagonal field."""
     centre = (np.array(size, dtype=np.float64) - 1.0) / 2.0
     diagonal = float(np.hypot(*size))
-    return [Flattening(centre, diagonal / float(np.radians(field))) for field in FIELDS_DEG]
+    return [Flattening(centre, diagonal / float(np.radians(field))) for field in fields_deg]

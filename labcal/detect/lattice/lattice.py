@@ -5,22 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.lattice.flattening import NONE, Flattening
-from labcal.detect.lattice.grid_kernel import drop_inconsistent, grow, keep_largest_part
+from labcal.detect.lattice.growth import GrowthLimits, drop_inconsistent, grow, keep_largest_part
+from labcal.detect.lattice.neighbourhood import PredictionLimits
 from labcal.detect.lattice.seeds import Seed, seed_at
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid
 
 Node = tuple[int, int]
-
-_SIZE_TOLERANCE = 0.35  # in the logarithm of the radius, between neighbours
-_SEED_TOLERANCE = 0.7  # the same for what may lie around a seed, near a camera
-_GROW_TOLERANCE = 0.8  # and for what a grid may take up, where its neighbours expect it
-_GOOD_SEED = 0.06  # of a step: a seed that fits so well is grown at once
-_MOST_SPOTS = 4000  # beyond this the smallest are left out
-_MOST_SEEDS = 600  # looked for, in a picture full of what is no grid
-_MOST_COMPONENTS = 12
-_FARTHEST = 2  # nodes from a seed, over those of the declared grid's longer side
-_GAP = 5  # steps over hidden nodes, at most, between what hangs together
 
 
 @dataclass(frozen=True)
@@ -36,12 +28,9 @@ class Lattice:
         return len(self.spots)
 
 
-def size_tolerance(target: DotGrid) -> float:
-    """Return by how much the logarithms of the radii of two neighbours may differ."""
-    return _SIZE_TOLERANCE + abs(float(np.log(target.ring_size)))
-
-
-def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening) -> list[Lattice]:
+def find_lattices(
+    outlines: Outlines, target: DotGrid, flattening: Flattening, settings: GridSettings
+) -> list[Lattice]:
     """Return the grids that the spots form in a flattened picture, largest first.
 
     Nodes are numbered from a seed's middle so that the first axis turned by 90 degrees anticlockwise in the
@@ -49,44 +38,48 @@ def find_lattices(outlines: Outlines, target: DotGrid, flattening: Flattening) -
     """
     outlines = flattening.outlines(outlines)
     radius = outlines.radius
-    order = np.argsort(-radius, kind="stable")[:_MOST_SPOTS]
-    tolerance = size_tolerance(target)
+    order = np.argsort(-radius, kind="stable")[: settings.max_outlines]
     free = np.zeros(len(radius), dtype=bool)
     free[order] = True
     lattices: list[Lattice] = []
     doubtful: list[Seed] = []
-    for i in order[:: max(1, len(order) // _MOST_SEEDS)]:
-        if not free[i] or len(lattices) == _MOST_COMPONENTS:
+    for i in order[:: max(1, len(order) // settings.max_seeds)]:
+        if not free[i] or len(lattices) == settings.max_lattices:
             continue
-        near = np.flatnonzero(np.abs(np.log(radius / radius[i])) < _SEED_TOLERANCE)
-        seed = seed_at(int(i), outlines, target, near[near != i])
-        if seed is not None and seed.misfit < _GOOD_SEED:
-            lattices += _grown(seed, outlines, free, tolerance, max(target.cols, target.rows))
+        near = np.flatnonzero(np.abs(np.log(radius / radius[i])) < settings.seed_radius_log)
+        seed = seed_at(int(i), outlines, target, near[near != i], settings)
+        if seed is not None and seed.misfit < settings.good_seed_steps:
+            lattices += _grown(seed, outlines, free, target, settings)
         elif seed is not None:
             doubtful.append(seed)
     for seed in sorted(doubtful, key=lambda seed: seed.misfit):
-        if free[seed.middle] and len(lattices) < _MOST_COMPONENTS:
-            lattices += _grown(seed, outlines, free, tolerance, max(target.cols, target.rows))
+        if free[seed.middle] and len(lattices) < settings.max_lattices:
+            lattices += _grown(seed, outlines, free, target, settings)
     return sorted((Lattice(lattice.spots, flattening) for lattice in lattices), key=len, reverse=True)
 
 
-def _grown(seed: Seed, outlines: Outlines, free: np.ndarray, tolerance: float, most: int) -> list[Lattice]:
-    """Return the lattice that grows from a seed, or none, and take its spots; `most` as the longer side."""
+def _grown(
+    seed: Seed, outlines: Outlines, free: np.ndarray, target: DotGrid, settings: GridSettings
+) -> list[Lattice]:
+    """Return the lattice that grows from a seed, or none, and take its spots."""
     centre, radius = outlines.centre, outlines.radius
-    similar = np.abs(np.log(radius / radius[seed.middle])) < 3 * tolerance
-    far = min(len(radius), _FARTHEST * most)
+    # Radii of neighbours differ by this much as a rule, where one of them may be a ring.
+    usual = settings.neighbour_radius_log + abs(float(np.log(target.ring_size)))
+    similar = np.abs(np.log(radius / radius[seed.middle])) < settings.lattice_radius_factor * usual
+    far = min(len(radius), settings.max_extent_factor * max(target.cols, target.rows))
     grid = np.full((2 * far + 1, 2 * far + 1), -1)
     usable = free & similar
     for (a, b), spot in seed.spots.items():
         if free[spot]:
             grid[far + a, far + b] = spot
             usable[spot] = False
-    grow(grid, centre, radius, usable, _GROW_TOLERANCE)
+    limits = settings.numbers(GrowthLimits), settings.numbers(PredictionLimits)
+    grow(grid, centre, radius, usable, limits)
     nodes = np.argwhere(grid >= 0)
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     grid = np.ascontiguousarray(grid[low[0] : high[0] + 1, low[1] : high[1] + 1])
-    drop_inconsistent(grid, centre)
-    keep_largest_part(grid, _GAP)
+    drop_inconsistent(grid, centre, limits)
+    keep_largest_part(grid, settings.part_gap_nodes)
     spots = {(int(a), int(b)): int(grid[a, b]) for a, b in np.argwhere(grid >= 0)}
     free[seed.middle] = False
     free[list(spots.values())] = False

@@ -7,13 +7,16 @@ from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.plain import DiagonalNumbering, number_plain
 from labcal.detect.lattice.rings import Numbering, number_by_rings
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid
 
 AnyNumbering = Numbering | DiagonalNumbering
 """What tells (col, row) of a lattice node."""
 
 
-def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> AnyNumbering | Refusal:
+def number_lattice(
+    lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings
+) -> AnyNumbering | Refusal:
     """Find ids for a lattice by the target's rings or, where its dots are all alike, by its edges.
 
     Returns
@@ -22,8 +25,8 @@ def number_lattice(lattice: Lattice, outlines: Outlines, target: DotGrid) -> Any
         See :func:`labcal.detect.rings.number_by_rings` and :func:`labcal.detect.plain.number_plain`.
     """
     if target.rings is None:
-        return number_plain(lattice, outlines, target)
-    return number_by_rings(lattice, outlines, target, target.rings)
+        return number_plain(lattice, outlines, target, settings)
+    return number_by_rings(lattice, outlines, target, target.rings, settings)
 
 
 def why_unnamed(outcomes: Sequence[AnyNumbering | Refusal], target: DotGrid) -> Refusal | None:

@@ -19,10 +19,8 @@ from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.rings import TURNS, Numbering, pitches_agree
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid, Layout
-
-_EDGE_SHARE = 0.5  # of an outermost row or column that must be seen, so that it is no accident
-_MOST_BEYOND = 1  # lost dots beyond the grid that may be clutter
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class DiagonalNumbering:
 
 
 def number_plain(
-    lattice: Lattice, outlines: Outlines, target: DotGrid
+    lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings
 ) -> Numbering | DiagonalNumbering | Refusal:
     """Find ids for a lattice that is exactly as large as the target's grid.
 
@@ -59,20 +57,28 @@ def number_plain(
         `AMBIGUOUS` where no turn fits, or turns fit between which the target is not symmetric.
     """
     nodes = np.array(list(lattice.spots), dtype=np.int64)
-    fitting = [found for turn in TURNS if (found := _fitted(turn, nodes, target)) is not None]
+    found = [_fitted(turn, nodes, target, settings.edge_line_share) for turn in TURNS]
+    fitting = [numbering for numbering in found if numbering is not None]
     if target.layout is Layout.SYMMETRIC:
-        fitting = [found for found in fitting if pitches_agree(found.turn, lattice, outlines, target)]
+        tolerance = settings.pitch_ratio_log
+        fitting = [one for one in fitting if pitches_agree(one.turn, lattice, outlines, target, tolerance)]
     alike = 1 + len(target.lookalikes(target.indices()[:1]))
     if not fitting or len(fitting) > alike:
         return Refusal.AMBIGUOUS
     return max(fitting, key=lambda found: _uprightness(found.turn, lattice, outlines, target))
 
 
-def goes_on(lost: Sequence[LostDot], numbering: Numbering | DiagonalNumbering, target: DotGrid) -> bool:
+def goes_on(
+    lost: Sequence[LostDot],
+    numbering: Numbering | DiagonalNumbering,
+    target: DotGrid,
+    settings: GridSettings,
+) -> bool:
     """Tell whether dots are seen beyond the grid, so that its edges are not those of the print."""
     last = (target.cols, target.rows)
     places = np.array([numbering.index(dot.node) for dot in lost], dtype=np.int64).reshape(-1, 2)
-    return int(((places < 0) | (places >= last)).any(axis=1).sum()) > _MOST_BEYOND
+    beyond = int(((places < 0) | (places >= last)).any(axis=1).sum())
+    return beyond > settings.max_dots_beyond
 
 
 def with_lookalikes(dots: PictureDots, target: DotGrid) -> PictureDots:
@@ -86,7 +92,9 @@ def _upright(turn: np.ndarray, nodes: DotIndices) -> DotIndices:
     return np.stack([a - b, a + b], axis=-1)
 
 
-def _fitted(turn: np.ndarray, nodes: DotIndices, target: DotGrid) -> Numbering | DiagonalNumbering | None:
+def _fitted(
+    turn: np.ndarray, nodes: DotIndices, target: DotGrid, edge_share: float
+) -> Numbering | DiagonalNumbering | None:
     """Return the numbering of one turn if the nodes fill the grid from edge to edge."""
     if target.layout is Layout.SYMMETRIC:
         places, last = nodes @ turn.T, np.array([target.cols, target.rows]) - 1
@@ -98,7 +106,7 @@ def _fitted(turn: np.ndarray, nodes: DotIndices, target: DotGrid) -> Numbering |
     if (high - low != last).any():
         return None
     seen = np.minimum((places == low).sum(axis=0), (places == high).sum(axis=0))
-    if (seen < _EDGE_SHARE * corner_share).any():
+    if (seen < edge_share * corner_share).any():
         return None
     if target.layout is Layout.SYMMETRIC:
         return Numbering(turn, -low)

@@ -7,13 +7,12 @@ import numpy as np
 
 from labcal.arrays import PixelCovariances
 from labcal.detect.lattice.flattening import Flattening
-from labcal.detect.lattice.grid_kernel import miss, predict_all
 from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.neighbourhood import PredictionLimits, miss, predict_all
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import inverses
 
-_AROUND = 4
-"""Empty nodes kept around a lattice."""
 _NEAR = 2
 """Nodes to either side whose spots are a node's neighbours."""
 
@@ -45,13 +44,16 @@ class Predictor:
     lattice : Lattice
     outlines : Outlines
         To which the lattice's spots refer.
+    settings : GridSettings
     """
 
-    def __init__(self, lattice: Lattice, outlines: Outlines) -> None:
+    def __init__(self, lattice: Lattice, outlines: Outlines, settings: GridSettings) -> None:
+        around = settings.missed_gap_nodes  # empty nodes that may be asked for
+        self._limits = settings.numbers(PredictionLimits)
         nodes = np.array(list(lattice.spots))
-        self._corner = nodes.min(axis=0) - _AROUND
+        self._corner = nodes.min(axis=0) - around
         self._nodes, self._spots = nodes - self._corner, np.array(list(lattice.spots.values()))
-        self._grid = np.full(self._nodes.max(axis=0) + 1 + _AROUND, -1)
+        self._grid = np.full(self._nodes.max(axis=0) + 1 + around, -1)
         self._grid[tuple(self._nodes.T)] = self._spots
         self.lattice, self.outlines = lattice, outlines
         self._flat = lattice.flattening.outlines(outlines)
@@ -59,7 +61,7 @@ class Predictor:
     @cached_property
     def _numbers(self) -> np.ndarray:
         """The predictions of the lattice's own nodes."""
-        return predict_all(self._grid, self._flat.centre, self._nodes)
+        return predict_all(self._grid, self._flat.centre, self._nodes, self._limits)
 
     @cached_property
     def _shape(self) -> np.ndarray:
@@ -86,7 +88,7 @@ class Predictor:
         if not nodes:
             return {}
         places = np.array(nodes) - self._corner
-        numbers = predict_all(self._grid, self._flat.centre, places)
+        numbers = predict_all(self._grid, self._flat.centre, places, self._limits)
         known = np.flatnonzero(np.isfinite(numbers[:, 0]))
         flattening = self.lattice.flattening
         positions = flattening.backward(numbers[known, :2])

@@ -6,15 +6,12 @@ import numpy as np
 
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node
-from labcal.detect.lattice.seeds import RING_HOLE
 from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import inverses
 from labcal.targets.grid import DotGrid, Rings
 
-_NO_HOLE = 0.15  # and of a full dot at most so bright
-_FAINT_HOLE = 0.1  # a ring's middle is at least so bright, however blurred
-_STANDS_OUT, _SIGMA = 8.0, 1.4826  # standard deviations from the other dots, and those over the median's
-_PITCH_TOLERANCE = 0.3  # in the logarithm of pitch_x over pitch_y
+_SIGMA = 1.4826  # standard deviations over the median of absolute deviations
 
 TURNS = tuple(
     np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
@@ -36,17 +33,18 @@ class Numbering:
         return p * node[0] + q * node[1] + int(self.shift[0]), r * node[0] + s * node[1] + int(self.shift[1])
 
 
-def ring_nodes(lattice: Lattice, outlines: Outlines) -> set[Node]:
+def ring_nodes(lattice: Lattice, outlines: Outlines, settings: GridSettings) -> set[Node]:
     """Return the nodes whose dot is bright in the middle, less so in a blurred picture."""
     hole = outlines.hole[list(lattice.spots.values())]
     usual = float(np.median(hole))
     scatter = _SIGMA * float(np.median(np.abs(hole - usual)))
-    limit = float(np.clip(usual + _STANDS_OUT * scatter, _FAINT_HOLE, RING_HOLE))
+    stands_out = usual + settings.ring_outlier_sigma * scatter
+    limit = float(np.clip(stands_out, settings.faint_hole_share, settings.ring_hole_share))
     return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > limit}
 
 
 def number_by_rings(
-    lattice: Lattice, outlines: Outlines, target: DotGrid, rings: Rings
+    lattice: Lattice, outlines: Outlines, target: DotGrid, rings: Rings, settings: GridSettings
 ) -> Numbering | Refusal:
     """Find the one numbering that puts the target's three rings on rings of the lattice.
 
@@ -59,9 +57,9 @@ def number_by_rings(
     Numbering or Refusal
         `NO_RINGS`, `MIRRORED` or `AMBIGUOUS_RINGS` where there is no numbering or more than one.
     """
-    seen = ring_nodes(lattice, outlines)
+    seen, tolerance = ring_nodes(lattice, outlines, settings), settings.pitch_ratio_log
     matches = [match for turn in TURNS for match in _matches(turn, seen, rings)]
-    matches = [match for match in matches if pitches_agree(match.turn, lattice, outlines, target)]
+    matches = [match for match in matches if pitches_agree(match.turn, lattice, outlines, target, tolerance)]
     if len(matches) == 1:
         return matches[0]
     if matches:
@@ -69,9 +67,9 @@ def number_by_rings(
     if any(_matches(turn @ _MIRROR, seen, rings) for turn in TURNS):
         return Refusal.MIRRORED
     two = [match for turn in TURNS for match in _matches_of_two(turn, seen, lattice, target)]
-    full = {node for node, spot in lattice.spots.items() if outlines.hole[spot] < _NO_HOLE}
+    full = {node for node, spot in lattice.spots.items() if outlines.hole[spot] < settings.full_dot_share}
     two = [match for match in two if _is_free_of_contradiction(match, seen, full, target)]
-    two = [match for match in two if pitches_agree(match.turn, lattice, outlines, target)]
+    two = [match for match in two if pitches_agree(match.turn, lattice, outlines, target, tolerance)]
     return two[0] if len(two) == 1 else Refusal.NO_RINGS
 
 
@@ -117,8 +115,13 @@ def _is_free_of_contradiction(
     return seen <= places and not (places & full)
 
 
-def pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid) -> bool:
-    """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio."""
+def pitches_agree(
+    turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid, tolerance: float
+) -> bool:
+    """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio.
+
+    `tolerance` is the most that the logarithm of the ratio may be off.
+    """
     flatten = inverses(matrix_root(outlines.shape))
     lengths: list[np.ndarray] = []
     for step in ((1, 0), (0, 1)):
@@ -136,4 +139,4 @@ def pitches_agree(turn: np.ndarray, lattice: Lattice, outlines: Outlines, target
     ratio = np.log(np.median(lengths[0]) / np.median(lengths[1]))
     if turn[0, 0] == 0:
         ratio = -ratio
-    return bool(abs(ratio - np.log(target.pitch_x_mm / target.pitch_y_mm)) < _PITCH_TOLERANCE)
+    return bool(abs(ratio - np.log(target.pitch_x_mm / target.pitch_y_mm)) < tolerance)

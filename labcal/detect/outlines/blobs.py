@@ -7,18 +7,8 @@ import numpy as np
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.grey import GreyPicture
+from labcal.detect.stage_settings.segmentation import SegmentationSettings
 
-# Half the window, in pixels of a pyramid level, over which the darkest and brightest value set the threshold.
-# A dot larger than that is found by the dark band along its edge, or whole in a coarser level.
-_REACH = 9
-_SMALLEST_LEVEL = 12  # px: coarser levels hold nothing that could be a grid
-_MIN_CONTOUR = 6  # points: fewer cannot tell an ellipse
-_MIN_MINOR = 1.2  # px of the level
-_MIN_ASPECT = 0.2  # a disc seen at 78 degrees
-_LARGEST = 0.2  # semi-axis over the picture's longer side
-_NOISE_FACTOR = 8.0  # the range of noise alone in one window is 6 to 7 standard deviations
-_MIN_CONTRAST = 0.05  # of the picture's range
-_BUSY, _BUSY_REACH = 0.15, 15  # changes a pixel along a row, around so many px: noise, grass, and no dots
 _ROWS_AT_ONCE = 512
 _EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
 
@@ -53,11 +43,11 @@ class Level:
         return scaled
 
 
-def pyramid(grey: GreyPicture) -> list[Level]:
+def pyramid(grey: GreyPicture, settings: SegmentationSettings) -> list[Level]:
     """Return the levels of a picture, the full one first, down to the coarsest that could show a grid."""
-    low, high = _range(grey)
+    low, high = _range(grey, settings.range_cut_percent)
     levels, scale = [], 1
-    while min(grey.shape) >= _SMALLEST_LEVEL:
+    while min(grey.shape) >= settings.smallest_level_px:
         levels.append(Level(grey, scale, low, high))
         height, width = grey.shape[0] // 2, grey.shape[1] // 2
         grey = cv2.resize(grey[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
@@ -65,16 +55,16 @@ def pyramid(grey: GreyPicture) -> list[Level]:
     return levels
 
 
-def blobs_of(level: Level) -> Blobs:
+def blobs_of(level: Level, settings: SegmentationSettings) -> Blobs:
     """Return every dark spot of a level that is roughly an ellipse, or cut by the frame, in full pixels.
 
     There is no size to set: levels differ by two, and the threshold follows the surroundings, so that light
     may fall off.
     """
-    contours = _dark_contours(level.in_8_bits())
+    contours = _dark_contours(level.in_8_bits(), settings)
     if not contours:
         return joined([])
-    found, scale = _roughly_elliptic(contours, level.grey.shape), float(level.scale)
+    found, scale = _roughly_elliptic(contours, level.grey.shape, settings), float(level.scale)
     return Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut)
 
 
@@ -88,25 +78,28 @@ def joined(parts: list[Blobs]) -> Blobs:
     )
 
 
-def _range(grey: GreyPicture) -> tuple[float, float]:
+def _range(grey: GreyPicture, cut_percent: float) -> tuple[float, float]:
     """Return a low and a high grey value, a few odd pixels left aside."""
     sample = grey[:: 1 + grey.shape[0] // 128, :: 1 + grey.shape[1] // 128]
     if sample.size == 0:
         return 0.0, 0.0
-    low, high = np.percentile(sample, [0.5, 99.5])
+    low, high = np.percentile(sample, [cut_percent, 100.0 - cut_percent])
     return float(low), float(high)
 
 
-def _dark_contours(level: np.ndarray) -> list[np.ndarray]:
+def _dark_contours(level: np.ndarray, settings: SegmentationSettings) -> list[np.ndarray]:
     """Return the outer contours of what is darker than half-way between the local extremes."""
-    smooth = cv2.GaussianBlur(level, (3, 3), 0.8)
-    window = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
+    smooth = cv2.GaussianBlur(level, (3, 3), settings.smoothing_px)
+    side, busy_side = 2 * settings.threshold_reach_px + 1, 2 * settings.texture_reach_px + 1
+    window = np.ones((side, side), np.uint8)
     bright, dark = cv2.dilate(smooth, window), cv2.erode(smooth, window)
-    contrast = max(_NOISE_FACTOR * _noise(smooth), 255.0 * _MIN_CONTRAST)
+    contrast = max(settings.min_contrast_sigma * _noise(smooth), 255.0 * settings.min_contrast_share)
     middle = cv2.addWeighted(bright, 0.5, dark, 0.5, 0.0)
     mask = ((smooth < middle) & (cv2.subtract(bright, dark) > contrast)).astype(np.uint8)
-    if _changes(mask[::_BUSY_REACH]).mean() > 0.5 * _BUSY:
-        mask &= cv2.blur(_changes(mask).astype(np.float32), (2 * _BUSY_REACH + 1,) * 2) < _BUSY
+    if _changes(mask[:: settings.texture_reach_px]).mean() > 0.5 * settings.max_texture_share:
+        mask &= (
+            cv2.blur(_changes(mask).astype(np.float32), (busy_side, busy_side)) < settings.max_texture_share
+        )
     contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     if hierarchy is None:
         return []
@@ -114,7 +107,7 @@ def _dark_contours(level: np.ndarray) -> list[np.ndarray]:
     return [
         contour.reshape(-1, 2)
         for contour, keep in zip(contours, outer, strict=True)
-        if keep and len(contour) >= _MIN_CONTOUR
+        if keep and len(contour) >= settings.min_contour_points
     ]
 
 
@@ -132,7 +125,9 @@ def _noise(level: np.ndarray) -> float:
     return float(np.median(np.abs(difference))) / (0.6745 * 6**0.5)
 
 
-def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blobs:
+def _roughly_elliptic(
+    contours: list[np.ndarray], size: tuple[int, ...], settings: SegmentationSettings
+) -> Blobs:
     """Return the contours that could be dots, and those that the frame cuts."""
     count = np.array([len(contour) for contour in contours])
     start = np.concatenate([[0], np.cumsum(count)[:-1]])
@@ -140,7 +135,7 @@ def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blob
     points = np.concatenate(contours).astype(np.float64)
     low, high = np.minimum.reduceat(points, start), np.maximum.reduceat(points, start)
     middle, half = (low + high) / 2, (high - low + 1) / 2
-    small = half.max(axis=1) <= _LARGEST * max(size)
+    small = half.max(axis=1) <= settings.max_axis_share * max(size)
     cut = small & ((low <= 0).any(axis=1) | (high >= np.array(size[::-1]) - 1).any(axis=1))
 
     area, centre, shape = _polygon_moments(points - middle[owner], start, count)
@@ -148,12 +143,13 @@ def _roughly_elliptic(contours: list[np.ndarray], size: tuple[int, ...]) -> Blob
     sound = small & ~cut & (area > 0) & (axes[:, 0] > 0)
     axes = np.sqrt(np.where(sound[:, None], axes, 1.0))
     grown = axes + _EXPANSION
-    sound &= (grown[:, 0] >= _MIN_MINOR) & (grown[:, 0] >= _MIN_ASPECT * grown[:, 1])
+    sound &= grown[:, 0] >= settings.min_spot_axis_px
+    sound &= grown[:, 0] >= settings.min_axis_ratio_share * grown[:, 1]
     flat = np.einsum("ki,kij->kj", points - (middle + centre)[owner], vectors[owner]) / axes[owner]
     radius = np.hypot(flat[:, 0], flat[:, 1])
     mean = np.add.reduceat(radius, start) / count
     scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
-    sound &= scatter <= 0.1 + 0.35 / grown[:, 0]
+    sound &= scatter <= settings.max_contour_scatter_share + settings.max_contour_scatter_px / grown[:, 0]
 
     outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
     boxes = half[:, :, None] ** 2 * np.eye(2)

@@ -8,16 +8,10 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.outlines.blobs import Blobs
-from labcal.detect.outlines.rays import COLUMNS, distinct, trace_all
+from labcal.detect.outlines.rays import COLUMNS, RayLimits, distinct, ray_directions, trace_all
+from labcal.detect.stage_settings.segmentation import SegmentationSettings
 from labcal.geometry.two_by_two import determinants
 from labcal.targets.grid import DotGrid
-
-_LONGEST_RAY = 1.5
-"""Of the radius."""
-_STEP_PX = 1.0
-"""Between the samples of a ray."""
-_SETTLED = 0.05
-"""Of the radius: an ellipse that is so near to where its rays began needs no further ones."""
 
 
 @dataclass(frozen=True)
@@ -66,40 +60,48 @@ def mean_radius(shape: PixelCovariances) -> Float64[np.ndarray, " n"]:
     return radius
 
 
-def clear_reach(target: DotGrid) -> float:
+def clear_reach(target: DotGrid, settings: SegmentationSettings) -> float:
     """Return how far from a dot's centre, in radii, nothing but board surrounds it."""
     radius = target.largest_diameter_mm / 2
     gap = min(target.cell_mm) / radius - 2
-    return 1 + 0.7 * gap
+    return 1 + settings.clear_gap_share * gap
 
 
-def trace_outlines(grey: GreyPicture, blobs: Blobs, target: DotGrid) -> Outlines:
+def trace_outlines(
+    grey: GreyPicture, blobs: Blobs, target: DotGrid, settings: SegmentationSettings
+) -> Outlines:
     """Return the spots that have an elliptic edge in the full picture, each once."""
     whole = ~blobs.cut
     centre, shape = blobs.centre[whole], blobs.shape[whole]
     # Spots that are found in several levels are taken from the finest first; most duplicates go here,
     # cheaply.
-    first = distinct(centre, mean_radius(shape), 0.1)
-    spots, _ = trace_from(grey, centre[first], shape[first], target)
-    return spots.select(distinct(spots.centre, spots.radius, 0.4))
+    first = distinct(centre, mean_radius(shape), settings.duplicate_spot_radii)
+    spots, _ = trace_from(grey, centre[first], shape[first], target, settings)
+    return spots.select(distinct(spots.centre, spots.radius, settings.duplicate_outline_radii))
 
 
 def trace_from(
-    grey: GreyPicture, centre: Pixels, shape: PixelCovariances, target: DotGrid
+    grey: GreyPicture,
+    centre: Pixels,
+    shape: PixelCovariances,
+    target: DotGrid,
+    settings: SegmentationSettings,
 ) -> tuple[Outlines, np.ndarray]:
     """Return what has an elliptic edge near rough centres and outlines, and which of these it is.
 
     Rays are cast a second time, from the ellipse that the first time gave, where that lies off.
     """
-    limits = (min(_LONGEST_RAY, clear_reach(target)), target.hole_share)
+    reach = min(settings.ray_length_radii, clear_reach(target, settings))
+    limits, rays = settings.numbers(RayLimits), ray_directions(settings.ray_count)
     which = np.arange(len(centre) if min(grey.shape) > 1 else 0)
     spots = _for_rays(centre[which], shape[which])
     table = np.zeros((len(which), COLUMNS))
-    ok = trace_all(grey, spots, _STEP_PX, limits, table)
+    ok = trace_all(grey, spots, rays, (reach, target.hole_share), limits, table)
     traced, radius = _for_rays(table[ok, :2], _shape_of(table[ok])), mean_radius(_shape_of(table[ok]))
-    off = np.flatnonzero(ok)[np.abs(traced - spots[ok]).max(axis=1) > _SETTLED * radius]
+    off = np.flatnonzero(ok)[np.abs(traced - spots[ok]).max(axis=1) > settings.retrace_radii * radius]
     again = table[off]
-    ok[off] = trace_all(grey, _for_rays(again[:, :2], _shape_of(again)), _STEP_PX, limits, again)
+    spots = _for_rays(again[:, :2], _shape_of(again))
+    ok[off] = trace_all(grey, spots, rays, (reach, target.hole_share), limits, again)
     table[off] = again
     table, which = table[ok], which[ok]
     return Outlines(table[:, :2], _shape_of(table), table[:, 5], table[:, 6]), which

@@ -1,40 +1,49 @@
 """Rays cast from the rough centres of spots, and ellipses through where they meet the edge."""
 
 from math import cos, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 
-RAYS = 24
-_DIRECTIONS = np.array([[cos(2.0 * pi * ray / RAYS), sin(2.0 * pi * ray / RAYS)] for ray in range(RAYS)])
-_MOST_STEPS, _FEWEST_STEPS = 64, 20
-"""Samples along a ray."""
-_MIN_RAYS = 18
-"""With an edge that fits the ellipse."""
-_FIRST_EDGE = 0.5
-"""Of the radius: the edge is looked for from here outward."""
-_BODY = (0.6, 0.75)
-"""Of the radius: neither hole nor edge."""
-_BESIDE = 0.6
-"""Of the way from the edge to the neighbours' clear reach: there is board."""
 _QUARTERS = 1.349
 """Standard deviations between a quarter and three quarters of an error function."""
-_MIN_MINOR = 1.5
-"""px."""
 _SHARPEST = 0.1
 """Of an edge's squared width: so much is left when that of sampling is taken off."""
 _TERMS = 5
-_OFF = 0.5
-"""Of the radius: most that an outline's centre may be off the rough one."""
 _SINGULAR = 1e-12
 _ROUND = 0.05
 """Least determinant of an ellipse in coordinates that make it nearly a unit circle."""
-_ROUGH, _ROUGH_PX = 0.03, 0.15
-"""Most that edge points depart from an ellipse, of the radius, and px."""
 COLUMNS = 7
 """Centre 2, outline matrix xx xy yy, brightness of the middle, blur (px)."""
+
+
+class RayLimits(NamedTuple):
+    """The settings of segmentation that compiled code takes."""
+
+    ray_step_px: float
+    min_ray_samples: int
+    max_ray_samples: int
+    edge_search_radii: float
+    dot_level_from_radii: float
+    dot_level_to_radii: float
+    board_level_share: float
+    min_ray_share: float
+    ellipse_rounds: int
+    outlier_factor: float
+    outlier_share: float
+    max_roughness_share: float
+    max_roughness_px: float
+    max_offset_radii: float
+    min_outline_axis_px: float
+
+
+def ray_directions(count: int) -> np.ndarray:
+    """Return unit vectors (count, 2), evenly around."""
+    angles = [2.0 * pi * ray / count for ray in range(count)]
+    return np.array([[cos(angle), sin(angle)] for angle in angles])
 
 
 @compiled
@@ -85,16 +94,16 @@ def _middle_of_five(values: np.ndarray, first: int, five: np.ndarray) -> float:
 
 
 @compiled
-def _ellipse(points: np.ndarray, found: np.ndarray, terms: np.ndarray) -> float:
+def _ellipse(points: np.ndarray, found: np.ndarray, limits: RayLimits, terms: np.ndarray) -> float:
     """Fit ``a x^2 + 2 b x y + c y^2 + d x + e y = 1`` to points near the unit circle, into `terms`.
 
     Returns the median distance of the points from the ellipse, infinite where there is none; points that lie
-    off are left out in three rounds.
+    off are left out in some rounds.
     """
     count = len(points)
     use, residual = found.copy(), np.empty(count)
     normal, row = np.empty((_TERMS, _TERMS)), np.empty(_TERMS)
-    for _ in range(3):
+    for _ in range(limits.ellipse_rounds):
         normal[:] = 0.0
         terms[:] = 0.0
         for k in range(count):
@@ -114,53 +123,68 @@ def _ellipse(points: np.ndarray, found: np.ndarray, terms: np.ndarray) -> float:
             x, y = points[k, 0], points[k, 1]
             value = terms[0] * x * x + 2.0 * terms[1] * x * y + terms[2] * y * y
             residual[k] = abs(value + terms[3] * x + terms[4] * y - 1.0) if found[k] else np.inf
-        limit = max(4.0 * np.median(residual), 0.02)  # the median of a spot without edges is infinite
+        limit = max(
+            limits.outlier_factor * np.median(residual), limits.outlier_share
+        )  # the median of a spot without edges is infinite
         use = found & (residual < limit)
-    if use.sum() < _MIN_RAYS or terms[0] <= 0.0 or terms[0] * terms[2] - terms[1] ** 2 <= _ROUND:
+    if (
+        use.sum() < limits.min_ray_share * count
+        or terms[0] <= 0.0
+        or terms[0] * terms[2] - terms[1] ** 2 <= _ROUND
+    ):
         return np.inf
     return 0.5 * np.median(residual)  # the residual is that of the radius squared
 
 
 @compiled
 def trace_all(
-    grey: np.ndarray, spots: np.ndarray, step_px: float, limits: tuple[float, float], table: np.ndarray
+    grey: np.ndarray,
+    spots: np.ndarray,
+    rays: np.ndarray,
+    sizes: tuple[float, float],
+    limits: RayLimits,
+    table: np.ndarray,
 ) -> np.ndarray:
     """Trace spots (centre, and root of the outline matrix: xx xy yy) into `table`; return which have an edge.
 
     Along each ray the edge is where the grey value rises half-way from the dot to the board beside that ray;
-    an ellipse is fitted to these points. Samples are about `step_px` apart; the limits are how far board
-    surrounds a dot, and the radius of a ring's hole, both in radii.
+    an ellipse is fitted to these points. The rays are unit vectors; the sizes are how far board surrounds a
+    dot, and the radius of a ring's hole, both in radii.
     """
-    reach, hole_radius = limits
+    reach, hole_radius = sizes
+    count = len(rays)
     ok = np.zeros(len(spots), dtype=np.bool_)
-    points, outside, around = np.empty((RAYS, 2)), np.empty(RAYS), np.empty(5)
-    found, edge, soft = np.empty(RAYS, dtype=np.bool_), np.empty(RAYS), np.empty(RAYS)
+    points, outside, around = np.empty((count, 2)), np.empty(count), np.empty(5)
+    found, edge, soft = np.empty(count, dtype=np.bool_), np.empty(count), np.empty(count)
     terms = np.empty(_TERMS)
     for number in range(len(spots)):
         x, y, a, b, c = spots[number]
         radius = sqrt(abs(a * c - b * b))
-        steps = int(min(max(reach * radius / step_px, _FEWEST_STEPS), _MOST_STEPS))
+        steps = int(
+            min(max(reach * radius / limits.ray_step_px, limits.min_ray_samples), limits.max_ray_samples)
+        )
         spacing = reach / steps
-        profile = np.empty((RAYS, steps + 1))
-        for ray in range(RAYS):
-            u, v = _DIRECTIONS[ray]
+        profile = np.empty((count, steps + 1))
+        for ray in range(count):
+            u, v = rays[ray]
             along_x, along_y = (a * u + b * v) * spacing, (b * u + c * v) * spacing
             _cast(grey, (x, y), (along_x, along_y), profile[ray])
-        inner, outer = int(_BODY[0] / spacing) + 1, max(int(_BODY[1] / spacing), int(_BODY[0] / spacing) + 1)
+        inner = int(limits.dot_level_from_radii / spacing) + 1
+        outer = max(int(limits.dot_level_to_radii / spacing), inner)
         inside = np.median(profile[:, inner : outer + 1])
-        beside = min(int((1.0 + _BESIDE * (reach - 1.0)) / spacing) + 1, steps)
-        for ray in range(RAYS):
+        beside = min(int((1.0 + limits.board_level_share * (reach - 1.0)) / spacing) + 1, steps)
+        for ray in range(count):
             outside[ray] = profile[ray, beside:].mean()
-        first = int(_FIRST_EDGE / spacing)
+        first = int(limits.edge_search_radii / spacing)
         board = 0.0
-        for ray in range(RAYS):
+        for ray in range(count):
             level = _middle_of_five(outside, ray - 2, around)
-            board += level / RAYS
+            board += level / count
             # From the darkest place, because in a small ring the blurred hole shines where the search begins.
             darkest = first + int(np.argmin(profile[ray, first : int(1.0 / spacing) + 1]))
             edge[ray] = _rise(profile[ray], darkest, 0.5 * (inside + level), spacing)
             found[ray] = np.isfinite(edge[ray])
-            u, v = _DIRECTIONS[ray]
+            u, v = rays[ray]
             points[ray, 0], points[ray, 1] = edge[ray] * u, edge[ray] * v
             low = _rise(profile[ray], darkest, 0.75 * inside + 0.25 * level, spacing)
             high = _rise(profile[ray], darkest, 0.25 * inside + 0.75 * level, spacing)
@@ -173,23 +197,24 @@ def trace_all(
         # A ring of the body of a ring-shaped dot is as dark as the dot; its middle may not be.
         body = round(0.5 * (hole_radius + 1.0) / spacing)
         dark, middle = profile[:, body].mean(), profile[:, : max(int(0.5 * hole_radius / spacing), 1)].mean()
-        rough = _ellipse(points, found, terms)
+        rough = _ellipse(points, found, limits, terms)
         small = 0.5 * (a + c) - sqrt(0.25 * (a - c) ** 2 + b * b)
-        if not (small > _MIN_MINOR and rough < _ROUGH + _ROUGH_PX / small and board > dark):
+        smooth = rough < limits.max_roughness_share + limits.max_roughness_px / small
+        if not (small > limits.min_outline_axis_px and smooth and board > dark):
             continue
-        ok[number] = _write(table[number], spots[number], terms)
+        ok[number] = _write(table[number], spots[number], terms, limits.max_offset_radii)
         table[number, 5] = (middle - dark) / (board - dark)
         table[number, 6] = np.nanmedian(soft)
     return ok
 
 
 @compiled
-def _write(row: np.ndarray, spot: np.ndarray, terms: np.ndarray) -> bool:
+def _write(row: np.ndarray, spot: np.ndarray, terms: np.ndarray, farthest: float) -> bool:
     """Write an ellipse of flat coordinates as centre and outline matrix in px; False where it lies off."""
     p, q, r, d, e = terms
     determinant = p * r - q * q
     u, v = -0.5 * (r * d - q * e) / determinant, -0.5 * (p * e - q * d) / determinant
-    if u * u + v * v >= _OFF * _OFF:
+    if u * u + v * v >= farthest * farthest:
         return False
     scale = 1.0 + p * u * u + 2.0 * q * u * v + r * v * v
     # The outline matrix is back times the inverse of the flat one times back.

@@ -5,6 +5,7 @@ import numpy as np
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.missed import _consistent
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 
 ROWS = 6
 
@@ -23,4 +24,4 @@ def test_a_dot_behind_the_one_that_was_meant_is_given_up() -> None:
     centre = np.array([*known.values(), *right.values(), *wrong.values()])
     n = len(nodes)
     outlines = Outlines(centre, np.tile(25.0 * np.eye(2), (n, 1, 1)), np.zeros(n), np.ones(n))
-    assert set(_consistent(Lattice(spots), outlines, len(known)).spots) == {*known, *right}
+    assert set(_consistent(Lattice(spots), outlines, len(known), GridSettings()).spots) == {*known, *right}
