@@ -143,9 +143,9 @@ def _further(
     further = []
     for dot in unnamed:
         size = np.linalg.det(dot.outline) ** 0.25
-        away = np.linalg.norm(taken - dot.seen_at, axis=1).min()
-        alike = abs(np.log(size / radius)) < settings.no_id_radius_log
-        if alike and away > settings.no_id_apart_radii * size:
+        if not abs(np.log(size / radius)) < settings.no_id_radius_log:
+            continue
+        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > settings.no_id_apart_radii * size:
             further.append(dot)
     return further
 
