@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement, detections_of
     from labcal.correspond.picture_set import AnyPictures, open_pictures
     from labcal.correspond.undistortion import Undistorted, UndistortSettings
+    from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BenchSettings",
     "ConvertSettings",
+    "DetectSettings",
     "FitSettings",
     "HandheldSettings",
     "RenderSettings",
@@ -61,6 +63,7 @@ __all__ = [
     "calibrate",
     "convert",
     "detect",
+    "detect_settings",
     "detections_of",
     "epipolar_rms",
     "estimators_of",
@@ -80,11 +83,13 @@ __all__ = [
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
+    "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
     "HandheldSettings": "labcal.calibrate.handheld",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "UndistortSettings": "labcal.correspond.undistortion",
+    "detect_settings": "labcal.detect.settings",
     "detections_of": "labcal.correspond.measure",
     "epipolar_rms": "labcal.calibrate.epipolar_residual",
     "estimators_of": "labcal.estimators.fitting",
@@ -146,6 +151,7 @@ def render(
 def measure(
     pictures: "AnyPictures",
     target: str | AnyTarget | None = None,
+    settings: "DetectSettings | None" = None,
     tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
     workers: int = 1,
     progress: Progress | None = None,
@@ -158,6 +164,8 @@ def measure(
         As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
     target : str or AnyTarget, optional
         What the pictures show; a shoot brings its own.
+    settings : DetectSettings, optional
+        Thresholds, sizes and counts of the detector; the defaults where left out.
     tone_curve : str or AnyToneCurve
         The camera's, which is undone first.
     workers : int
@@ -182,12 +190,13 @@ def measure(
     opened = open_pictures(pictures)
     shown = opened.target(target)
     with open_executor(workers) as executor:
-        return measure_pictures(opened.sources, shown, executor, progress or NoProgress(), curve)
+        return measure_pictures(opened.sources, shown, executor, progress or NoProgress(), curve, settings)
 
 
 def detect(
     pictures: "AnyPictures",
     target: str | AnyTarget | None = None,
+    settings: "DetectSettings | None" = None,
     tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
     workers: int = 1,
     progress: Progress | None = None,
@@ -203,12 +212,13 @@ def detect(
     """
     from labcal.correspond.measure import detections_of
 
-    return detections_of(measure(pictures, target, tone_curve, workers, progress))
+    return detections_of(measure(pictures, target, settings, tone_curve, workers, progress))
 
 
 def inspect(
     pictures: "AnyPictures",
     target: str | AnyTarget | None = None,
+    settings: "DetectSettings | None" = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> "Inspection":
@@ -216,7 +226,7 @@ def inspect(
 
     Parameters
     ----------
-    pictures, target, workers, progress
+    pictures, target, settings, workers, progress
         As of :func:`measure`.
 
     Raises
@@ -229,7 +239,7 @@ def inspect(
 
     opened, progress = open_pictures(pictures), progress or NoProgress()
     shown = opened.target(target)
-    measurements = measure(opened, shown, workers=workers, progress=progress)
+    measurements = measure(opened, shown, settings, workers=workers, progress=progress)
     return inspection(opened, measurements, shown, progress)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
-from labcal.cli.options import add_hold_out, add_output, add_workers
+from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -54,13 +54,14 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--overlay", type=Path, metavar="FILE.png", help="with --free-dots: how far dots are off, as arrows"
     )
+    add_detector_settings(parser)
     add_workers(parser)
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import KIND, write_rig
-    from labcal.cli.dots import dots_given, refuse_idle_workers
+    from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
@@ -83,7 +84,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
-    refuse_idle_workers(arguments)
+    refuse_idle_detection(arguments)
     given = open_dots(arguments.source, arguments.detections)
     target = given.target(arguments.target)
     detections = dots_given(given, target, arguments, session)

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from labcal.cli.compiling import say_whether_compiling
-from labcal.cli.options import add_output, add_pictures, add_workers
+from labcal.cli.options import add_detector_settings, add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -30,6 +30,7 @@ def add_parser(commands: CommandGroup) -> None:
         help="undo the camera's tone curve first: srgb, rec709, gamma-2.2, or a CSV file with the columns "
         "value,light rising from 0,0 to 1,1 (default linear; curves of S shape move dots, the others hardly)",
     )
+    add_detector_settings(parser)
     add_workers(parser)
 
 
@@ -38,14 +39,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.detections import KIND, detections_csv
     from labcal.correspond.measure import detections_of
     from labcal.correspond.paths_read import paths_read
-    from labcal.pipeline import measure, open_pictures
+    from labcal.pipeline import detect_settings, measure, open_pictures
     from labcal.report.detect_result import detect_result, detect_table
     from labcal.report.overlays import overlay_command, write_overlays
     from labcal.run.claims import FileOutput, FolderOutput, Output, claim_outputs
     from labcal.run.outputs import write_file
     from labcal.shoot.tone_curve import find_tone_curve
 
-    tone_curve = find_tone_curve(arguments.tone_curve)
+    tone_curve, settings = find_tone_curve(arguments.tone_curve), detect_settings(arguments.changes)
     pictures = open_pictures(arguments.pictures, arguments.cameras)
     target = pictures.target(arguments.target)
     outputs: list[Output] = [FileOutput(arguments.output, KIND)]
@@ -57,7 +58,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(warning)
     say_whether_compiling(session)
     with session.progress() as progress:
-        measurements = measure(pictures, target, tone_curve, arguments.workers, progress)
+        measurements = measure(pictures, target, settings, tone_curve, arguments.workers, progress)
     if arguments.overlay is not None:
         write_overlays(arguments.overlay, measurements, target, force=arguments.force)
     result = detect_result(measurements, target)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from labcal.cli.compiling import say_whether_compiling
 from labcal.cli.options import refuse_option
 from labcal.cli.session import Session
+from labcal.errors import InputError
 
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
@@ -19,22 +20,23 @@ def dots_given(
 ) -> "Detections":
     """Return the dots of a source; pictures without ids are told as warnings."""
     from labcal.correspond.dot_source import dots_found
-    from labcal.pipeline import measure
+    from labcal.pipeline import detect_settings, measure
 
     pictures = source.pictures
     if pictures is None:
         return source.measured()
+    settings = detect_settings(arguments.changes)
     say_whether_compiling(session)
     with session.progress() as progress:
-        measurements = measure(pictures, target, workers=arguments.workers, progress=progress)
+        measurements = measure(pictures, target, settings, workers=arguments.workers, progress=progress)
     detections, refused = dots_found(measurements)
     for words in refused:
         session.warn(words)
     return detections
 
 
-def refuse_idle_workers(arguments: Namespace) -> None:
-    """Raise where ``--workers`` is given and no dots are to be found.
+def refuse_idle_detection(arguments: Namespace) -> None:
+    """Raise where options of the detection are given and no dots are to be found.
 
     Raises
     ------
@@ -43,3 +45,5 @@ def refuse_idle_workers(arguments: Namespace) -> None:
     """
     if Path(arguments.source).is_file() or getattr(arguments, "detections", None) is not None:
         refuse_option(arguments, "workers", "is for finding dots in pictures; a table holds them")
+        if arguments.changes:
+            raise InputError("--set is for finding dots in pictures; a table holds them. Leave it out.")

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.cli.methods import named_methods
-from labcal.cli.options import add_hold_out, add_output, add_seed, add_workers, refuse_option
+from labcal.cli.options import (
+    add_detector_settings,
+    add_hold_out,
+    add_output,
+    add_seed,
+    add_workers,
+    refuse_option,
+)
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -73,12 +80,13 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_hold_out(parser)
     add_seed(parser)
+    add_detector_settings(parser)
     add_workers(parser)
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
-    from labcal.cli.dots import dots_given, refuse_idle_workers
+    from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
@@ -102,7 +110,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.lens])
     claim_outputs([FileOutput(path, KIND) for path in paths], read, force=arguments.force)
-    refuse_idle_workers(arguments)
+    refuse_idle_detection(arguments)
     given = open_dots(arguments.source, arguments.detections)
     target = _target(arguments, given)
     detections = dots_given(given, target, arguments, session)

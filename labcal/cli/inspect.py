@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from labcal.cli.compiling import say_whether_compiling
-from labcal.cli.options import add_output, add_pictures, add_workers
+from labcal.cli.options import add_detector_settings, add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -20,17 +20,19 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_pictures(parser)
     add_output(parser, "sheet.png", "picture to write")
+    add_detector_settings(parser)
     add_workers(parser)
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure, draw the sheet, tell."""
     from labcal.correspond.paths_read import paths_read
-    from labcal.pipeline import inspect, open_pictures
+    from labcal.pipeline import detect_settings, inspect, open_pictures
     from labcal.report.inspection import inspection_table
     from labcal.run.claims import claim_outputs
     from labcal.shoot.pictures import picture_output
 
+    settings = detect_settings(arguments.changes)
     pictures = open_pictures(arguments.pictures, arguments.cameras)
     target = pictures.target(arguments.target)
     read = paths_read([*arguments.pictures, arguments.target], pictures.sources)
@@ -39,7 +41,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(warning)
     say_whether_compiling(session)
     with session.progress() as progress:
-        found = inspect(pictures, target, arguments.workers, progress)
+        found = inspect(pictures, target, settings, arguments.workers, progress)
     found.save(arguments.output, force=arguments.force)
     result = found.document(arguments.output)
     session.emit(result, inspection_table(result, target.count))

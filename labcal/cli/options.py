@@ -30,6 +30,19 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_detector_settings(parser: argparse.ArgumentParser) -> None:
+    """Add ``--set`` (as ``arguments.changes``), which `labcal.detect.settings.detect_settings` reads."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="detect.NAME=value",
+        dest="changes",
+        help="change a setting of the detector: --set detect.edge.max_iterations=20 (names, units and effects: "
+        "docs/reference/settings.md)",
+    )
+
+
 def add_hold_out(parser: argparse.ArgumentParser) -> None:
     """Add ``--hold-out``, which :func:`labcal.correspond.view_roles.parse_hold_out` reads."""
     parser.add_argument(

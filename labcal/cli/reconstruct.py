@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from labcal.cli.methods import own_method
-from labcal.cli.options import add_output, add_workers
+from labcal.cli.options import add_detector_settings, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -31,12 +31,13 @@ def add_parser(commands: CommandGroup) -> None:
         help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
     add_output(parser, "points.csv", "table of points to write")
+    add_detector_settings(parser)
     add_workers(parser)
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
-    from labcal.cli.dots import dots_given, refuse_idle_workers
+    from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.correspond.points import KIND, PointFlag, points_csv
@@ -46,7 +47,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
 
-    refuse_idle_workers(arguments)
+    refuse_idle_detection(arguments)
     read = paths_read([arguments.model, arguments.source, arguments.target])
     claim_outputs([FileOutput(arguments.output, KIND)], read, force=arguments.force)
     model = load_reconstructor(arguments.model, own_method(arguments.method))

@@ -12,6 +12,7 @@ from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
+from labcal.detect.settings import DetectSettings
 from labcal.errors import InputError, InputTypeError, WorkerError
 from labcal.run.executor import finished
 from labcal.run.progress import Progress
@@ -36,7 +37,10 @@ class Measurement:
 
 
 def measure_picture(
-    source: Source, target: AnyTarget, tone_curve: AnyToneCurve = ToneCurve.LINEAR
+    source: Source,
+    target: AnyTarget,
+    tone_curve: AnyToneCurve = ToneCurve.LINEAR,
+    settings: DetectSettings | None = None,
 ) -> Measurement:
     """Read a picture and measure it in the light that made it.
 
@@ -45,7 +49,7 @@ def measure_picture(
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
 
     try:
-        dots = detect_dots(undone(source.read(), tone_curve), target)
+        dots = detect_dots(undone(source.read(), tone_curve), target, settings)
     except (InputError, InputTypeError) as error:
         return Measurement(source, None, str(error))
     except MemoryError:
@@ -80,16 +84,18 @@ def measure_pictures(
     executor: Executor,
     progress: Progress,
     tone_curve: AnyToneCurve = ToneCurve.LINEAR,
+    settings: DetectSettings | None = None,
 ) -> list[Measurement]:
     """Measure pictures, in the order of `sources` whatever the order of work.
 
     A picture that ends each worker process that measures it (it makes a library crash, or takes all memory)
     is a result with a reason, as one that cannot be read: the other pictures are as good as without it.
-    The tone curve is undone first; linear: the values are taken for light as they are.
+    The tone curve is undone first; linear: the values are taken for light as they are. The settings are those
+    of :func:`labcal.detect.detector.detect_dots`, in every process.
     Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.orientation`).
     """
     progress.start("detecting dots", len(sources))
-    cases = [(source, target, tone_curve) for source in sources]
+    cases = [(source, target, tone_curve, settings) for source in sources]
     measured: dict[int, Measurement] = {}
     for number, future in finished(executor, measure_picture, cases):
         try:

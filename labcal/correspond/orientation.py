@@ -103,7 +103,7 @@ def _next_turn(together: list[tuple[_Seen, float]], turn: float) -> float:
 
 def _turns(dots: PictureDots, target: Target) -> np.ndarray:
     """Return the rotation of the board in the picture under every numbering, radians."""
-    from labcal.detect.plain import turn_in_picture  # noqa: PLC0415 -- imports Numba, which tables do not need
+    from labcal.detect.lattice.plain import turn_in_picture  # noqa: PLC0415 -- imports Numba, which tables do not need
 
     return np.array(
         [

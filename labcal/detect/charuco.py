@@ -3,29 +3,28 @@
 import cv2
 import numpy as np
 
-from labcal.detect.corner_fit import is_cut
-from labcal.detect.corners import Corners, measured_corners
+from labcal.detect.corners.corner_fit import is_cut
+from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.dots import PictureDots
+from labcal.detect.edges.noise import noise_factor
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice import Lattice
-from labcal.detect.noise import noise_factor
-from labcal.detect.smoothness import is_smooth
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.smoothness import is_smooth
+from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import Polarity
 
-_SMALLEST_PICTURE = 32  # px
-_SMALLEST_MARKER = 12  # px a side
-_MANY_MARKERS = 6  # without a corner between them: they are not where the board has them
 _SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
 
 
-def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
+def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
     """Find the board's corners in one picture.
 
     A corner is known where OpenCV recognises the markers beside it, or by its place among corners that are.
-    Where it is, the two edges that cross there say (:mod:`labcal.detect.corners`).
+    Where it is, the two edges that cross there say (:mod:`labcal.detect.corners.corners`).
 
     Parameters
     ----------
@@ -33,6 +32,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
         The picture.
     board : CharucoBoard
         What to look for.
+    settings : DetectSettings
 
     Returns
     -------
@@ -42,43 +42,47 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard) -> PictureDots:
         fewer than four corners, or corners of one line only, are measured, and where they lie on no smooth
         surface.
     """
-    found = _recognised(grey, board)
+    found = _recognised(grey, board, settings.corner)
     if isinstance(found, Refusal):
-        return _collect(Corners.none(), grey, found)
-    corners = measured_corners(grey, board, found)
+        return _collect(Corners.none(), grey, found, settings)
+    corners = measured_corners(grey, board, found, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
-        return _collect(corners, grey, Refusal.TOO_FEW_DOTS)
+        return _collect(corners, grey, Refusal.TOO_FEW_DOTS, settings)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
-    smooth = is_smooth(lattice, corners.seen_at)
-    return _collect(corners, grey, None if smooth else Refusal.GRID_INCONSISTENT)
+    smooth = is_smooth(lattice, corners.seen_at, settings.grid)
+    return _collect(corners, grey, None if smooth else Refusal.GRID_INCONSISTENT, settings)
 
 
-def _recognised(grey: GreyPicture, board: CharucoBoard) -> Corners | Refusal:
+def _recognised(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> Corners | Refusal:
     """Return the corners that OpenCV knows by their markers, roughly in place."""
-    low, high = np.percentile(grey, [0.1, 99.9]) if min(grey.shape) >= _SMALLEST_PICTURE else (0.0, 0.0)
+    cut = settings.range_cut_percent
+    large_enough = min(grey.shape) >= settings.min_picture_px
+    low, high = np.percentile(grey, [cut, 100.0 - cut]) if large_enough else (0.0, 0.0)
     if high <= low:
         return Refusal.NO_MARKERS
     bytes_ = np.clip((grey - low) * (255.0 / (high - low)), 0, 255).astype(np.uint8)
     parameters = cv2.aruco.DetectorParameters()
-    parameters.minMarkerPerimeterRate = min(0.03, 4.0 * _SMALLEST_MARKER / max(grey.shape))
+    parameters.minMarkerPerimeterRate = min(0.03, 4.0 * settings.min_marker_px / max(grey.shape))
     detector = cv2.aruco.CharucoDetector(opencv_board(board), detectorParams=parameters)
     corners, ids, _, marker_ids = detector.detectBoard(bytes_)
     markers = 0 if marker_ids is None else len(marker_ids)
     if markers == 0:
         return Refusal.NO_MARKERS
     if ids is None or len(ids) == 0:
-        return Refusal.OTHER_BOARD if markers >= _MANY_MARKERS else Refusal.TOO_FEW_DOTS
+        return Refusal.OTHER_BOARD if markers >= settings.many_markers else Refusal.TOO_FEW_DOTS
     index = board.from_opencv(np.asarray(ids, dtype=np.int64).ravel())
     return Corners(index, np.asarray(corners, dtype=np.float64).reshape(-1, 2), [None] * len(index))
 
 
-def _collect(corners: Corners, grey: GreyPicture, refusal: Refusal | None) -> PictureDots:
+def _collect(
+    corners: Corners, grey: GreyPicture, refusal: Refusal | None, settings: DetectSettings
+) -> PictureDots:
     """Put the corners into arrays, row by row."""
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
     sums = [fit.sums for fit in corners.fits if fit is not None]
-    factor = noise_factor(np.array(sums), _SHADINGS) if sums else 1.0
+    factor = noise_factor(np.array(sums), settings.edge, _SHADINGS) if sums else 1.0
     missing = np.full((2, 2), np.nan)
     covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
     dots = PictureDots(
@@ -93,7 +97,11 @@ def _collect(corners: Corners, grey: GreyPicture, refusal: Refusal | None) -> Pi
         covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
         misfit=np.full(n, np.nan),
         flag=tuple(
-            DotFlag.OK if fit is not None else DotFlag.CUT if is_cut(place, grey) else DotFlag.BAD_FIT
+            DotFlag.OK
+            if fit is not None
+            else DotFlag.CUT
+            if is_cut(place, grey, settings.corner.frame_margin_px)
+            else DotFlag.BAD_FIT
             for fit, place in zip(corners.fits, corners.seen_at, strict=True)
         ),
         seen_at=corners.seen_at,

@@ -13,9 +13,9 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def _digest_of(folder: Path) -> str:
-    """Return a word that changes with any source in a folder."""
+    """Return a word that changes with any source in a folder or in the folders in it."""
     digest = hashlib.sha256()
-    for path in sorted(folder.glob("*.py")):
+    for path in sorted(folder.rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
 

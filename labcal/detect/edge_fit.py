@@ -6,7 +6,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
-from labcal.detect.edge_judge import (
+from labcal.detect.edges.edge_model import STATE
+from labcal.detect.edges.gauss_newton import EdgeLimits, PictureLimits, fit_all
+from labcal.detect.edges.noise import noise_factor
+from labcal.detect.edges.residuals import (
     BURNT,
     CLIPPED,
     COLUMNS,
@@ -18,30 +21,16 @@ from labcal.detect.edge_judge import (
     TIE,
     TIE_COVARIANCE,
     VARIANCE,
+    ResidualLimits,
 )
-from labcal.detect.edge_kernel import LEAST_BLUR, fit_all
-from labcal.detect.edge_model import STATE
 from labcal.detect.grey import GreyPicture, clipping
-from labcal.detect.noise import noise_factor
-from labcal.detect.outlines import Outlines, matrix_root
-from labcal.detect.peers import misfits, paleness
+from labcal.detect.outlines.outlines import Outlines, matrix_root
+from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.geometry.two_by_two import inverses
 
-_FIRST_BLUR, _MOST_BLUR = 0.4, 0.3
-"""A first blur: at least px, at most of the radius."""
-_USUAL_TIE, _USUAL_COUNT = 0.005, 2
-"""How far a dot is from being in the board's light, of its step a radius, and how many measurements that
-counts for; in photographs of a print on office paper it is 0.006."""
 _MEDIAN_SQUARE = 0.4549
 """The median of chi-square's distribution with one degree of freedom."""
-_BURNT_OUT = np.array([0.8, 0.028])
-"""What is bright is clipped, and of a cut off edge no error function is left; a drawn picture may well be as
-white as white can be, but its edges are whole."""
-_STEPPED_VARIANCE = 0.009
-"""px cubed, over the radius: variance of the centre of an outline that runs in steps from pixel to pixel,
-each of which is off by its own share of a pixel. Of discs in black and white with radii of 8 to 22 px."""
-_SCATTERS = 16
-"""Dots that the noise is looked at around; more tell no more."""
+_DEFAULTS = EdgeSettings()
 
 
 @dataclass(frozen=True)
@@ -65,12 +54,14 @@ class EdgeFits:
         Root mean square distance of the outline from the ellipse over twelve sectors, px.
     clipped : ndarray, shape (n,)
         How one-sidedly the picture clips the board beside the edge, or the dot, 0 to 1.
-    burnt_out : bool
-        Whether the picture is so bright that the fits miss the greater part of most edges.
-    misfit : ndarray, shape (n,)
-        Standard deviation of the residuals over what is usual among the dots in such light: about 1.
-    paleness : ndarray, shape (n,)
-        By how much of the step a dark dot is brighter than is usual in such light: about 0.
+    burnt : ndarray, shape (n,)
+        How much more of the brighter side is clipped than of the darker one, -1 to 1.
+    profile : ndarray, shape (n,)
+        By how much of the step the profile across the edge is no error function, root mean square.
+    board, dot : ndarray, shape (n,)
+        Grey values on either side of the edge, above no light.
+    variance : ndarray, shape (n,)
+        Of the residuals, in grey values squared.
     noise_factor : float
         What tied noise made of the covariances.
     """
@@ -82,14 +73,21 @@ class EdgeFits:
     blur: Float64[np.ndarray, " n"]
     departure: Float64[np.ndarray, " n"]
     clipped: Float64[np.ndarray, " n"]
-    burnt_out: bool
-    misfit: Float64[np.ndarray, " n"]
-    paleness: Float64[np.ndarray, " n"]
+    burnt: Float64[np.ndarray, " n"]
+    profile: Float64[np.ndarray, " n"]
+    board: Float64[np.ndarray, " n"]
+    dot: Float64[np.ndarray, " n"]
+    variance: Float64[np.ndarray, " n"]
     noise_factor: float
 
 
 def fit_edges(
-    grey: GreyPicture, spots: Outlines, hole: Float64[np.ndarray, " n"], reach: float, black: float = 0.0
+    grey: GreyPicture,
+    spots: Outlines,
+    hole: Float64[np.ndarray, " n"],
+    reach: float,
+    black: float = 0.0,
+    settings: EdgeSettings = _DEFAULTS,
 ) -> EdgeFits:
     """Fit ``B + (D - B) Phi(-d / blur)`` to the band of pixels around every dot's outline.
 
@@ -109,21 +107,25 @@ def fit_edges(
         How far, in radii, no other dot is met.
     black : float
         Grey value of no light: the largest one of a negative.
+    settings : EdgeSettings
     """
     count = len(spots.centre)
     flatten = inverses(matrix_root(spots.shape))
     table = np.zeros((count, COLUMNS))
     table[:, :2] = spots.centre
     table[:, 2], table[:, 3], table[:, 4] = flatten[:, 0, 0], flatten[:, 0, 1], flatten[:, 1, 1]
-    table[:, 5] = np.clip(spots.blur, _FIRST_BLUR, _MOST_BLUR * spots.radius)
-    every = max(1, -(-count // _SCATTERS))
+    table[:, 5] = np.clip(spots.blur, settings.first_blur_px, settings.max_first_blur_radii * spots.radius)
+    every = max(1, -(-count // settings.noise_dots))
     sums = np.zeros((-(-count // every), LAGS, SUMS))
-    ok = fit_all(grey, table, hole, (reach, *clipping(grey), black), every, sums)
+    picture = PictureLimits(reach, *clipping(grey, settings.clipped_value_share), black, every)
+    limits = settings.numbers(EdgeLimits), settings.numbers(ResidualLimits)
+    ok = fit_all(grey, table, hole, picture, limits, sums)
     table[~ok] = np.nan
-    factor = noise_factor(sums)
+    factor = noise_factor(sums, settings)
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
-    centre, covariance = _in_one_light(table, factor)
-    stepped = np.where(table[:, 5] <= LEAST_BLUR, _STEPPED_VARIANCE / spots.radius, 0.0)
+    centre, covariance = _in_one_light(table, factor, settings)
+    in_steps = table[:, 5] <= settings.min_blur_px  # the outline runs from pixel to pixel
+    stepped = np.where(in_steps, settings.stepped_variance_px3 / spots.radius, 0.0)
     covariance = covariance + stepped[:, None, None] * np.eye(2)
     board, dot = np.abs(table[:, [STATE, STATE + 3]] - black).T
     return EdgeFits(
@@ -134,14 +136,18 @@ def fit_edges(
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
         clipped=table[:, CLIPPED],
-        burnt_out=bool(ok.any() and (np.median(table[ok][:, [BURNT, PROFILE]], axis=0) > _BURNT_OUT).all()),
-        misfit=misfits(np.minimum(board, dot), np.maximum(board, dot), table[:, VARIANCE]),
-        paleness=paleness(board, dot),
+        burnt=table[:, BURNT],
+        profile=table[:, PROFILE],
+        board=board,
+        dot=dot,
+        variance=table[:, VARIANCE],
         noise_factor=factor,
     )
 
 
-def _in_one_light(table: np.ndarray, factor: float) -> tuple[Pixels, PixelCovariances]:
+def _in_one_light(
+    table: np.ndarray, factor: float, settings: EdgeSettings
+) -> tuple[Pixels, PixelCovariances]:
     """Return centres and covariances, given that one light falls on dot and board.
 
     A small dot cannot tell a slope of its grey values from a shift. But its slope is that of the board as
@@ -160,7 +166,8 @@ def _in_one_light(table: np.ndarray, factor: float) -> tuple[Pixels, PixelCovari
     expected = np.median(np.diagonal(noise[known], axis1=1, axis2=2))
     seen = np.median(off[known] ** 2) / _MEDIAN_SQUARE - expected
     count = 2 * int(known.sum())
-    scatter = (count * max(seen, 0.0) + _USUAL_COUNT * _USUAL_TIE**2) / (count + _USUAL_COUNT)
+    usual = settings.shared_light_count * settings.shared_light_share**2
+    scatter = (count * max(seen, 0.0) + usual) / (count + settings.shared_light_count)
     gain = shared @ inverses(noise + scatter * np.eye(2))
     moved = centre - np.einsum("nij,nj->ni", gain, off)
     covariance = covariance - gain @ np.swapaxes(shared, 1, 2)

@@ -9,8 +9,8 @@ from labcal.errors import InputError, InputTypeError
 AnyPicture = Shaped[np.ndarray, "*shape"]
 """(h, w), or (h, w, 3 or 4), of uint8, uint16 or float; other kinds are refused with a message."""
 
-_CLIPPED_SHARE, _ROWS = 0.002, 256
-"""Of the pixels in so many rows, evenly spread."""
+_ROWS = 256
+"""So many rows, evenly spread, tell of all pixels."""
 GreyPicture = Float32[np.ndarray, "h w"]
 """Grey values in the unit of the picture they came from."""
 
@@ -48,16 +48,16 @@ def grey_picture(image: AnyPicture) -> GreyPicture:
     return grey
 
 
-def clipping(grey: GreyPicture) -> tuple[float, float]:
+def clipping(grey: GreyPicture, share: float) -> tuple[float, float]:
     """Return the grey values at and beyond which a picture is clipped, infinite where it is not.
 
-    A picture is clipped where many pixels share its least or its largest value.
+    A picture is clipped where more than a share of its pixels have its least or its largest value.
     """
     if grey.size == 0:
         return -np.inf, np.inf
     low, high, _, _ = cv2.minMaxLoc(grey)
     some = grey[:: 1 + grey.shape[0] // _ROWS]
-    few = _CLIPPED_SHARE * some.size
+    few = share * some.size
     black, burnt = np.count_nonzero(some == low) > few, np.count_nonzero(some == high) > few
     return (low if black else -np.inf), (high if burnt else np.inf)
 

@@ -31,8 +31,8 @@ class TargetKind:
     model : type
         The description: a pydantic model that is a :class:`~labcal.targets.target.PrintableTarget`.
     detector : callable or str
-        Takes a grey picture (float64, shape (h, w)) and the target; returns
-        :class:`~labcal.detect.dots.PictureDots`.
+        Takes a grey picture (float64, shape (h, w)), the target and
+        :class:`~labcal.detect.settings.DetectSettings`; returns :class:`~labcal.detect.dots.PictureDots`.
     outlines : callable or str
         Takes the target; returns all that is printed on it as one ``matplotlib.path.Path``, mm in the
         target's frame.

@@ -5,10 +5,18 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from labcal.detect.corner_fit import CornerFit, Surroundings, _blurred_board, _linearise, _Window, fit_corner
+from labcal.detect.corners.corner_fit import (
+    CornerFit,
+    Surroundings,
+    _blurred_board,
+    _linearise,
+    _Window,
+    fit_corner,
+)
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.catalogue import load_target
 from labcal.targets.charuco import MarkerDictionary, Pattern
 from labcal.targets.charuco_opencv import opencv_board
@@ -196,7 +204,7 @@ def test_a_corner_of_the_wrong_colours_is_none() -> None:
         u = np.stack([(x - 0.3).ravel(), -(y + 0.2).ravel()])
         grey = (100 + 60 * _blurred_board(u / 0.8, 0.0).value).reshape(31, 31).astype(np.float32)
         axes = np.array([[30.0, 0.0], [0.0, -30.0]])
-        return fit_corner(grey, Surroundings(np.array([15.0, 15.0]), axes, white, 0.4, 9.0))
+        return fit_corner(grey, Surroundings(np.array([15.0, 15.0]), axes, white, 0.4, 9.0), CornerSettings())
 
     sound = fitted(1)
     assert sound is not None

@@ -7,8 +7,8 @@ import pytest
 
 from labcal.detect import compiled
 from labcal.detect.compiled import _SOURCES, _digest_of, is_kept
-from labcal.detect.edge_kernel import fit_all
-from labcal.detect.grid_kernel import miss
+from labcal.detect.edges.gauss_newton import fit_all
+from labcal.detect.lattice.neighbourhood import miss
 
 
 def test_the_digest_sees_every_source(tmp_path: Path) -> None:
@@ -17,7 +17,10 @@ def test_the_digest_sees_every_source(tmp_path: Path) -> None:
     before = _digest_of(tmp_path)
     assert _digest_of(tmp_path) == before
     (tmp_path / "callee.py").write_text("3")
-    assert _digest_of(tmp_path) != before
+    assert (after := _digest_of(tmp_path)) != before
+    (tmp_path / "stage").mkdir()
+    (tmp_path / "stage" / "part.py").write_text("4")
+    assert _digest_of(tmp_path) != after
 
 
 def test_machine_code_is_kept_under_the_digest() -> None:

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ndtr
 
 from labcal.detect.edge_fit import EdgeFits, fit_edges
-from labcal.detect.outlines import Outlines
+from labcal.detect.outlines.outlines import Outlines
 
 STEP = 170.0
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.special import ndtr
 
 from labcal.detect.edge_fit import fit_edges
-from labcal.detect.outlines import Outlines
+from labcal.detect.outlines.outlines import Outlines
 from labcal.errors import InputError
 from labcal.shoot.tone_curve import ToneCurve, find_tone_curve, light, tone, undone
 

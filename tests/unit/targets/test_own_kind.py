@@ -14,6 +14,7 @@ from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.settings import DetectSettings
 from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.shoot.manifest import Manifest
 from labcal.targets import registry
@@ -86,7 +87,7 @@ def outlines(board: Chessboard) -> Outline:
     return Outline(board.square_mm * np.concatenate(squares), codes * len(squares))
 
 
-def detect(grey: np.ndarray, board: Chessboard) -> PictureDots:
+def detect(grey: np.ndarray, board: Chessboard, _settings: DetectSettings) -> PictureDots:
     """Return the corners that OpenCV finds, numbered from the lower left."""
     scaled = np.clip(255.0 * grey / max(float(grey.max()), 1e-9), 0, 255).astype(np.uint8)
     found, corners = cv2.findChessboardCornersSB(scaled, (board.cols, board.rows))

@@ -1,0 +1,113 @@
+"""Dots that are in the picture, and whose place in the grid is known, but that cannot be measured."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int64
+
+from labcal.arrays import PixelCovariances, Pixels
+from labcal.detect.flags import DotFlag
+from labcal.detect.lattice.lattice import Node
+from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.outlines.blobs import Blobs
+from labcal.detect.outlines.outlines import inside_frame, mean_radius
+from labcal.detect.stage_settings.quality import QualitySettings
+
+
+@dataclass(frozen=True)
+class LostDot:
+    """A node whose dot is seen but not measured; `outline` as in `PictureDots`, NaN where it is cut."""
+
+    node: Node
+    flag: DotFlag
+    seen_at: np.ndarray
+    outline: np.ndarray
+
+
+def lost_dots(
+    predictor: Predictor,
+    blobs: Blobs,
+    size: tuple[int, int],
+    declared: Callable[[Node], bool],
+    settings: QualitySettings,
+) -> list[LostDot]:
+    """Return the nodes beside the lattice that the frame cuts, that are hidden, or have no clean outline.
+
+    Parameters
+    ----------
+    predictor : Predictor
+        Of the lattice.
+    blobs : Blobs
+        The rough spots of the picture, cut ones among them.
+    size : tuple of int
+        Width and height of the picture, px.
+    declared : callable
+        Tells whether a node belongs to the declared grid: only such ones can be hidden.
+    settings : QualitySettings
+    """
+    span, spots = (-1, 0, 1), predictor.lattice.spots
+    beside = {(a + i, b + j) for a, b in spots for i in span for j in span}
+    expected = predictor.predict(sorted(beside - spots.keys()))
+    if not expected:
+        return []
+    nodes, predictions = list(expected), list(expected.values())
+    position = np.array([prediction.position for prediction in predictions])
+    shape = np.array([prediction.outline for prediction in predictions])
+    neighbours = np.array([prediction.neighbours for prediction in predictions])
+    cut = _cut(position, shape, blobs, size, settings)
+    likely = neighbours >= settings.unclean_neighbours
+    unclean = np.where(likely, _unclean(position, shape, blobs, settings), -1)
+    in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= settings.hidden_neighbours)
+    nothing = np.full((2, 2), np.nan)
+    lost = []
+    for k, node in enumerate(nodes):
+        if cut[k] >= 0:
+            lost.append(LostDot(node, DotFlag.CUT, blobs.centre[cut[k]], nothing))
+        elif unclean[k] >= 0:
+            spot = unclean[k]
+            lost.append(LostDot(node, DotFlag.BAD_FIT, blobs.centre[spot], blobs.shape[spot]))
+        elif in_picture[k] and declared(node):
+            lost.append(LostDot(node, DotFlag.HIDDEN, position[k], nothing))
+    taken = predictor.outlines.centre[list(spots.values())]
+    radius = dict(zip(nodes, mean_radius(shape), strict=True))
+    return [dot for dot in lost if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
+
+
+def _cut(
+    position: Pixels,
+    shape: PixelCovariances,
+    blobs: Blobs,
+    size: tuple[int, int],
+    settings: QualitySettings,
+) -> Int64[np.ndarray, " n"]:
+    """Return the spots in what remains of outlines that the frame cuts; -1 where there is none."""
+    spots = np.flatnonzero(blobs.cut)
+    found = np.full(len(position), -1)
+    extent = np.sqrt(np.diagonal(shape, axis1=1, axis2=2))
+    low, high = np.maximum(position - extent, 0), np.minimum(position + extent, np.array(size) - 1.0)
+    crossed = ~inside_frame(position, shape, size, 0.5 - settings.cut_margin_px) & (high >= low).all(axis=1)
+    if len(spots) == 0 or not crossed.any():
+        return found
+    half = np.sqrt(np.diagonal(blobs.shape[spots], axis1=1, axis2=2))
+    corners = np.concatenate([blobs.centre[spots] - half, blobs.centre[spots] + half], axis=1)
+    wanted = np.concatenate([low, high], axis=1)[crossed]
+    miss = np.abs(corners - wanted[:, None]).max(axis=2) / extent[crossed].max(axis=1)[:, None]
+    best = miss.argmin(axis=1)
+    found[crossed] = np.where(miss.min(axis=1) <= settings.cut_miss_radii, spots[best], -1)
+    return found
+
+
+def _unclean(
+    position: Pixels, shape: PixelCovariances, blobs: Blobs, settings: QualitySettings
+) -> Int64[np.ndarray, " n"]:
+    """Return the whole spots of about the right size at places of dots; -1 where there is none."""
+    spots = np.flatnonzero(~blobs.cut)
+    if len(spots) == 0:
+        return np.full(len(position), -1)
+    radius = mean_radius(shape)[:, None]
+    distance = np.linalg.norm(blobs.centre[spots] - position[:, None], axis=2) / radius
+    odds = np.abs(np.log(mean_radius(blobs.shape[spots]) / radius))
+    distance[odds > settings.unclean_radius_log] = np.inf
+    near = distance.min(axis=1) <= settings.unclean_miss_radii
+    return np.where(near, spots[distance.argmin(axis=1)], -1)

@@ -1,0 +1,1 @@
+"""Parts of the detection of ChArUco boards: corners, and the fit of one."""

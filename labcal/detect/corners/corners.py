@@ -1,0 +1,166 @@
+"""All corners of a chessboard that can be measured, from those that are known roughly."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+
+from labcal.arrays import Pixels
+from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
+from labcal.detect.grey import GreyPicture
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.prediction import Prediction, Predictor
+from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.corner import CornerSettings
+from labcal.geometry.projective_map import projective_map
+from labcal.targets.charuco import CharucoBoard
+
+_FEWEST = 4  # corners, not on a line: what a homography takes
+
+
+@dataclass(frozen=True)
+class Corners:
+    """Corners of a board in a picture.
+
+    Attributes
+    ----------
+    index : ndarray of int, shape (n, 2)
+        (col, row).
+    seen_at : ndarray, shape (n, 2)
+        Where they are, px: as fitted, or roughly.
+    fits : list of CornerFit or None, length n
+        None where a corner is not measured.
+    """
+
+    index: Int[np.ndarray, "n 2"]
+    seen_at: Pixels
+    fits: list[CornerFit | None]
+
+    @classmethod
+    def none(cls) -> "Corners":
+        """Return no corners."""
+        return cls(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2)), [])
+
+    def select(self, which: Int[np.ndarray, " m"]) -> "Corners":
+        """Return some of the corners, by number."""
+        return Corners(self.index[which], self.seen_at[which], [self.fits[k] for k in which])
+
+    def spans_a_plane(self) -> bool:
+        """Tell whether there are corners enough for a homography, and not all on one line."""
+        if len(self.index) < _FEWEST:
+            return False
+        return int(np.linalg.matrix_rank(self.index - self.index[0])) > 1
+
+
+@dataclass(frozen=True)
+class _Standard:
+    """What a fit is held against: the usual roughness and step of a picture's corners."""
+
+    roughness: float
+    step: float
+
+    @classmethod
+    def of(cls, fits: list[CornerFit | None]) -> "_Standard":
+        """Return the medians."""
+        sound = [fit for fit in fits if fit is not None]
+        return cls(
+            float(np.median([fit.roughness for fit in sound] or [0.0])),
+            float(np.median([fit.step for fit in sound] or [0.0])),
+        )
+
+    def met_by(self, fit: CornerFit | None, settings: CornerSettings) -> CornerFit | None:
+        """Return the fit if it is about as good as the others."""
+        if fit is None or fit.step < settings.min_step_share * self.step:
+            return None
+        roughest = settings.roughness_factor * self.roughness + settings.roughness_share
+        return fit if fit.roughness < roughest else None
+
+
+def measured_corners(
+    grey: GreyPicture, board: CharucoBoard, rough: Corners, settings: DetectSettings
+) -> Corners:
+    """Fit the corners that are known roughly, and those of the board beside them that can be found.
+
+    A corner whose markers were not recognised is looked for where its neighbours say that it is; there it
+    must be one, of the right colours, within a tenth of a square.
+    """
+    if not rough.spans_a_plane():
+        return rough
+    search = _Search(grey, board, settings.corner)
+    fits = [
+        fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
+        for (i, j), place, axes in zip(rough.index, rough.seen_at, _axes(rough), strict=True)
+    ]
+    standard = _Standard.of(fits)
+    fits = [standard.met_by(fit, settings.corner) for fit in fits]
+    index = [(int(i), int(j)) for i, j in rough.index]
+    seen_at = [place if fit is None else fit.centre for place, fit in zip(rough.seen_at, fits, strict=True)]
+    known = {node: k for k, node in enumerate(index) if fits[k] is not None}
+    tried = dict.fromkeys(index, 9**9)
+    found = True
+    while found:
+        found = False
+        predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)
+        expected = predictor.predict(_beside(known, board))
+        for node, prediction in expected.items():
+            if tried.get(node, 0) >= prediction.neighbours:
+                continue
+            tried[node] = prediction.neighbours
+            fit = standard.met_by(search.fit_at(node, prediction), settings.corner)
+            if fit is not None:
+                known[node] = len(index)
+                index.append(node)
+                fits.append(fit)
+                seen_at.append(fit.centre)
+                found = True
+    return Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits)
+
+
+def _as_outlines(places: list[np.ndarray]) -> Outlines:
+    """Return corners as the spots that a grid is made of."""
+    count = len(places)
+    shape = np.tile(np.eye(2), (count, 1, 1))
+    return Outlines(np.array(places), shape, np.zeros(count), np.zeros(count))
+
+
+def _beside(known: dict[Node, int], board: CharucoBoard) -> list[Node]:
+    """Return the board's nodes that are not known, but next to known ones."""
+    near = {(a + i, b + j) for a, b in known for i in (-1, 0, 1) for j in (-1, 0, 1)} - known.keys()
+    return sorted(node for node in near if 0 <= node[0] < board.cols and 0 <= node[1] < board.rows)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The picture of a board in which corners are looked for."""
+
+    grey: GreyPicture
+    board: CharucoBoard
+    settings: CornerSettings
+
+    def fit_at(self, node: Node, prediction: Prediction) -> CornerFit | None:
+        """Return the fit of a corner where its neighbours say that it is, if it is one."""
+        around = self.surroundings(node, prediction.position, prediction.steps)
+        fit = fit_corner(self.grey, around, self.settings)
+        return None if fit is None or prediction.miss(fit.centre) > self.settings.max_miss_squares else fit
+
+    def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
+        """Return what lies around a corner of the board."""
+        board, upper_right = self.board, (np.array([node[0] + 1]), np.array([node[1] + 1]))
+        reach = float(np.sqrt(self.settings.reach_bend_px * max(self.grey.shape)))
+        return Surroundings(
+            centre=place,
+            axes=axes,
+            white=-1 if board.is_black(*upper_right)[0] else 1,
+            gap=0.5 * (1.0 - board.marker_mm / board.square_mm),
+            reach=max(self.settings.min_reach_px, reach),
+        )
+
+
+def _axes(corners: Corners) -> np.ndarray:
+    """Return one square along x and y at every corner, px, from the homography of all; (n, 2, 2)."""
+    H = projective_map("corners", corners.index.astype(np.float64), corners.seen_at)
+    xyw = np.concatenate([corners.index, np.ones((len(corners.index), 1))], axis=1) @ H.T
+    q, w = xyw[:, :2] / xyw[:, 2:], xyw[:, 2]
+    axes: np.ndarray = (H[None, :2, :2] - q[:, :, None] * H[None, 2:, :2]) / w[:, None, None]
+    return axes

@@ -1,0 +1,1 @@
+"""Stage 3, parts: the model of a dot's edge, its least squares, and what the residuals tell."""

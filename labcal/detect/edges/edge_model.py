@@ -1,0 +1,240 @@
+"""What a dot's pixels show: a blurred step along an ellipse, and its normal equations.
+
+A state is the centre (x, y), the entries xx, xy and yy of the symmetric matrix F that maps the outline to the
+unit circle, the blur, and an egg's two numbers c and s: the flattened radius is ``1 + c cos 3a + s sin 3a``
+at the angle a, which a bent picture makes of an ellipse and which leaves the centre of area where it is. The
+parameters are, in this order, centre 2, ellipse 3 (the matrix E of the outline ``|(1 + E) F (q - c)| = 1``),
+blur 1, egg 2, shading of the board 3 and of the dot 3 (level, slopes along the flattened x and y).
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from labcal.detect.compiled import compiled
+
+PARAMETERS, STATE, SHADING = 14, 8, 6
+CHUNK = 192
+"""Pixels that are linearised together, so few that they stay in the nearest cache."""
+ROWS, RESIDUAL, BLURS_AWAY, ALONG, PLANES = 3, 17, 18, 19, 20
+"""Planes of a chunk: x, y, value, derivatives, residual, blurs from the edge, change with the distance."""
+MOMENTS = 13
+"""Of the flat pixels on one side: 1, x, y, xx, xy, yy, g, gx, gy, gg, about a place and a level, which come
+next."""
+FAR = 6.0
+"""Blurs from the edge: so far it is all over."""
+PRIORS = 4
+"""Rows of what a small dot cannot tell: the shading across a dot, and an egg's two numbers."""
+TINY = 1e-30
+
+
+@compiled
+def normal_equations(
+    state: np.ndarray,
+    shading: np.ndarray,
+    edge: np.ndarray,
+    moments: np.ndarray,
+    expected: tuple[float, float],
+    work: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> None:
+    """Sum the normal equations, with the priors, over the pixels of the edge and the moments of the others.
+
+    Expected are the standard deviations of the shading across a dot, of its step, a radius, and of an egg's
+    numbers, a px of radius. The workspace is a chunk, the priors' rows, which are written, and the system
+    with the right side below.
+    """
+    chunk, priors, system = work
+    system[:] = 0.0
+    total = edge.shape[1]
+    pixels = total + moments[0, 0] + moments[1, 0]
+    squares = _add_flat(state, shading, moments, system)
+    planes = chunk.reshape(PLANES, CHUNK)
+    for first in range(0, total, CHUNK):
+        count = min(CHUNK, total - first)
+        planes[:ROWS, :count] = edge[:, first : first + count]
+        linearise(state, shading, chunk, count)
+        _add_products(planes, count, system)
+        for k in range(count):
+            squares += planes[RESIDUAL, k] * planes[RESIDUAL, k]
+    variance = max(squares, 0.0) / (pixels - PARAMETERS)  # nothing is left of a picture without noise
+    _write_priors(state, shading, sqrt(variance), expected, priors)
+    for number in range(PRIORS):
+        row = priors[number]
+        for i in range(PARAMETERS + 1):
+            for j in range(min(i + 1, PARAMETERS)):
+                system[i, j] += row[i] * row[j]
+
+
+@compiled
+def flattened(state: np.ndarray, x: float, y: float) -> tuple[float, float]:
+    """Return where a pixel lies when the outline is the unit circle."""
+    dx, dy = x - state[0], y - state[1]
+    return state[2] * dx + state[3] * dy, state[3] * dx + state[4] * dy
+
+
+@compiled
+def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: int) -> None:
+    """Write derivatives, residuals, distances and changes of a chunk's pixels into its planes.
+
+    A pixel shows ``B + (D - B) Phi(-distance / blur)``. `chunk` is flat: planes at constant places let the
+    compiler take four pixels at a time. Phi is good to seven digits (Abramowitz and Stegun 26.2.17).
+    """
+    cx, cy, a, b, c, sharp = state[0], state[1], state[2], state[3], state[4], 1.0 / state[5]
+    egg_c, egg_s = state[6], state[7]
+    b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
+    for k in range(count):
+        dx, dy = chunk[k] - cx, chunk[CHUNK + k] - cy
+        u, v = a * dx + b * dy, b * dx + c * dy
+        gx, gy = a * u + b * v, b * u + c * v
+        share = 1.0 / sqrt(gx * gx + gy * gy + 1e-18)
+        rho2 = u * u + v * v
+        rho = sqrt(rho2)
+        over = 1.0 / (rho2 * rho + 1e-18)
+        cosine, sine = u * (u * u - 3.0 * v * v) * over, v * (3.0 * u * u - v * v) * over  # of 3 a
+        t = (rho - 1.0 - egg_c * cosine - egg_s * sine) * rho * share * sharp
+        t = min(max(t, -FAR), FAR)
+        # exp(-t^2 / 2), as the sixteenth power of a series that ends early.
+        x = 0.03125 * t * t
+        e = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0 * (1.0 - x / 8.0))))
+        e = 1.0 - x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * e))
+        e = e * e
+        e = e * e
+        e = e * e
+        bell = 0.3989422804014327 * e * e
+        q = 1.0 / (1.0 + 0.2316419 * abs(t))
+        tail = 1.781477937 + q * (-1.821255978 + q * 1.330274429)
+        tail = bell * q * (0.319381530 + q * (-0.356563782 + q * tail))
+        inside = tail if t > 0.0 else 1.0 - tail
+        outside = 1.0 - inside
+        board, dot = b0 + b1 * u + b2 * v, d0 + d1 * u + d2 * v
+        along = (board - dot) * bell * sharp
+        # rho of the outline (1 + E) F grows by flat' E flat / rho; a distance is rho over its slope.
+        pull = along * share
+        chunk[3 * CHUNK + k], chunk[4 * CHUNK + k] = -pull * gx, -pull * gy
+        chunk[5 * CHUNK + k], chunk[6 * CHUNK + k] = pull * u * u, 2.0 * pull * u * v
+        chunk[7 * CHUNK + k], chunk[8 * CHUNK + k] = pull * v * v, -along * t
+        egg = -pull * rho
+        chunk[9 * CHUNK + k], chunk[10 * CHUNK + k] = egg * cosine, egg * sine
+        chunk[11 * CHUNK + k], chunk[12 * CHUNK + k] = outside, outside * u
+        chunk[13 * CHUNK + k], chunk[14 * CHUNK + k] = outside * v, inside
+        chunk[15 * CHUNK + k], chunk[16 * CHUNK + k] = inside * u, inside * v
+        chunk[17 * CHUNK + k] = chunk[2 * CHUNK + k] - outside * board - inside * dot
+        chunk[18 * CHUNK + k], chunk[19 * CHUNK + k] = t, along
+
+
+@compiled
+def _add_products(planes: np.ndarray, count: int, system: np.ndarray) -> None:
+    """Add the scalar products of a chunk's derivatives, and with the residuals, to `system`, some too many.
+
+    Eight at a time, so that loads are shared and no sum waits for the last.
+    """
+    for i in range(0, PARAMETERS + 1, 2):
+        left, below = planes[ROWS + i], planes[ROWS + i + 1]
+        for j in range(0, min(i + 2, PARAMETERS), 4):
+            first = ROWS + j
+            p, q, r, s = planes[first], planes[first + 1], planes[first + 2], planes[first + 3]
+            left_p, left_q, left_r, left_s = 0.0, 0.0, 0.0, 0.0
+            below_p, below_q, below_r, below_s = 0.0, 0.0, 0.0, 0.0
+            for k in range(count):
+                value, other = left[k], below[k]
+                left_p += value * p[k]
+                left_q += value * q[k]
+                left_r += value * r[k]
+                left_s += value * s[k]
+                below_p += other * p[k]
+                below_q += other * q[k]
+                below_r += other * r[k]
+                below_s += other * s[k]
+            system[i, j] += left_p
+            system[i, j + 1] += left_q
+            system[i, j + 2] += left_r
+            system[i, j + 3] += left_s
+            system[i + 1, j] += below_p
+            system[i + 1, j + 1] += below_q
+            system[i + 1, j + 2] += below_r
+            system[i + 1, j + 3] += below_s
+
+
+@compiled
+def _write_priors(
+    state: np.ndarray,
+    shading: np.ndarray,
+    noise: float,
+    expected: tuple[float, float],
+    priors: np.ndarray,
+) -> None:
+    """Write what is known beforehand as rows of derivatives and residual, weighed like pixels."""
+    priors[:] = 0.0
+    step = max(abs(shading[3] - shading[0]), TINY)
+    for axis in range(2):
+        weight = noise / (expected[0] * step)
+        priors[axis, STATE + 4 + axis] = weight
+        priors[axis, PARAMETERS] = -weight * shading[4 + axis]
+        # An egg grows with the radius as the picture bends under the dot.
+        weight = noise * sqrt(state[2] * state[4] - state[3] * state[3]) / expected[1]
+        priors[2 + axis, 6 + axis] = weight
+        priors[2 + axis, PARAMETERS] = -weight * state[6 + axis]
+
+
+@compiled
+def flat_moments(start: np.ndarray, shading: np.ndarray, flat: np.ndarray, moments: np.ndarray) -> None:
+    """Sum up the flat pixels of the board and of the dot, about the start's centre and levels.
+
+    A flat pixel is linear in the shading, and what it adds to the normal equations follows from its side's
+    moments: they are summed up once, however often the fit steps.
+    """
+    moments[:] = 0.0
+    for k in range(flat.shape[1]):
+        x, y = flat[0, k] - start[0], flat[1, k] - start[1]
+        u, v = flattened(start, flat[0, k], flat[1, k])
+        side = int(u * u + v * v < 1.0)
+        row, g = moments[side], flat[2, k] - shading[3 * side]
+        row[0] += 1.0
+        row[1] += x
+        row[2] += y
+        row[3] += x * x
+        row[4] += x * y
+        row[5] += y * y
+        row[6] += g
+        row[7] += g * x
+        row[8] += g * y
+        row[9] += g * g
+    for side in range(2):
+        moments[side, 10:] = start[0], start[1], shading[3 * side]
+
+
+@compiled
+def _add_flat(state: np.ndarray, shading: np.ndarray, moments: np.ndarray, system: np.ndarray) -> float:
+    """Add what the flat pixels add to the normal equations; return the sum of their squared residuals."""
+    squares = 0.0
+    a, b, c = state[2], state[3], state[4]
+    for side in range(2):
+        n, x, y, xx, xy, yy, g, gx, gy, gg, x0, y0, g0 = moments[side]
+        # About the centre, then flattened.
+        ex, ey = state[0] - x0, state[1] - y0
+        xx, xy, yy = (
+            xx - ex * (2.0 * x - n * ex),
+            xy - ex * y - ey * (x - n * ex),
+            yy - ey * (2.0 * y - n * ey),
+        )
+        gx, gy, x, y = gx - ex * g, gy - ey * g, x - n * ex, y - n * ey
+        u, v, gu, gv = a * x + b * y, b * x + c * y, a * gx + b * gy, b * gx + c * gy
+        uu, vv = a * a * xx + 2.0 * a * b * xy + b * b * yy, b * b * xx + 2.0 * b * c * xy + c * c * yy
+        uv = a * b * xx + (a * c + b * b) * xy + b * c * yy
+        first = 3 * side
+        level, slope_u, slope_v = shading[first] - g0, shading[first + 1], shading[first + 2]
+        r = g - level * n - slope_u * u - slope_v * v
+        ru = gu - level * u - slope_u * uu - slope_v * uv
+        rv = gv - level * v - slope_u * uv - slope_v * vv
+        squares += gg - level * (g + r) - slope_u * (gu + ru) - slope_v * (gv + rv)
+        i = STATE + first
+        system[i, i] += n
+        system[i + 1, i] += u
+        system[i + 1, i + 1] += uu
+        system[i + 2, i] += v
+        system[i + 2, i + 1] += uv
+        system[i + 2, i + 2] += vv
+        system[PARAMETERS, i] += r
+        system[PARAMETERS, i + 1] += ru
+        system[PARAMETERS, i + 2] += rv
+    return squares

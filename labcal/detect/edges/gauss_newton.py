@@ -1,0 +1,366 @@
+"""Gauss-Newton on dots, one after the other, in compiled code."""
+
+from math import ceil, floor, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from labcal.detect.cholesky import factorise, solve
+from labcal.detect.compiled import compiled
+from labcal.detect.edges.edge_model import (
+    ALONG,
+    CHUNK,
+    FAR,
+    MOMENTS,
+    PARAMETERS,
+    PLANES,
+    PRIORS,
+    RESIDUAL,
+    ROWS,
+    SHADING,
+    STATE,
+    flat_moments,
+    flattened,
+    linearise,
+    normal_equations,
+)
+from labcal.detect.edges.residuals import (
+    BURNT,
+    CLIPPED,
+    COVARIANCE,
+    VARIANCE,
+    ResidualLimits,
+    add_scatter,
+    clipped_sides,
+    judge,
+    tie,
+)
+
+_TOLD = 3
+"""Where a settled fit leaves how many parameters the pixels have told, in the row below the system."""
+_SOME = 4
+"""The first levels come from one of so many pixels."""
+_SINGULAR = 1e-12
+
+
+class EdgeLimits(NamedTuple):
+    """The settings of the edge fit that compiled code takes."""
+
+    max_iterations: int
+    settled_shift_px: float
+    settled_blur_share: float
+    max_step_radii: float
+    max_blur_factor: float
+    max_move_radii: float
+    min_blur_px: float
+    edge_blurs: float
+    edge_px: float
+    band_blurs: float
+    band_px: float
+    band_radii: float
+    max_bands: int
+    reband_factor: float
+    hole_blurs: float
+    clutter_sigma: float
+    clutter_share: float
+    clutter_px: float
+    prior_shading_share: float
+    prior_egg_per_px: float
+    near_flat_blurs: float
+
+
+class PictureLimits(NamedTuple):
+    """What holds for a picture: see :func:`fit_all`."""
+
+    reach_radii: float
+    clipped_black: float
+    clipped_white: float
+    black: float
+    noise_every: int
+
+
+@compiled
+def fit_all(
+    grey: np.ndarray,
+    table: np.ndarray,
+    hole: np.ndarray,
+    picture: PictureLimits,
+    limits: tuple[EdgeLimits, ResidualLimits],
+    sums: np.ndarray,
+) -> np.ndarray:
+    """Fit dot after dot, from the states in `table` and into its rows; return which settled.
+
+    Of the picture are told the reach (radii), the grey values at which it is clipped, that of no light, and
+    that every so-manieth dot tells of the noise: this goes into `sums`.
+    """
+    edge, residual = limits
+    ok = np.zeros(len(table), dtype=np.bool_)
+    system = np.empty((PARAMETERS + 2, PARAMETERS + 2))
+    work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
+    for number in range(len(table)):
+        row, start = table[number], table[number].copy()
+        radius = 1.0 / sqrt(start[2] * start[4] - start[3] * start[3])
+        band, found = _fit_one(grey, row, (hole[number], picture.reach_radii), edge, work)
+        pixels = band[0]
+        moved = sqrt((row[0] - start[0]) ** 2 + (row[1] - start[1]) ** 2)
+        if pixels.shape[1] == 0 or moved > edge.max_move_radii * radius:
+            continue
+        row[CLIPPED], clipped = clipped_sides(
+            row, pixels, found, (picture.clipped_black, picture.clipped_white), residual
+        )
+        is_dot = int(abs(row[STATE + 3] - picture.black) > abs(row[STATE] - picture.black))
+        row[BURNT] = clipped[is_dot] - clipped[1 - is_dot]
+        if not judge(row, band, found, (system[PARAMETERS, _TOLD], clipped), residual):
+            continue
+        tie(row, picture.black, system)
+        for i in range(3):
+            row[COVARIANCE + i] = row[VARIANCE] * system[PARAMETERS, i]
+        ok[number] = True
+        if number % picture.noise_every == 0:
+            add_scatter(pixels, found, residual.flat_blurs, sums[number // picture.noise_every])
+    return ok
+
+
+@compiled
+def _fit_one(
+    grey: np.ndarray,
+    row: np.ndarray,
+    sizes: tuple[float, float],
+    limits: EdgeLimits,
+    work: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> tuple[tuple[np.ndarray, int], np.ndarray]:
+    """Fit one dot, in place; return its band and what :func:`_residuals` tells, empty where it ran away."""
+    state, shading = row[:STATE], row[STATE : STATE + SHADING]
+    nothing = (np.empty((3, 0)), 0), np.empty((5, 0))
+    band = nothing[0]
+    for attempt in range(limits.max_bands):  # the band follows the blur once that is known
+        made_for = state[5]
+        band = _band(grey, state, sizes, limits)
+        if attempt == 0:
+            _first_shading(state, band[0], shading)
+        if not _settle(state, shading, band, limits, work):
+            return nothing
+        if max(made_for / state[5], state[5] / made_for) < limits.reband_factor:
+            break
+    found = _residuals(state, shading, band, work[0])
+    clean = _without_clutter(band, found, abs(shading[0] - shading[3]), limits)
+    if clean[0].shape[1] < band[0].shape[1]:
+        if not _settle(state, shading, clean, limits, work):
+            return nothing
+        return clean, _residuals(state, shading, clean, work[0])
+    return band, found
+
+
+@compiled
+def _band(
+    grey: np.ndarray, state: np.ndarray, sizes: tuple[float, float], limits: EdgeLimits
+) -> tuple[np.ndarray, int]:
+    """Return x, y and value, shape (3, n), of the pixels around the outline, away from hole and other dots.
+
+    The edge's pixels come first; how many these are is returned as well.
+    """
+    hole, reach = sizes
+    a, b, c = state[2], state[3], state[4]
+    xx, yy, xy = a * a + b * b, b * b + c * c, b * (a + c)
+    determinant = xx * yy - xy * xy
+    extent_x, extent_y = sqrt(yy / determinant), sqrt(xx / determinant)
+    radius = determinant**-0.25
+    width = limits.edge_blurs * state[5] + limits.edge_px
+    # The distance changes with rho by no less than one over the largest slope, which bounds rho cheaply.
+    wide = width * (0.5 * (a + c) + sqrt(0.25 * (a - c) ** 2 + b * b))
+    flat = limits.band_blurs * state[5] / radius + max(limits.band_px / radius, limits.band_radii)
+    nearest, farthest = max(1.0 - max(wide, flat), 0.0), min(1.0 + max(wide, flat), reach)
+    if hole > 0.0:
+        beside = hole + limits.hole_blurs * state[5] / min(extent_x, extent_y)
+        nearest = max(nearest, min(beside, 0.5 * (1.0 + hole)))
+    half_x, half_y = extent_x * farthest + 1.0, extent_y * farthest + 1.0
+    height, columns = grey.shape
+    left, right = max(floor(state[0] - half_x), 0), min(ceil(state[0] + half_x), columns - 1)
+    top, bottom = max(floor(state[1] - half_y), 0), min(ceil(state[1] + half_y), height - 1)
+    least, most = nearest**2, farthest**2
+    edge_least, edge_most = max(1.0 - wide, 0.0) ** 2, (1.0 + wide) ** 2
+    flat_least, flat_most = max(1.0 - flat, 0.0) ** 2, (1.0 + flat) ** 2
+    box = max(bottom - top + 1, 0) * max(right - left + 1, 0)
+    pixels = np.empty((3, box))
+    count, after = 0, box
+    for y in range(top, bottom + 1):
+        dy = y - state[1]
+        for x in range(left, right + 1):
+            dx = x - state[0]
+            u, v = a * dx + b * dy, b * dx + c * dy
+            rho2 = u * u + v * v
+            if rho2 < least or rho2 > most:
+                continue
+            if edge_least < rho2 < edge_most:
+                gx, gy = a * u + b * v, b * u + c * v
+                # |distance| < width, without the roots of first order's (rho - 1) rho / |g|.
+                if (sqrt(rho2) - 1.0) ** 2 * rho2 < width * width * (gx * gx + gy * gy):
+                    pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
+                    count += 1
+                    continue
+            if flat_least <= rho2 <= flat_most:
+                after -= 1
+                pixels[0, after], pixels[1, after], pixels[2, after] = x, y, grey[y, x]
+    band = np.empty((3, count + box - after))
+    band[:, :count], band[:, count:] = pixels[:, :count], pixels[:, after:]
+    return band, count
+
+
+@compiled
+def _first_shading(state: np.ndarray, pixels: np.ndarray, shading: np.ndarray) -> None:
+    """Write even levels of board and dot, the means on either side of the outline."""
+    shading[:] = 0.0
+    outside, inside = 0, 0
+    for k in range(0, pixels.shape[1], _SOME):
+        u, v = flattened(state, pixels[0, k], pixels[1, k])
+        if u * u + v * v > 1.0:
+            shading[0] += pixels[2, k]
+            outside += 1
+        else:
+            shading[3] += pixels[2, k]
+            inside += 1
+    shading[0] /= max(outside, 1)
+    shading[3] /= max(inside, 1)
+
+
+@compiled
+def _settle(
+    state: np.ndarray,
+    shading: np.ndarray,
+    band: tuple[np.ndarray, int],
+    limits: EdgeLimits,
+    work: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> bool:
+    """Iterate to the least squares, in place; False where it runs away.
+
+    The row below the system is left with what :func:`_write_certainty` tells.
+    """
+    expected = limits.prior_shading_share, limits.prior_egg_per_px
+    longest, blur_factor, least_blur = limits.max_step_radii, limits.max_blur_factor, limits.min_blur_px
+    step, moments, system = np.empty(PARAMETERS), np.empty((2, MOMENTS)), work[2]
+    pixels, count = band
+    if pixels.shape[1] < 3 * PARAMETERS:
+        return False
+    edge = pixels[:, :count:2]  # half of it is enough for the first step
+    flat_moments(state, shading, pixels[:, count:], moments)
+    for number in range(limits.max_iterations):
+        normal_equations(state, shading, edge, moments, expected, work)
+        if not factorise(system, PARAMETERS, _SINGULAR):
+            return False
+        step[:] = system[PARAMETERS, :PARAMETERS]
+        solve(system, step)
+        a, b, c = state[2], state[3], state[4]
+        radius = 1.0 / sqrt(a * c - b * b)
+        # A step that leaves the region where the linearisation means anything is shortened.
+        stretch = max(abs(step[2]), abs(step[3]), abs(step[4]))
+        shift = sqrt(step[0] ** 2 + step[1] ** 2)
+        short = 1.0 / max(shift / (longest * radius), stretch / longest, 1.0)
+        if not short > 0.0:
+            return False
+        edge = pixels[:, :count]
+        _reshape(state, step[2] * short, step[3] * short, step[4] * short)
+        state[0] += step[0] * short
+        state[1] += step[1] * short
+        blur = max(state[5] + step[5], state[5] / blur_factor)
+        state[5] = max(min(blur, blur_factor * state[5]), least_blur)
+        state[6] += step[6]
+        state[7] += step[7]
+        for i in range(SHADING):
+            shading[i] += step[STATE + i]
+        if state[5] > radius:
+            return False
+        if (
+            number > 0
+            and shift < limits.settled_shift_px
+            and stretch * radius < 2.0 * limits.settled_shift_px
+            and (
+                abs(step[5]) < limits.settled_blur_share * state[5]
+                or (step[5] < 0.0 and state[5] == least_blur)
+            )
+        ):
+            _write_certainty(step, work[1], system)
+            return True
+    return False
+
+
+@compiled
+def _write_certainty(step: np.ndarray, priors: np.ndarray, system: np.ndarray) -> None:
+    """Write, below a factorised system, what is sure of its solution; `step` is overwritten.
+
+    xx, xy and yy of the centre's covariance at unit noise, and how many parameters the pixels have told: the
+    priors tell the others.
+    """
+    for i in range(2):
+        step[:] = 0.0
+        step[i] = 1.0
+        solve(system, step)
+        system[PARAMETERS, 2 * i], system[PARAMETERS, 1] = step[i], step[1 - i]
+    told = float(PARAMETERS)
+    for i in range(PRIORS):
+        step[:] = priors[i, :PARAMETERS]
+        solve(system, step)
+        for j in range(PARAMETERS):
+            told -= priors[i, j] * step[j]
+    system[PARAMETERS, _TOLD] = told
+
+
+@compiled
+def _reshape(state: np.ndarray, xx: float, xy: float, yy: float) -> None:
+    """Replace F by the symmetric matrix that maps to the unit circle what (1 + E) F maps there."""
+    a, b, c = state[2], state[3], state[4]
+    p, q = (1.0 + xx) * a + xy * b, (1.0 + xx) * b + xy * c
+    r, s = xy * a + (1.0 + yy) * b, xy * b + (1.0 + yy) * c
+    # The symmetric root of G'G, by Cayley and Hamilton.
+    m, n, o = p * p + r * r, p * q + r * s, q * q + s * s
+    root = abs(p * s - q * r)
+    scale = 1.0 / sqrt(m + o + 2.0 * root)
+    state[2], state[3], state[4] = (m + root) * scale, n * scale, (o + root) * scale
+
+
+@compiled
+def _residuals(
+    state: np.ndarray, shading: np.ndarray, band: tuple[np.ndarray, int], chunk: np.ndarray
+) -> np.ndarray:
+    """Return residual, blurs from the edge, change with the distance, and the centre's gradients, (5, n).
+
+    Flat pixels are as far from the edge as any, and change nothing.
+    """
+    planes = chunk.reshape(PLANES, CHUNK)
+    pixels, total = band
+    found = np.empty((5, pixels.shape[1]))
+    for first in range(0, total, CHUNK):
+        count = min(CHUNK, total - first)
+        planes[:ROWS, :count] = pixels[:, first : first + count]
+        linearise(state, shading, chunk, count)
+        found[:3, first : first + count] = planes[RESIDUAL : ALONG + 1, :count]
+        found[3:, first : first + count] = planes[ROWS : ROWS + 2, :count]
+    for k in range(total, pixels.shape[1]):
+        u, v = flattened(state, pixels[0, k], pixels[1, k])
+        inside = u * u + v * v < 1.0
+        side = 3 if inside else 0
+        found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v
+        found[1, k] = -FAR if inside else FAR
+        found[2, k], found[3, k], found[4, k] = 0.0, 0.0, 0.0
+    return found
+
+
+@compiled
+def _without_clutter(
+    band: tuple[np.ndarray, int], found: np.ndarray, step: float, limits: EdgeLimits
+) -> tuple[np.ndarray, int]:
+    """Leave out what is neither dot nor board: dirt, glare, other marks, all away from the edge."""
+    pixels, edge = band
+    count, least = pixels.shape[1], limits.clutter_share * step
+    suspect = False
+    for k in range(count):
+        if abs(found[0, k]) > least and abs(found[1, k]) > limits.near_flat_blurs:
+            suspect = True
+    if not suspect:
+        return band
+    size, away = np.abs(found[0]), np.abs(found[1]) > limits.near_flat_blurs
+    odd = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away
+    keep = np.ones(count, dtype=np.bool_)
+    for j in np.flatnonzero(odd):
+        near = np.maximum(np.abs(pixels[0] - pixels[0, j]), np.abs(pixels[1] - pixels[1, j]))
+        keep &= ~((near <= limits.clutter_px) & away)
+    return pixels[:, keep], int(keep[:edge].sum())

@@ -1,0 +1,207 @@
+"""What the residuals of a settled fit tell: of the outline, the noise, clipping, and the light."""
+
+from math import pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from labcal.detect.cholesky import solve
+from labcal.detect.compiled import compiled
+from labcal.detect.edges.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
+
+COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, BURNT, PROFILE, COLUMNS = (
+    14,
+    17,
+    18,
+    19,
+    20,
+    22,
+    29,
+    30,
+    31,
+)
+"""Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
+how one-sidedly the board or the dot is clipped (0 to 1), the tie, see :func:`tie`, how much more of the
+brighter side is clipped than of the darker one, and by how much of the step the edge is no error function."""
+REACH = 2
+"""Noise is looked at together over so many neighbouring pixels to either side."""
+LAGS = (2 * REACH + 1) * (REACH + 1)
+"""Rows down 0 to REACH, columns -REACH to REACH; row 0 holds every pair to the left twice."""
+SUMS = 3
+"""Of pairs of flat pixels, of products of their residuals, of products of gradients."""
+
+
+class ResidualLimits(NamedTuple):
+    """The settings of the edge fit by which residuals are judged."""
+
+    sectors: int
+    max_arcs: int
+    arc_px: float
+    min_arcs: int
+    profile_bin_blurs: float
+    near_flat_blurs: float
+    flat_blurs: float
+    clipped_side_share: float
+    clipped_chance_sigma: float
+
+
+@compiled
+def judge(
+    row: np.ndarray,
+    band: tuple[np.ndarray, int],
+    found: np.ndarray,
+    fit: tuple[float, tuple[float, float]],
+    limits: ResidualLimits,
+) -> bool:
+    """Write departure and variance of the noise; False for too few pixels.
+
+    `fit` tells how many parameters the pixels have told, and how much of board and of dot is clipped.
+
+    The departure is the root mean square distance (px) of the outline from the ellipse over sectors. What is
+    the same at every sight of this dot (a print that is no circle, an edge that is no error function) is no
+    noise: where arcs of the outline lie and the mean profile across it are taken out before the variance.
+    """
+    told, clipped = fit
+    pixels, count = band  # only the edge has anything to tell of the outline
+    state = row[:STATE]
+    around = np.empty(count)
+    for k in range(count):
+        u, v = flattened(state, pixels[0, k], pixels[1, k])
+        # Grows with the angle from 0 to 1 as the angle does, nearly evenly.
+        quarter = u / (abs(u) + abs(v) + TINY)
+        around[k] = 0.25 * (1.0 - quarter) if v >= 0.0 else 0.25 * (3.0 + quarter)
+    noise, along = found[0].copy(), found[2]  # of all pixels
+    moved = _arcs(around, along, noise, limits.sectors)
+    row[DEPARTURE] = sqrt((moved**2).mean())
+    perimeter = 2.0 * pi / sqrt(state[2] * state[4] - state[3] * state[3])
+    arcs = min(limits.max_arcs, int(perimeter / limits.arc_px))
+    if arcs < limits.min_arcs:
+        arcs = 0
+    else:
+        moved = _arcs(around, along, noise, arcs)
+        for k in range(count):
+            noise[k] -= along[k] * moved[min(int(around[k] * arcs), arcs - 1)]
+    # The mean profile holds both levels and the blur, which the fit has told already.
+    before = noise[:count].copy()
+    profile = max(_take_out_profile(noise, found[1], limits.profile_bin_blurs) - 3, 0)
+    row[PROFILE] = sqrt(((before - noise[:count]) ** 2).mean()) / max(abs(row[STATE] - row[STATE + 3]), TINY)
+    freedom = len(noise) - told - max(arcs - limits.min_arcs + 1, 0) - profile
+    # Clipping cuts the noise off: such a side does not tell how much of it the edge has.
+    for k in range(count, len(noise)):
+        if clipped[int(found[1, k] < 0.0)] > limits.clipped_side_share:
+            noise[k] = 0.0
+            freedom -= 1.0
+    if freedom < PARAMETERS:
+        return False
+    row[VARIANCE] = (noise * noise).sum() / freedom
+    return True
+
+
+@compiled
+def _arcs(around: np.ndarray, along: np.ndarray, residual: np.ndarray, arcs: int) -> np.ndarray:
+    """Return how far each arc of the outline lies from the ellipse, px."""
+    weight, moved = np.zeros(arcs), np.zeros(arcs)
+    for k in range(len(around)):
+        arc = min(int(around[k] * arcs), arcs - 1)
+        weight[arc] += along[k] * along[k]
+        moved[arc] += along[k] * residual[k]
+    return moved / np.maximum(weight, TINY)
+
+
+@compiled
+def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray, width: float) -> int:
+    """Take the mean over each distance from the outline out of the residuals; return how many there are."""
+    count = int(2.0 * FAR / width) + 1
+    total, number = np.zeros(count), np.zeros(count)
+    for k in range(len(noise)):
+        here = int((blurs_away[k] + FAR) / width)
+        total[here] += noise[k]
+        number[here] += 1.0
+    mean = total / np.maximum(number, 1.0)
+    for k in range(len(noise)):
+        noise[k] -= mean[int((blurs_away[k] + FAR) / width)]
+    return int((number > 0.0).sum())
+
+
+@compiled
+def clipped_sides(
+    state: np.ndarray,
+    pixels: np.ndarray,
+    found: np.ndarray,
+    clipped_at: tuple[float, float],
+    limits: ResidualLimits,
+) -> tuple[float, tuple[float, float]]:
+    """Return how one-sidedly board or dot are clipped beside the edge, and how much of board and of dot is.
+
+    An edge that is cut off all around keeps its centre; one that is cut off on one side does not.
+    """
+    sums, counts, cut_off = np.zeros((2, 2)), np.zeros(2), np.zeros(2)
+    for k in range(pixels.shape[1]):
+        if abs(found[1, k]) <= limits.near_flat_blurs:
+            continue
+        inside = int(found[1, k] < 0.0)
+        counts[inside] += 1.0
+        if (pixels[2, k] <= clipped_at[0]) if inside else (pixels[2, k] >= clipped_at[1]):
+            u, v = flattened(state, pixels[0, k], pixels[1, k])
+            share = 1.0 / max(sqrt(u * u + v * v), TINY)
+            sums[inside, 0] += u * share
+            sums[inside, 1] += v * share
+            cut_off[inside] += 1.0
+    counts, chance = np.maximum(counts, 1.0), limits.clipped_chance_sigma
+    # What noise cuts off lies to all sides, as far as chance has it.
+    board = (sqrt(sums[0, 0] ** 2 + sums[0, 1] ** 2) - chance * sqrt(cut_off[0])) / counts[0]
+    dot = (sqrt(sums[1, 0] ** 2 + sums[1, 1] ** 2) - chance * sqrt(cut_off[1])) / counts[1]
+    return max(board, dot), (cut_off[0] / counts[0], cut_off[1] / counts[1])
+
+
+@compiled
+def tie(row: np.ndarray, black: float, system: np.ndarray) -> None:
+    """Write how far dot and board are from being in one light, with its covariances, from a settled fit.
+
+    In one light the slopes are as the levels above black. What is off that, of the step a radius, along the
+    flattened x and y, is written to TIE; to TIE_COVARIANCE uu uv vv of its covariance, and xu xv yu yv of
+    that with the centre.
+    """
+    shading = row[STATE : STATE + SHADING]
+    board, dot = shading[0] - black, shading[3] - black
+    scale = max(abs(board), abs(dot), TINY) * max(abs(shading[3] - shading[0]), TINY)
+    board, dot = board / scale, dot / scale
+    solved = np.zeros((2, PARAMETERS))
+    for axis in range(2):
+        row[TIE + axis] = board * shading[4 + axis] - dot * shading[1 + axis]
+        solved[axis, STATE + 1 + axis], solved[axis, STATE + 4 + axis] = -dot, board
+        solve(system, solved[axis])
+    for axis in range(2):
+        along = -dot * solved[:, STATE + 1 + axis] + board * solved[:, STATE + 4 + axis]
+        row[TIE_COVARIANCE + 2 * axis] = row[VARIANCE] * along[axis]
+        row[TIE_COVARIANCE + 1] = row[VARIANCE] * along[1 - axis]
+        for i in range(2):
+            row[TIE_COVARIANCE + 3 + 2 * i + axis] = row[VARIANCE] * solved[axis, i]
+
+
+@compiled
+def add_scatter(pixels: np.ndarray, found: np.ndarray, flat_blurs: float, sums: np.ndarray) -> None:
+    """Add what one dot's residuals tell of the noise to `sums`, shape (LAGS, SUMS).
+
+    The edge itself is left out of the residuals, since what a print's outline does there is no noise.
+    """
+    left, top = int(pixels[0].min()) - REACH, int(pixels[1].min())
+    width, height = int(pixels[0].max()) - left + 1 + REACH, int(pixels[1].max()) - top + 1 + REACH
+    planes = np.zeros((4, height, width))  # flat or not, residual there, gradients along x and y
+    for k in range(pixels.shape[1]):
+        x, y = int(pixels[0, k]) - left, int(pixels[1, k]) - top
+        planes[2, y, x], planes[3, y, x] = found[3, k], found[4, k]
+        if abs(found[1, k]) > flat_blurs:
+            planes[0, y, x], planes[1, y, x] = 1.0, found[0, k]
+    for k in range(pixels.shape[1]):
+        x, y = int(pixels[0, k]) - left, int(pixels[1, k]) - top
+        flat, steep = planes[0, y, x] > 0.0, planes[2, y, x] != 0.0 or planes[3, y, x] != 0.0
+        for down in range(REACH + 1):
+            for across in range(-REACH, REACH + 1):
+                lag = down * (2 * REACH + 1) + across + REACH
+                i, j = y + down, x + across
+                if flat:
+                    sums[lag, 0] += planes[0, i, j]
+                    sums[lag, 1] += planes[1, y, x] * planes[1, i, j]
+                if steep:
+                    sums[lag, 2] += planes[2, y, x] * planes[2, i, j] + planes[3, y, x] * planes[3, i, j]

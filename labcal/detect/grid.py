@@ -1,0 +1,87 @@
+"""Stage 2, the grid: from outlines to a lattice whose nodes are numbered, or the reason why there is none."""
+
+from dataclasses import dataclass
+
+from labcal.detect.flags import Refusal
+from labcal.detect.lattice.flattening import NONE, Flattening, fisheyes
+from labcal.detect.lattice.lattice import Lattice, find_lattices
+from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, why_unnamed
+from labcal.detect.lattice.shapes import without_odd
+from labcal.detect.lattice.smoothness import is_smooth
+from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
+from labcal.targets.grid import DotGrid
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A lattice whose nodes are numbered; its spots refer to the outlines that it was found among."""
+
+    lattice: Lattice
+    numbering: AnyNumbering
+
+    @property
+    def spots(self) -> list[int]:
+        """Numbers of the outlines that are dots of the grid."""
+        return list(self.lattice.spots.values())
+
+
+def find_grid(
+    outlines: Outlines, target: DotGrid, size: tuple[int, int], settings: GridSettings
+) -> Grid | Refusal:
+    """Return the grid that can be numbered, with the lens that shows most of it.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        Candidates that lie whole in the picture.
+    target : DotGrid
+    size : tuple of int
+        Width and height of the picture, px.
+    settings : GridSettings
+    """
+    best = _find_through(NONE, outlines, target, settings)
+    if len(outlines.centre) < settings.min_dots or _is_complete(best, outlines, settings):
+        return best
+    for lens in fisheyes(size, settings.fisheye_fields_deg):
+        other = _find_through(lens, outlines, target, settings)
+        if not isinstance(other, Refusal) and (
+            isinstance(best, Refusal) or len(other.spots) > len(best.spots)
+        ):
+            best = other
+            if _is_complete(best, outlines, settings):
+                break
+    return best
+
+
+def _is_complete(grid: Grid | Refusal, outlines: Outlines, settings: GridSettings) -> bool:
+    """Tell whether a grid holds nearly every spot that is as large as its dots."""
+    if isinstance(grid, Refusal):
+        return False
+    radius = outlines.radius
+    known = radius[grid.spots]
+    spare = settings.similar_radius_share
+    alike = (radius > (1.0 - spare) * known.min()) & (radius < (1.0 + spare) * known.max())
+    return len(known) >= settings.complete_share * int(alike.sum())
+
+
+def _find_through(
+    lens: Flattening, outlines: Outlines, target: DotGrid, settings: GridSettings
+) -> Grid | Refusal:
+    """Return the one lattice that can be numbered in the picture of a lens."""
+    if len(outlines.centre) == 0:
+        return Refusal.NO_DOTS
+    if len(outlines.centre) < settings.min_dots:
+        return Refusal.TOO_FEW_DOTS
+    found = find_lattices(outlines, target, lens, settings)
+    lattices = [without_odd(lattice, outlines, target, settings) for lattice in found]
+    outlines = lens.outlines(outlines)
+    if not lattices:
+        return Refusal.NO_GRID
+    outcomes = [(lattice, number_lattice(lattice, outlines, target, settings)) for lattice in lattices]
+    named = [Grid(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
+    refusal = why_unnamed([outcome for _, outcome in outcomes], target)
+    if refusal is not None:
+        return refusal
+    smooth = is_smooth(named[0].lattice, outlines.centre, settings)
+    return named[0] if smooth else Refusal.GRID_INCONSISTENT

@@ -1,0 +1,114 @@
+"""Where the nodes of a lattice should be, and what outlines dots should have there."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from labcal.arrays import PixelCovariances
+from labcal.detect.lattice.flattening import Flattening
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.lattice.neighbourhood import PredictionLimits, miss, predict_all
+from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
+from labcal.geometry.two_by_two import inverses
+
+_NEAR = 2
+"""Nodes to either side whose spots are a node's neighbours."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Where a node should be: in the picture, and its place and local steps in the flattened picture, px."""
+
+    position: np.ndarray
+    steps: np.ndarray
+    """Of the picture's grid along both axes there, in columns, shape (2, 2), px."""
+    outline: np.ndarray
+    """Matrix of the outline that a dot should have there, shape (2, 2), px squared."""
+    neighbours: int
+    flattening: Flattening
+    numbers: np.ndarray
+
+    def miss(self, position: np.ndarray) -> float:
+        """Return how many steps a pixel is from the prediction; infinite on a degenerate grid."""
+        x, y = self.flattening.forward(position)
+        return float(miss(self.numbers, float(x), float(y)))
+
+
+class Predictor:
+    """A lattice, its spots in the flattened picture, and the shape of its dots.
+
+    Parameters
+    ----------
+    lattice : Lattice
+    outlines : Outlines
+        To which the lattice's spots refer.
+    settings : GridSettings
+    """
+
+    def __init__(self, lattice: Lattice, outlines: Outlines, settings: GridSettings) -> None:
+        around = settings.missed_gap_nodes  # empty nodes that may be asked for
+        self._limits = settings.numbers(PredictionLimits)
+        nodes = np.array(list(lattice.spots))
+        self._corner = nodes.min(axis=0) - around
+        self._nodes, self._spots = nodes - self._corner, np.array(list(lattice.spots.values()))
+        self._grid = np.full(self._nodes.max(axis=0) + 1 + around, -1)
+        self._grid[tuple(self._nodes.T)] = self._spots
+        self.lattice, self.outlines = lattice, outlines
+        self._flat = lattice.flattening.outlines(outlines)
+
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        """The predictions of the lattice's own nodes."""
+        return predict_all(self._grid, self._flat.centre, self._nodes, self._limits)
+
+    @cached_property
+    def _shape(self) -> np.ndarray:
+        """The usual shape of a dot in units of the grid's steps."""
+        shapes = self.shapes_in_steps(self.outlines)
+        known = np.isfinite(shapes[:, 0, 0])
+        usual: np.ndarray = np.median(shapes[known], axis=0) if known.any() else np.zeros((2, 2))
+        return usual
+
+    def shapes_in_steps(self, outlines: Outlines) -> PixelCovariances:
+        """Return shapes of the lattice's spots in units of the grid's steps, in their order, by `outlines`.
+
+        Wherever a board is seen from, all its dots have one shape there. NaN where a node has no prediction.
+        """
+        numbers, flat = self._numbers, self.lattice.flattening.outlines(outlines)
+        known = np.isfinite(numbers[:, 0])
+        shapes = np.full((len(numbers), 2, 2), np.nan)
+        back = inverses(np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2))
+        shapes[known] = back @ flat.shape[self._spots[known]] @ np.swapaxes(back, 1, 2)
+        return shapes
+
+    def predict(self, nodes: list[Node]) -> dict[Node, Prediction]:
+        """Return predictions of nodes; those are left out whose neighbours are too few or on one line."""
+        if not nodes:
+            return {}
+        places = np.array(nodes) - self._corner
+        numbers = predict_all(self._grid, self._flat.centre, places, self._limits)
+        known = np.flatnonzero(np.isfinite(numbers[:, 0]))
+        flattening = self.lattice.flattening
+        positions = flattening.backward(numbers[known, :2])
+        steps = np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2)
+        steps = inverses(flattening.slopes(positions)) @ steps
+        outlines = steps @ self._shape @ np.swapaxes(steps, 1, 2)
+        near = self._neighbours(places[known])
+        return {
+            nodes[k]: Prediction(position, step, outline, int(count), flattening, numbers[k])
+            for k, position, step, outline, count in zip(known, positions, steps, outlines, near, strict=True)
+        }
+
+    def neighbours(self) -> np.ndarray:
+        """Return how many neighbours each of the lattice's nodes has, in their order."""
+        return self._neighbours(self._nodes)
+
+    def _neighbours(self, places: np.ndarray) -> np.ndarray:
+        """Return how many nodes with a spot lie within two steps of places in the grid."""
+        full = np.pad(self._grid >= 0, _NEAR).astype(np.int64)
+        windows = np.lib.stride_tricks.sliding_window_view(full, (2 * _NEAR + 1, 2 * _NEAR + 1))
+        count: np.ndarray = windows[places[:, 0], places[:, 1]].sum(axis=(1, 2))
+        count -= self._grid[places[:, 0], places[:, 1]] >= 0
+        return count

@@ -1,0 +1,142 @@
+"""From a grid without a name to ids: the three rings say which node is which."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.detect.flags import Refusal
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
+from labcal.detect.stage_settings.grid import GridSettings
+from labcal.geometry.two_by_two import inverses
+from labcal.targets.grid import DotGrid, Rings
+
+_SIGMA = 1.4826  # standard deviations over the median of absolute deviations
+
+TURNS = tuple(
+    np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
+)
+"""The quarter turns of a grid seen from its front."""
+_MIRROR = np.array([[0, 1], [1, 0]])
+
+
+@dataclass(frozen=True)
+class Numbering:
+    """(col, row) of a lattice node: ``turn @ node + shift``."""
+
+    turn: np.ndarray
+    shift: np.ndarray
+
+    def index(self, node: Node) -> tuple[int, int]:
+        """Return (col, row) of a node."""
+        (p, q), (r, s) = self.turn.tolist()
+        return p * node[0] + q * node[1] + int(self.shift[0]), r * node[0] + s * node[1] + int(self.shift[1])
+
+
+def ring_nodes(lattice: Lattice, outlines: Outlines, settings: GridSettings) -> set[Node]:
+    """Return the nodes whose dot is bright in the middle, less so in a blurred picture."""
+    hole = outlines.hole[list(lattice.spots.values())]
+    usual = float(np.median(hole))
+    scatter = _SIGMA * float(np.median(np.abs(hole - usual)))
+    stands_out = usual + settings.ring_outlier_sigma * scatter
+    limit = float(np.clip(stands_out, settings.faint_hole_share, settings.ring_hole_share))
+    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > limit}
+
+
+def number_by_rings(
+    lattice: Lattice, outlines: Outlines, target: DotGrid, rings: Rings, settings: GridSettings
+) -> Numbering | Refusal:
+    """Find the one numbering that puts the target's three rings on rings of the lattice.
+
+    Of the eight symmetries of a grid only the four quarter turns are possible, since a board is seen from its
+    front. Two rings do where the third is hidden, if every other way to number the grid by them would put a
+    ring where a full dot is seen.
+
+    Returns
+    -------
+    Numbering or Refusal
+        `NO_RINGS`, `MIRRORED` or `AMBIGUOUS_RINGS` where there is no numbering or more than one.
+    """
+    seen, tolerance = ring_nodes(lattice, outlines, settings), settings.pitch_ratio_log
+    matches = [match for turn in TURNS for match in _matches(turn, seen, rings)]
+    matches = [match for match in matches if pitches_agree(match.turn, lattice, outlines, target, tolerance)]
+    if len(matches) == 1:
+        return matches[0]
+    if matches:
+        return Refusal.AMBIGUOUS_RINGS
+    if any(_matches(turn @ _MIRROR, seen, rings) for turn in TURNS):
+        return Refusal.MIRRORED
+    two = [match for turn in TURNS for match in _matches_of_two(turn, seen, lattice, target)]
+    full = {node for node, spot in lattice.spots.items() if outlines.hole[spot] < settings.full_dot_share}
+    two = [match for match in two if _is_free_of_contradiction(match, seen, full, target)]
+    two = [match for match in two if pitches_agree(match.turn, lattice, outlines, target, tolerance)]
+    return two[0] if len(two) == 1 else Refusal.NO_RINGS
+
+
+def _matches(turn: np.ndarray, seen: set[Node], rings: Rings) -> list[Numbering]:
+    """Return the numberings of one turn under which the target's rings are rings of the lattice."""
+    back = turn.T  # orthogonal, so its inverse
+    x_leg = back @ np.array([rings.x_steps, 0])
+    y_leg = back @ np.array([0, rings.y_steps])
+    return [
+        Numbering(turn, np.array(rings.origin) - turn @ np.array(origin))
+        for origin in sorted(seen)
+        if (origin[0] + int(x_leg[0]), origin[1] + int(x_leg[1])) in seen
+        and (origin[0] + int(y_leg[0]), origin[1] + int(y_leg[1])) in seen
+    ]
+
+
+def _matches_of_two(turn: np.ndarray, seen: set[Node], lattice: Lattice, target: DotGrid) -> list[Numbering]:
+    """Return the numberings of one turn under which two of the target's rings are rings of the lattice."""
+    places = [np.array(ring) for ring in target.ring_indices]
+    found: dict[tuple[int, int], Numbering] = {}
+    for node in sorted(seen):
+        for place in places:
+            numbering = Numbering(turn, place - turn @ np.array(node))
+            there = sum(ring in seen for ring in _ring_places(numbering, target))
+            inside = all(target.holds(*numbering.index(other)) for other in lattice.spots)
+            if there == 2 and inside:  # noqa: PLR2004 - two of three
+                found[(int(numbering.shift[0]), int(numbering.shift[1]))] = numbering
+    return list(found.values())
+
+
+def _ring_places(numbering: Numbering, target: DotGrid) -> list[Node]:
+    """Return the nodes of the target's three rings."""
+    back = numbering.turn.T
+    nodes = [back @ (np.array(ring) - numbering.shift) for ring in target.ring_indices]
+    return [(int(node[0]), int(node[1])) for node in nodes]
+
+
+def _is_free_of_contradiction(
+    numbering: Numbering, seen: set[Node], full: set[Node], target: DotGrid
+) -> bool:
+    """Tell whether no ring is seen elsewhere, and no full dot where a ring should be."""
+    places = set(_ring_places(numbering, target))
+    return seen <= places and not (places & full)
+
+
+def pitches_agree(
+    turn: np.ndarray, lattice: Lattice, outlines: Outlines, target: DotGrid, tolerance: float
+) -> bool:
+    """Tell whether the steps, seen in units of the dots' own ellipses, have the target's ratio.
+
+    `tolerance` is the most that the logarithm of the ratio may be off.
+    """
+    flatten = inverses(matrix_root(outlines.shape))
+    lengths: list[np.ndarray] = []
+    for step in ((1, 0), (0, 1)):
+        pairs = [
+            (spot, lattice.spots[neighbour])
+            for (a, b), spot in lattice.spots.items()
+            if (neighbour := (a + step[0], b + step[1])) in lattice.spots
+        ]
+        if not pairs:
+            return False
+        here, there = np.array(pairs).T
+        between = geometric_mean(flatten[here], flatten[there])
+        flat = np.einsum("nij,nj->ni", between, outlines.centre[there] - outlines.centre[here])
+        lengths.append(np.linalg.norm(flat, axis=1))
+    ratio = np.log(np.median(lengths[0]) / np.median(lengths[1]))
+    if turn[0, 0] == 0:
+        ratio = -ratio
+    return bool(abs(ratio - np.log(target.pitch_x_mm / target.pitch_y_mm)) < tolerance)

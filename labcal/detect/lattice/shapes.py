@@ -1,0 +1,55 @@
+"""Dots whose outline is another ellipse than the grid's steps make of a dot."""
+
+import numpy as np
+
+from labcal.arrays import Mask
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.grid import GridSettings
+from labcal.geometry.two_by_two import eigenvalues, inverses
+from labcal.targets.grid import DotGrid
+
+
+def odd_shapes(predictor: Predictor, outlines: Outlines, target: DotGrid, settings: DetectSettings) -> Mask:
+    """Tell which of a lattice's spots, in their order, have another shape than the others: hidden in part.
+
+    In units of the grid's steps all dots of a board have one shape, wherever it is seen from.
+
+    Parameters
+    ----------
+    predictor : Predictor
+        Of the lattice.
+    outlines : Outlines
+        The same spots as the predictor's, of whatever shapes are to be judged.
+    target : DotGrid
+    settings : DetectSettings
+    """
+    quality = settings.quality
+    amid = predictor.neighbours() >= quality.amid_neighbours
+    limit = np.where(amid, quality.max_shape_log, quality.max_rim_shape_log)
+    return _off(predictor, outlines, target, settings.grid) > limit
+
+
+def without_odd(lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings) -> Lattice:
+    """Return a lattice without spots of very odd shapes, as they are where it skips every other dot."""
+    off = _off(Predictor(lattice, outlines, settings), outlines, target, settings)
+    odd = off > settings.dropped_shape_log
+    kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), odd, strict=True) if not out}
+    return Lattice(kept, lattice.flattening) if kept else lattice
+
+
+def _off(predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings) -> np.ndarray:
+    """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 where none can tell."""
+    spots = list(predictor.lattice.spots.values())
+    found = predictor.shapes_in_steps(outlines)
+    found[outlines.hole[spots] > settings.ring_hole_share] /= target.ring_size**2
+    known = np.isfinite(found[:, 0, 0])
+    off = np.zeros(len(spots))
+    if known.any():
+        usual = np.median(found[known], axis=0)
+        axes = np.sqrt(np.abs(eigenvalues(inverses(usual) @ found[known])))
+        minor = np.sqrt(eigenvalues(outlines.shape[spots])[known, 0])
+        off[known] = np.abs(np.log(axes)).max(axis=1) - settings.shape_px / minor
+    return off

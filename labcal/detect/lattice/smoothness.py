@@ -1,0 +1,43 @@
+"""Whether a whole grid lies on one smooth surface of the picture: the last check before ids are given."""
+
+import numpy as np
+
+from labcal.arrays import Pixels
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.stage_settings.grid import GridSettings
+from labcal.errors import InputError
+from labcal.geometry.projective_map import projective_map
+
+
+def is_smooth(lattice: Lattice, positions: Pixels, settings: GridSettings) -> bool:
+    """Tell whether one map takes the grid's nodes to their spots everywhere.
+
+    A homography takes up the perspective; what is left, lens distortion, is a polynomial of the nodes. A
+    grid with a row linked one step off leaves half a step or more.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        At least a cross and its corners.
+    positions : ndarray, shape (n, 2)
+        Of all spots, px.
+    settings : GridSettings
+    """
+    nodes = np.array(list(lattice.spots), dtype=np.float64)
+    seen = positions[list(lattice.spots.values())]
+    scaled = (nodes - nodes.mean(axis=0)) / np.ptp(nodes, axis=0).max()
+    try:
+        back = projective_map("smoothness", seen, scaled)
+    except InputError:  # they do not determine one
+        return False
+    straight = np.concatenate([seen, np.ones((len(seen), 1))], axis=1) @ back.T
+    if (straight[:, 2] * straight[0, 2] <= 0).any():
+        return False  # the horizon would run through the board
+    flat = straight[:, :2] / straight[:, 2:]
+    degrees, spare = range(settings.smooth_max_degree, 1, -1), settings.smooth_dots_factor
+    degree = next((d for d in degrees if len(nodes) >= spare * (d + 1) * (d + 2) / 2), 1)
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    design = np.stack([scaled[:, 0] ** i * scaled[:, 1] ** j for i, j in powers], axis=-1)
+    left = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
+    steps = np.linalg.norm(left, axis=1) * np.ptp(nodes, axis=0).max()
+    return bool(steps.max() < settings.smooth_miss_steps)

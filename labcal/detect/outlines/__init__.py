@@ -1,0 +1,1 @@
+"""Stage 1, parts: dark spots of a picture, and the ellipses of their edges."""

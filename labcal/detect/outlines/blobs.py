@@ -1,0 +1,183 @@
+"""Dark spots of a picture at every scale: a first, rough look for dots."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.detect.grey import GreyPicture
+from labcal.detect.stage_settings.segmentation import SegmentationSettings
+
+_ROWS_AT_ONCE = 512
+_EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """Dark spots: rough centres (px), outline matrices (as in `PictureDots`), whether the frame cuts them."""
+
+    centre: Pixels
+    shape: PixelCovariances
+    cut: Mask
+
+
+@dataclass(frozen=True)
+class Level:
+    """A picture halved some times, and the range of its grey values."""
+
+    grey: GreyPicture
+    scale: int
+    """Pixels of the full picture along one of its own."""
+    low: float
+    high: float
+
+    def in_8_bits(self) -> np.ndarray:
+        """Return the picture with its range spread over 0 to 255, some rows at a time to spare memory."""
+        factor = 255.0 / (self.high - self.low) if self.high > self.low else 0.0
+        scaled = np.empty(self.grey.shape, dtype=np.uint8)
+        for top in range(0, len(self.grey), _ROWS_AT_ONCE):
+            rows = slice(top, top + _ROWS_AT_ONCE)
+            above = np.maximum(self.grey[rows], self.low) - self.low
+            scaled[rows] = cv2.convertScaleAbs(above, alpha=factor)
+        return scaled
+
+
+def pyramid(grey: GreyPicture, settings: SegmentationSettings) -> list[Level]:
+    """Return the levels of a picture, the full one first, down to the coarsest that could show a grid."""
+    low, high = _range(grey, settings.range_cut_percent)
+    levels, scale = [], 1
+    while min(grey.shape) >= settings.smallest_level_px:
+        levels.append(Level(grey, scale, low, high))
+        height, width = grey.shape[0] // 2, grey.shape[1] // 2
+        grey = cv2.resize(grey[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
+        scale *= 2
+    return levels
+
+
+def blobs_of(level: Level, settings: SegmentationSettings) -> Blobs:
+    """Return every dark spot of a level that is roughly an ellipse, or cut by the frame, in full pixels.
+
+    There is no size to set: levels differ by two, and the threshold follows the surroundings, so that light
+    may fall off.
+    """
+    contours = _dark_contours(level.in_8_bits(), settings)
+    if not contours:
+        return joined([])
+    found, scale = _roughly_elliptic(contours, level.grey.shape, settings), float(level.scale)
+    return Blobs((found.centre + 0.5) * scale - 0.5, found.shape * scale**2, found.cut)
+
+
+def joined(parts: list[Blobs]) -> Blobs:
+    """Return the blobs of several levels; a spot may occur several times, once a level."""
+    none = Blobs(np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros(0, dtype=bool))
+    return Blobs(
+        np.concatenate([none.centre, *(part.centre for part in parts)]),
+        np.concatenate([none.shape, *(part.shape for part in parts)]),
+        np.concatenate([none.cut, *(part.cut for part in parts)]),
+    )
+
+
+def _range(grey: GreyPicture, cut_percent: float) -> tuple[float, float]:
+    """Return a low and a high grey value, a few odd pixels left aside."""
+    sample = grey[:: 1 + grey.shape[0] // 128, :: 1 + grey.shape[1] // 128]
+    if sample.size == 0:
+        return 0.0, 0.0
+    low, high = np.percentile(sample, [cut_percent, 100.0 - cut_percent])
+    return float(low), float(high)
+
+
+def _dark_contours(level: np.ndarray, settings: SegmentationSettings) -> list[np.ndarray]:
+    """Return the outer contours of what is darker than half-way between the local extremes."""
+    smooth = cv2.GaussianBlur(level, (3, 3), settings.smoothing_px)
+    side, busy_side = 2 * settings.threshold_reach_px + 1, 2 * settings.texture_reach_px + 1
+    window = np.ones((side, side), np.uint8)
+    bright, dark = cv2.dilate(smooth, window), cv2.erode(smooth, window)
+    contrast = max(settings.min_contrast_sigma * _noise(smooth), 255.0 * settings.min_contrast_share)
+    middle = cv2.addWeighted(bright, 0.5, dark, 0.5, 0.0)
+    mask = ((smooth < middle) & (cv2.subtract(bright, dark) > contrast)).astype(np.uint8)
+    if _changes(mask[:: settings.texture_reach_px]).mean() > 0.5 * settings.max_texture_share:
+        mask &= (
+            cv2.blur(_changes(mask).astype(np.float32), (busy_side, busy_side)) < settings.max_texture_share
+        )
+    contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    if hierarchy is None:
+        return []
+    outer = hierarchy.reshape(-1, 4)[:, 3] < 0
+    return [
+        contour.reshape(-1, 2)
+        for contour, keep in zip(contours, outer, strict=True)
+        if keep and len(contour) >= settings.min_contour_points
+    ]
+
+
+def _changes(mask: np.ndarray) -> np.ndarray:
+    """Return where a mask differs from its neighbour to the right."""
+    changes = np.zeros(mask.shape, dtype=bool)
+    np.not_equal(mask[:, 1:], mask[:, :-1], out=changes[:, :-1])
+    return changes
+
+
+def _noise(level: np.ndarray) -> float:
+    """Return the standard deviation of the noise from second differences, blind to smooth shading."""
+    rows = level[:: 1 + level.shape[0] // 96].astype(np.int16)
+    difference = rows[:, 2:] - 2 * rows[:, 1:-1] + rows[:, :-2]
+    return float(np.median(np.abs(difference))) / (0.6745 * 6**0.5)
+
+
+def _roughly_elliptic(
+    contours: list[np.ndarray], size: tuple[int, ...], settings: SegmentationSettings
+) -> Blobs:
+    """Return the contours that could be dots, and those that the frame cuts."""
+    count = np.array([len(contour) for contour in contours])
+    start = np.concatenate([[0], np.cumsum(count)[:-1]])
+    owner = np.repeat(np.arange(len(contours)), count)
+    points = np.concatenate(contours).astype(np.float64)
+    low, high = np.minimum.reduceat(points, start), np.maximum.reduceat(points, start)
+    middle, half = (low + high) / 2, (high - low + 1) / 2
+    small = half.max(axis=1) <= settings.max_axis_share * max(size)
+    cut = small & ((low <= 0).any(axis=1) | (high >= np.array(size[::-1]) - 1).any(axis=1))
+
+    area, centre, shape = _polygon_moments(points - middle[owner], start, count)
+    axes, vectors = np.linalg.eigh(shape)
+    sound = small & ~cut & (area > 0) & (axes[:, 0] > 0)
+    axes = np.sqrt(np.where(sound[:, None], axes, 1.0))
+    grown = axes + _EXPANSION
+    sound &= grown[:, 0] >= settings.min_spot_axis_px
+    sound &= grown[:, 0] >= settings.min_axis_ratio_share * grown[:, 1]
+    flat = np.einsum("ki,kij->kj", points - (middle + centre)[owner], vectors[owner]) / axes[owner]
+    radius = np.hypot(flat[:, 0], flat[:, 1])
+    mean = np.add.reduceat(radius, start) / count
+    scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
+    sound &= scatter <= settings.max_contour_scatter_share + settings.max_contour_scatter_px / grown[:, 0]
+
+    outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
+    boxes = half[:, :, None] ** 2 * np.eye(2)
+    kept = sound | cut
+    return Blobs(
+        np.where(cut[:, None], middle, middle + centre)[kept],
+        np.where(cut[:, None, None], boxes, outline)[kept],
+        cut[kept],
+    )
+
+
+def _polygon_moments(points: np.ndarray, start: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return area, centroid and four times the covariance of closed polygons (by Green's theorem).
+
+    The square root of the latter's eigenvalues are an ellipse's semi-axes. Where the area is zero so is all
+    else.
+    """
+    following = np.arange(1, len(points) + 1)
+    following[start + count - 1] = start
+    x, y = points.T
+    u, v = points[following].T
+    cross = x * v - u * y
+    total = np.add.reduceat(cross, start)
+    safe = np.where(total == 0, np.inf, total)
+    sums = np.stack([cross * (x + u), cross * (y + v)], axis=-1)
+    centre = np.add.reduceat(sums, start) / (3 * safe[:, None])
+    xx = np.add.reduceat(cross * (x * x + x * u + u * u), start) / (6 * safe)
+    yy = np.add.reduceat(cross * (y * y + y * v + v * v), start) / (6 * safe)
+    xy = np.add.reduceat(cross * (x * v + 2 * x * y + 2 * u * v + u * y), start) / (12 * safe)
+    second = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
+    return np.abs(total) / 2, centre, 4 * (second - centre[:, :, None] * centre[:, None, :])

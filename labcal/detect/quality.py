@@ -1,0 +1,137 @@
+"""Stage 4, quality: which dots are measurements, and whether a picture as a whole is to be used."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labcal.arrays import Mask
+from labcal.detect.checks.peers import misfits, paleness
+from labcal.detect.dots import PictureDots
+from labcal.detect.edge_fit import EdgeFits
+from labcal.detect.flags import SPOILT, DotFlag, Refusal
+from labcal.detect.grey import GreyPicture, clipping
+from labcal.detect.lattice.numbering import AnyNumbering
+from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.lattice.shapes import odd_shapes
+from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.quality import QualitySettings
+from labcal.geometry.two_by_two import eigenvalues
+from labcal.targets.grid import DotGrid
+
+_CAUSED = (Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_GRID, Refusal.NO_RINGS)
+
+
+@dataclass(frozen=True)
+class FlaggedDot:
+    """One dot on its way into `PictureDots`; centre and covariance (px) only where it is measured."""
+
+    index: tuple[int, int] | None
+    flag: DotFlag
+    seen_at: np.ndarray
+    outline: np.ndarray
+    centre: np.ndarray | None = None
+    covariance: np.ndarray | None = None
+    misfit: float = np.nan
+
+
+def flag_dots(
+    fits: EdgeFits,
+    predictor: Predictor,
+    numbering: AnyNumbering,
+    target: DotGrid,
+    settings: DetectSettings,
+) -> list[FlaggedDot]:
+    """Return the dots of a lattice, each with the flag that its fit earns.
+
+    Parameters
+    ----------
+    fits : EdgeFits
+        Of the lattice's spots, in their order.
+    predictor : Predictor
+        Of the lattice.
+    numbering : AnyNumbering
+    target : DotGrid
+    settings : DetectSettings
+    """
+    limits = settings.quality
+    lattice, outlines = predictor.lattice, predictor.outlines
+    index = [numbering.index(node) for node in lattice.spots]
+    spots = outlines.select(np.array(list(lattice.spots.values())))
+    ring = np.array([place in target.ring_indices for place in index])
+    dark, light = np.minimum(fits.board, fits.dot), np.maximum(fits.board, fits.dot)
+    misfit = misfits(dark, light, fits.variance, limits)
+    rough = _is_rough(fits, spots, ring, limits)
+    rough |= misfit > np.where(ring, limits.max_ring_misfit_factor, limits.max_misfit_factor)
+    rough |= odd_shapes(predictor, _fitted(fits, predictor), target, settings)
+    burnt_out = _is_burnt_out(fits, limits)
+    minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
+    dots = []
+    for number, place in enumerate(index):
+        seen_at, outline = spots.centre[number], spots.shape[number]
+        if spots.blur[number] > limits.max_blur_share * minor[number]:
+            dots.append(FlaggedDot(place, DotFlag.BLURRED, seen_at, outline))
+        elif fits.ok[number] and (burnt_out or fits.clipped[number] > limits.max_clipped_share):
+            dots.append(FlaggedDot(place, DotFlag.SATURATED, seen_at, outline))
+        elif not fits.ok[number] or rough[number]:
+            dots.append(FlaggedDot(place, DotFlag.BAD_FIT, seen_at, outline))
+        else:
+            flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
+            centre = fits.centre[number]
+            told = (centre, fits.covariance[number], float(misfit[number]))
+            dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *told))
+    return dots
+
+
+def _is_rough(fits: EdgeFits, spots: Outlines, ring: np.ndarray, limits: QualitySettings) -> Mask:
+    """Tell which outlines are further from their ellipses, and which dots paler, than the others are.
+
+    A print may be ragged, and a renderer's discs are polygons; rings lighten with their holes, so they may.
+    """
+    usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
+    farthest = limits.departure_factor * usual + limits.departure_share * spots.radius
+    pale = paleness(fits.board, fits.dot, limits) > limits.max_paleness_share
+    rough: Mask = (fits.departure > farthest) | (pale & ~ring)
+    return rough
+
+
+def _is_burnt_out(fits: EdgeFits, limits: QualitySettings) -> bool:
+    """Tell whether what is bright is clipped, and most edges cut off with it.
+
+    A drawn picture may be as white as white can be, but its edges are whole.
+    """
+    if not fits.ok.any():
+        return False
+    burnt, profile = np.median(fits.burnt[fits.ok]), np.median(fits.profile[fits.ok])
+    return bool(burnt > limits.burnt_share and profile > limits.burnt_profile_share)
+
+
+def _fitted(fits: EdgeFits, predictor: Predictor) -> Outlines:
+    """Return the outlines with the fitted shapes where there are some."""
+    shape, which = predictor.outlines.shape.copy(), list(predictor.lattice.spots.values())
+    shape[which] = np.where(fits.ok[:, None, None], fits.shape, shape[which])
+    return replace(predictor.outlines, shape=shape)
+
+
+def cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines, settings: DetectSettings) -> Refusal:
+    """Return what is behind there being no dots or no grid, where the picture tells."""
+    if refusal not in _CAUSED:
+        return refusal
+    limits = settings.quality
+    low, high = clipping(grey, settings.edge.clipped_value_share)
+    clipped = np.count_nonzero(grey <= low) + np.count_nonzero(grey >= high)
+    if low < high and clipped > limits.max_clipped_picture_share * grey.size:
+        return Refusal.SATURATED
+    minor = np.sqrt(eigenvalues(outlines.shape)[:, 0])
+    blur = outlines.blur
+    if len(minor) < settings.grid.min_dots:
+        return refusal
+    blurred = np.median(blur / minor) > limits.soft_share and np.median(blur) > limits.soft_px
+    return Refusal.BLURRED if blurred else refusal
+
+
+def hardly_measured(dots: PictureDots, settings: QualitySettings) -> bool:
+    """Tell whether hardly any of the dots that are whole in the picture could be measured."""
+    usable = int(dots.ok.sum())
+    whole = usable + sum(flag in SPOILT for flag in dots.flag)
+    return usable == 0 or usable < settings.min_usable_share * whole

@@ -1,0 +1,132 @@
+"""Settings of the detection of ChArUco boards: markers, and the fit of corners."""
+
+from pydantic import Field
+
+from labcal.detect.stage_settings.stage import StageSettings
+
+
+class CornerSettings(StageSettings):
+    """Settings of corners. A square is one of the board's in the picture, a blur the deviation of an edge."""
+
+    min_picture_px: int = Field(
+        32,
+        ge=8,
+        le=10_000,
+        description="Shorter side of a picture that may show a board. Larger: more refusals.",
+    )
+    min_marker_px: float = Field(
+        12.0,
+        ge=4,
+        le=1000,
+        description="Side of the smallest marker looked for. Larger: faster, small markers are lost.",
+    )
+    many_markers: int = Field(
+        6,
+        ge=2,
+        le=1000,
+        description="Markers without a corner between them that prove another board. Larger: 'other-board' "
+        "is rarer.",
+    )
+    range_cut_percent: float = Field(
+        0.1,
+        ge=0,
+        lt=50,
+        description="Pixels left out at either end of the range. Larger: reflections matter less.",
+    )
+    max_iterations: int = Field(
+        30, ge=2, le=1000, description="Steps of Gauss-Newton. Larger: slower, a few more corners settle."
+    )
+    first_tolerance_px: float = Field(
+        0.05, gt=0, le=1, description="Step at which the first round ends. Larger: faster, rougher windows."
+    )
+    tolerance_px: float = Field(
+        5e-4, gt=0, le=1, description="Step at which the fit ends. Larger: faster, less exact."
+    )
+    max_step_px: float = Field(
+        1.0, gt=0, le=100, description="Longest step; longer ones are shortened. Larger: may run away."
+    )
+    max_turn_rad: float = Field(
+        0.3, gt=0, le=3, description="Most turn of an edge in a step. Larger: may run away."
+    )
+    first_blur_px: float = Field(
+        0.8, gt=0, le=20, description="Blur to begin with. Larger: for soft pictures."
+    )
+    min_blur_px: float = Field(0.2, gt=0, le=5, description="Least blur. Larger: sharp edges fit worse.")
+    max_blur_squares: float = Field(
+        0.25, gt=0, le=1, description="Blur above which a corner is bad-fit. Larger: soft corners are kept."
+    )
+    max_move_squares: float = Field(
+        0.2,
+        gt=0,
+        lt=0.5,
+        description="Most distance of the result from the start. Larger: may settle on another.",
+    )
+    reach_bend_px: float = Field(
+        0.08,
+        gt=0,
+        le=10,
+        description="Squared reach of a fit over the picture's width: 0.08 px let a wide lens bend an edge "
+        "by 0.01 px. "
+        "Larger: more pixels, more bias of wide lenses.",
+    )
+    min_reach_px: float = Field(
+        5.0, ge=3, le=1000, description="Least reach of a fit. Larger: more pixels, more bias."
+    )
+    max_reach_squares: float = Field(
+        0.45,
+        gt=0,
+        lt=0.5,
+        description="Most reach, before the next corner. Larger: more pixels, more of the next edges.",
+    )
+    marker_guard_blurs: float = Field(
+        1.0,
+        ge=0,
+        le=10,
+        description="Distance kept from markers. Larger: fewer pixels, less of the markers' borders.",
+    )
+    frame_margin_px: float = Field(
+        3.0, ge=1, le=1000, description="A corner nearer to the frame is cut. Larger: more corners are."
+    )
+    min_pixels: int = Field(
+        40, ge=20, le=100_000, description="Fewest pixels of a fit. Larger: more corners are bad-fit."
+    )
+    flat_blurs: float = Field(
+        2.5,
+        gt=0,
+        le=10,
+        description="Distance from both edges beyond which residuals are noise. Larger: fewer pixels.",
+    )
+    tone_levels: int = Field(
+        6,
+        ge=1,
+        le=100,
+        description="Grey levels to either side at which a tone curve is told from noise. Larger: finer.",
+    )
+    min_variance_share: float = Field(
+        0.1,
+        gt=0,
+        le=1,
+        description="Least variance of noise at a level, of the mean. Larger: evener weights.",
+    )
+    roughness_factor: float = Field(
+        2.5,
+        ge=1,
+        le=100,
+        description="Roughness, in usual ones, above which a corner is bad-fit. Larger: fewer are.",
+    )
+    roughness_share: float = Field(
+        0.06, ge=0, le=1, description="The same of the step, added. Larger: fewer are bad-fit."
+    )
+    min_step_share: float = Field(
+        0.3,
+        ge=0,
+        lt=1,
+        description="Least step from black to white, of the usual one. Larger: faint corners are bad-fit.",
+    )
+    max_miss_squares: float = Field(
+        0.1,
+        gt=0,
+        lt=0.5,
+        description="Most distance of a corner without markers from where its neighbours say. Larger: more "
+        "wrong ones.",
+    )
