@@ -34,6 +34,7 @@ class FitSettings:
     lens: str = AUTO
     """Of methods that have cameras, and of the adjustment that places a target in the hand."""
     seed: int = 0
+    """Seed of whatever is random in a method."""
     free_dots: bool = False
     """Whether the dots of a target in the hand are freed."""
     rehearsal: bool = True

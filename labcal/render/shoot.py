@@ -43,6 +43,7 @@ class RenderSettings:
     views: int | None = None
     """Only the first so many views; all where left out."""
     seed: int = 0
+    """Seed of noise, fixed patterns and places that are drawn."""
     workers: int = 1
     """Processes that render side by side, one thread each."""
     force: bool = False
