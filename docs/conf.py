@@ -32,10 +32,7 @@ extensions = [
     "settings_table",
 ]
 exclude_patterns = ["_build", "_ext", "tutorials", "gallery/.labcal-made"]
-suppress_warnings = [
-    "config.cache",  # the configuration of sphinx-gallery is not kept between builds
-    "toc.empty_glob",  # pages that are listed where they exist
-]
+suppress_warnings = ["config.cache"]  # the configuration of sphinx-gallery is not kept between builds
 
 # References: every link within the site must lead somewhere.
 myst_enable_extensions = ["deflist", "dollarmath", "colon_fence"]

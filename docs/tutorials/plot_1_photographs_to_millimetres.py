@@ -30,7 +30,8 @@ from labcal import pipeline
 
 work = tempfile.TemporaryDirectory()
 folder = Path(work.name)
-rendered = pipeline.render("webcam-handheld", folder / "shoot", pipeline.RenderSettings(spp=16, views=14))
+settings = pipeline.RenderSettings(spp=16, views=14)
+rendered = pipeline.render("webcam-handheld", folder / "shoot", settings)
 
 photos = folder / "photos"
 photos.mkdir()
@@ -64,7 +65,7 @@ print(f"{int(detections.ok.sum())} dots measured in {len(measurements)} pictures
 # times enlarged.
 
 
-def ellipse(covariance, scale):
+def ellipse(covariance: np.ndarray, scale: float) -> np.ndarray:
     """Return the outline of one standard deviation, `scale` times enlarged, shape (2, 60)."""
     angle = np.linspace(0.0, 2.0 * np.pi, 60)
     return scale * np.linalg.cholesky(covariance) @ np.stack([np.cos(angle), np.sin(angle)])

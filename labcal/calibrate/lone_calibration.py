@@ -30,7 +30,14 @@ MIN_VIEWS = 3
 
 @dataclass(frozen=True)
 class HandheldSettings:
-    """How a hand-held target is used."""
+    """How a hand-held target is used.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import HandheldSettings
+    >>> HandheldSettings(free_dots=True).bias_rounds
+    2
+    """
 
     lenses: Lenses = Lenses.FREE
     """Whether lenses are estimated, or kept as `start` has them."""

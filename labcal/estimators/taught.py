@@ -29,7 +29,14 @@ from labcal.targets.catalogue import AnyTarget
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How methods are taught."""
+    """How methods are taught.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import FitSettings
+    >>> FitSettings(lens="brown5", hold_out=("view-3", "view-7")).hold_out
+    ('view-3', 'view-7')
+    """
 
     lens: str = AUTO
     """Of methods that have cameras, and of the adjustment that places a target in the hand."""
@@ -140,6 +147,13 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
         There is no such method or lens.
     InputError
         As of :func:`~labcal.estimators.method_choice.estimator_of`.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import FitSettings, estimators_of
+    >>> hybrid, mlp = estimators_of(["hybrid", "mlp"], FitSettings(lens="brown5", seed=7))
+    >>> hybrid.lens, mlp.random_state
+    ('brown5', 7)
     """
     estimators = [estimator_of(method) for method in methods]
     if settings.lens != AUTO:

@@ -36,7 +36,15 @@ PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headle
 
 @dataclass(frozen=True)
 class RenderSettings:
-    """How a scene is rendered."""
+    """How a scene is rendered.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import RenderSettings
+    >>> quick = RenderSettings(spp=16, views=4)
+    >>> quick.spp, quick.seed
+    (16, 0)
+    """
 
     spp: int | None = None
     """Rays a pixel; the scene's own number where left out."""
