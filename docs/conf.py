@@ -22,6 +22,7 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",  # formulas are drawn without the network
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "api_pages",
@@ -33,6 +34,8 @@ extensions = [
 ]
 exclude_patterns = ["_build", "_ext", "tutorials", "gallery/.labcal-made"]
 suppress_warnings = ["config.cache"]  # the configuration of sphinx-gallery is not kept between builds
+
+smartquotes = False  # an option begins with two hyphens and not with a dash
 
 # References: every link within the site must lead somewhere.
 myst_enable_extensions = ["deflist", "dollarmath", "colon_fence"]
@@ -58,6 +61,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "remove_config_comments": True,
     "abort_on_example_error": True,
+    "capture_repr": (),  # a page shows what its script prints and draws
     "show_memory": False,
     "min_reported_time": 1,
     "plot_gallery": True,

@@ -24,7 +24,10 @@ class DecisionTable(SphinxDirective):
             if name is None or head is None:
                 raise self.error(f"{path.name}: a decision begins '# Title', '', 'Status: ...', ''.")
             rows.append([name["date"], f"[{head['title']}]({path.name})", head["status"]])
-        return self.parse_text_to_nodes(table(["date", "decision", "status"], rows))
+        found = self.parse_text_to_nodes(table(["date", "decision", "status"], rows))
+        for node in found:
+            node["classes"].append("dated")
+        return found
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -37,7 +37,7 @@ for view in shoot.views():
 # %%
 # The highest place, which is nearest to the cameras, and the lowest one:
 
-figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+figure, axes = plt.subplots(1, 2, figsize=(9, 4.0), layout="constrained")
 trained = [view for view in shoot.views() if view.role == "train"]
 for view, axis in zip((trained[-1], trained[0]), axes, strict=True):
     axis.imshow(plt.imread(shoot.folder / view.images["left"]))
@@ -45,8 +45,8 @@ for view, axis in zip((trained[-1], trained[0]), axes, strict=True):
     axis.axis("off")
 
 # %%
-# Detect and compare with the truth
-# ---------------------------------
+# Detect
+# ------
 #
 # ``detect`` looks at the pictures alone, never at the truth. Each dot has a position and a covariance.
 
