@@ -26,6 +26,7 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "api_pages",
+    "column_table",
     "command_pages",
     "decision_table",
     "member_table",

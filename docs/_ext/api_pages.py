@@ -57,7 +57,16 @@ def _index(names: dict[str, object]) -> str:
     lines = [title, "=" * len(title), "", *_INTRODUCTION]
     for module in ("labcal.pipeline", "labcal"):
         heading = f"``{module}``"
-        lines += [heading, "-" * len(heading), "", f".. currentmodule:: {module}", "", ".. list-table::", "   :widths: 30 70", ""]
+        lines += [
+            heading,
+            "-" * len(heading),
+            "",
+            f".. currentmodule:: {module}",
+            "",
+            ".. list-table::",
+            "   :widths: 30 70",
+            "",
+        ]
         for name, one in names.items():
             if name.rpartition(".")[0] == module:
                 role = "class" if inspect.isclass(one) else "func"
