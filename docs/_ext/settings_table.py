@@ -9,7 +9,7 @@ import inspect
 import types
 from collections.abc import Iterator
 from enum import Enum
-from typing import Annotated, Any, ClassVar, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Interval, Le, Lt
 from attribute_docs import attribute_docs
@@ -73,8 +73,10 @@ def _kind(annotation: Any) -> str:  # noqa: ANN401 - annotations have no common 
         words = " ".join(part for part in (_kind(parts[0]), _limits(parts[1:])) if part)
     elif origin in {Union, types.UnionType}:
         words = " or ".join(_kind(part) for part in parts)
+    elif origin is Literal:
+        words = "one of " + ", ".join(code(part) for part in parts) if len(parts) > 1 else code(parts[0])
     elif origin is not None:
-        inside = ", ".join("..." if part is Ellipsis else _kind(part) for part in parts)
+        inside = ", ".join(_kind(part) for part in parts if part is not Ellipsis)
         words = f"{getattr(origin, '__name__', str(origin))} of {inside}"
     elif inspect.isclass(annotation) and issubclass(annotation, Enum):
         words = "one of " + ", ".join(code(member.value) for member in annotation)
@@ -120,7 +122,7 @@ class SettingsTable(SphinxDirective):
             raise self.error(f"{self.arguments[0]} says nothing of {', '.join(silent)}.")
         prefix = self.options.get("prefix", "")
         rows = [[code(prefix + name), kind, default, meaning] for name, kind, default, meaning in fields]
-        return self.parse_text_to_nodes(table(["setting", "type", "default", "meaning"], rows))
+        return self.parse_text_to_nodes(table(["name", "type", "default", "meaning"], rows))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

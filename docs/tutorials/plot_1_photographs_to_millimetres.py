@@ -78,6 +78,7 @@ for position, covariance, flag in zip(seen.dots.position, seen.dots.covariance, 
     if flag == "ok":
         axes.plot(*(position[:, None] + ellipse(covariance, 500.0)), color="tab:orange", linewidth=1)
 axes.set(title=Path(seen.source.image).name, xlabel="x / px", ylabel="y / px")
+axes.set(xlim=(-0.5, 639.5), ylim=(479.5, -0.5))
 
 # %%
 # Have the dots been everywhere?
@@ -86,7 +87,7 @@ axes.set(title=Path(seen.source.image).name, xlabel="x / px", ylabel="y / px")
 # A lens is known only where dots were. The dots of all pictures together should cover the picture of each
 # camera, up to its corners.
 
-figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharey=True, layout="constrained")
+figure, axes = plt.subplots(1, 2, figsize=(9, 4.0), sharey=True, layout="constrained")
 for camera, axis in zip(detections.cameras, axes, strict=True):
     dots = detections.where(detections.ok & (detections.camera == camera))
     axis.plot(*dots.position.T, ".", markersize=2)
