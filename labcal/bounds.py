@@ -1,7 +1,7 @@
 """Bounds of sense: what no camera, target or laboratory is beyond, so that a file that says so is damaged.
 
 They are wide: what an instrument can be lies well within them. They stand here alone, so that a figure is
-refused alike wherever it is read; docs/conventions.md lists them for users.
+refused alike wherever it is read; docs/reference/bounds.md lists them for users.
 """
 
 from collections.abc import Callable

@@ -18,6 +18,15 @@ class LabcalError(Exception):
     message : str
         What was given, what was expected and how to mend it. Of one that is very long the middle is left out,
         since what a file holds may be repeated in it.
+
+    Examples
+    --------
+    >>> from labcal import LabcalError, load_target
+    >>> try:
+    ...     load_target("rings-10x9")
+    ... except LabcalError as error:
+    ...     print(error)
+    There is no target named 'rings-10x9'. Did you mean 'rings-10x8'? Known: ...
     """
 
     def __init__(self, message: str = "") -> None:
@@ -25,7 +34,20 @@ class LabcalError(Exception):
 
 
 class InputError(LabcalError, ValueError):
-    """A value, a file or a name that cannot be used; the message says what to do."""
+    """A value, a file or a name that cannot be used; the message says what to do.
+
+    It is a :class:`ValueError`, too.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from labcal import InputError, read_rig
+    >>> try:
+    ...     read_rig(Path("nowhere.json"))
+    ... except InputError as error:
+    ...     print(isinstance(error, ValueError))
+    True
+    """
 
 
 class InputTypeError(LabcalError, TypeError):

@@ -30,7 +30,14 @@ MIN_VIEWS = 3
 
 @dataclass(frozen=True)
 class HandheldSettings:
-    """Settings of a calibration from a hand-held target."""
+    """Settings of a calibration from a hand-held target.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import HandheldSettings
+    >>> HandheldSettings(free_dots=True).bias_rounds
+    2
+    """
 
     lenses: Lenses = Lenses.FREE
     """Lenses are estimated, or kept as in `start`."""

@@ -51,10 +51,15 @@ class CameraRecord(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     K: Matrix3Record
+    """Camera matrix, px, without skew."""
     lens: str
+    """Name of the lens model."""
     dist: Annotated[tuple[float, ...], Field(min_length=5, max_length=14)]
+    """Coefficients in the order of the lens model, five or more."""
     T_cam_world: PoseRecord
+    """Transform from the world to the camera, mm."""
     size: tuple[Side, Side]
+    """Width and height of the picture, px."""
     prescription: Prescription | None = None
     """The lens's surfaces, where the lens is ``prescription``."""
     window: Window | None = None

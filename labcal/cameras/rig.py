@@ -58,8 +58,11 @@ class Rig(PublicObject, BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal["labcal-rig"] = "labcal-rig"
+    """Kind of the file."""
     format_version: Literal[1] = 1
+    """Version of the form of the file."""
     cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
+    """Cameras by name."""
     calibrated_on: tuple[str, ...] = ()
     """Names of the views that it was calibrated from, where that is known: figures of these are no check."""
     calibration: CalibrationRecord | None = None

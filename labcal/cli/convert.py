@@ -18,7 +18,7 @@ def add_parser(commands: CommandGroup) -> None:
         "convert",
         run,
         "Convert cameras (rig.json) and detections (detections.csv) from and to the files of OpenCV, mrcal, "
-        "Kalibr, ROS, COLMAP and DICe. docs/formats.md says what each holds.",
+        "Kalibr, ROS, COLMAP and DICe. docs/reference/formats.md says what each holds.",
         example="labcal convert rig.json rig.cameramodel\n"
         "  labcal convert rig-left.cameramodel rig-right.cameramodel rig.json\n"
         "  labcal convert rig.json stereo.yml --to opencv\n"

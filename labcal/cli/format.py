@@ -73,7 +73,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
         "lens models that are read and written",
         "what may be said",
         caption="A lens model is one with all of its coefficients; more is read, and all that is refused is "
-        f"named: docs/formats.md. Detections: {' from and to '.join(dots)} of mrcal and mrgingham.",
+        f"named: docs/reference/formats.md. Detections: {' from and to '.join(dots)} of mrcal and mrgingham.",
         caption_justify="left",
     )
     table.columns[0].no_wrap = True

@@ -38,8 +38,8 @@ def add_detector_settings(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="detect.NAME=value",
         dest="changes",
-        help="change a setting of the detector: --set detect.edge.max_iterations=20 (names, units and effects: "
-        "docs/reference/settings.md)",
+        help="change a setting of the detector: --set detect.edge.max_iterations=20 (names, units and "
+        "effects: docs/reference/settings.md)",
     )
 
 

@@ -188,6 +188,19 @@ def find_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sourc
     ------
     InputError
         See :func:`loose_sources` and :func:`labcal.shoot.dataset.open_shoot`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from labcal.pipeline import find_sources
+    >>> for name in ("a_0.png", "a_1.png", "b_0.png", "b_1.png"):
+    ...     Path(name).touch()
+    >>> for source in find_sources(["."], {"_0": "left", "_1": "right"}):
+    ...     print(source.view, source.camera, source.image)
+    a left a_0.png
+    a right a_1.png
+    b left b_0.png
+    b right b_1.png
     """
     if len(paths) == 1 and is_shoot(Path(paths[0])):
         return shoot_sources(open_shoot(Path(paths[0])))

@@ -29,11 +29,19 @@ from labcal.targets.catalogue import AnyTarget
 
 @dataclass(frozen=True)
 class FitSettings:
-    """Settings of a fit."""
+    """Settings of a fit.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import FitSettings
+    >>> FitSettings(lens="brown5", hold_out=("view-3", "view-7")).hold_out
+    ('view-3', 'view-7')
+    """
 
     lens: str = AUTO
     """Lens of methods with cameras, and of the adjustment that places a hand-held target."""
     seed: int = 0
+    """Seed of whatever is random in a method."""
     free_dots: bool = False
     """True to free the dots of a hand-held target."""
     rehearsal: bool = True
@@ -150,6 +158,13 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
         There is no such method or lens.
     InputError
         As of :func:`~labcal.estimators.method_choice.estimator_of`.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import FitSettings, estimators_of
+    >>> hybrid, mlp = estimators_of(["hybrid", "mlp"], FitSettings(lens="brown5", seed=7))
+    >>> hybrid.lens, mlp.random_state
+    ('brown5', 7)
     """
     estimators = [estimator_of(method) for method in methods]
     if settings.lens != AUTO:

@@ -16,7 +16,7 @@ def nguyen_widrow(network: Network, random: np.random.Generator) -> Float64[torc
 
     Nguyen and Widrow, "Improving the learning speed of 2-layer neural networks by choosing initial values
     of the adaptive weights", IJCNN 1990. MATLAB's ``initnw`` spaces the biases evenly and doubles
-    everything; from there training takes a quarter more epochs than the paper reports (docs/decisions.md).
+    everything; from there training takes a quarter more epochs than the paper reports (decision "weights").
 
     Parameters
     ----------

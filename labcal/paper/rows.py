@@ -1,6 +1,6 @@
 """The 22 rows that the paper reports (tables 1 to 3), with its contradictions.
 
-The paper's page of this project, docs/reproduction.md, says how each was read.
+The paper's page of this project, docs/explanation/reproduction.md, says how each was read.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """Intersection of rays with flat rectangles, one by one.
 
 A laboratory is a dozen or two of rectangles. Testing all of them takes a third of the time of Embree's tree
-(docs/decisions.md), since every lane does the same work. Scenes with other shapes go through Mitsuba.
+(decision "panel by panel"), since every lane does the same work. Scenes with other shapes go through Mitsuba.
 """
 
 from dataclasses import dataclass

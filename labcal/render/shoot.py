@@ -36,13 +36,22 @@ PACKAGES = ("labcal", "mitsuba", "drjit", "numpy", "opencv-contrib-python-headle
 
 @dataclass(frozen=True)
 class RenderSettings:
-    """Settings of the rendering of a scene."""
+    """Settings of the rendering of a scene.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import RenderSettings
+    >>> quick = RenderSettings(spp=16, views=4)
+    >>> quick.spp, quick.seed
+    (16, 0)
+    """
 
     spp: int | None = None
     """Rays a pixel; the scene's own number where left out."""
     views: int | None = None
     """Only the first so many views; all where left out."""
     seed: int = 0
+    """Seed of noise, fixed patterns and places that are drawn."""
     workers: int = 1
     """Processes that render side by side, one thread each."""
     force: bool = False

@@ -40,15 +40,19 @@ class Board(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     dark: Colour = (0.04, 0.04, 0.04)
+    """Reflectance of the dots in red, green and blue, 0 to 1."""
     light: Colour = (0.85, 0.85, 0.85)
+    """Reflectance of the paper in red, green and blue, 0 to 1."""
     plate: Colour = (0.35, 0.36, 0.37)
     """Edges and back of the plate."""
     thickness_mm: Length = 8.0
+    """Thickness of the plate."""
     gloss_roughness: Annotated[float, Field(ge=0.02, le=1)] | None = None
     """Roughness (alpha of the GGX distribution) of a clear coat of index 1.5; none: matt paper."""
     unevenness: Annotated[float, Field(ge=0, le=0.1)] = 0.0
     """Standard deviation of the paper's reflectance from place to place, as a share of it."""
     bend: Bend = Bend()
+    """Bend of the board; flat where left out."""
     print_scale: tuple[Factor, Factor] = (1.0, 1.0)
     """Scale of the print along x and y, about the middle of the board; dots are scaled, too."""
     print_shear: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0

@@ -42,6 +42,7 @@ class CameraDescription(BaseModel):
     principal_px: tuple[Coordinate, Coordinate] | None = None
     """Principal point; the middle of the picture where left out."""
     lens: str = "brown5"
+    """Name of the lens model."""
     dist: Annotated[tuple[Finite, ...], Field(max_length=14)] = ()
     """Coefficients in the lens's order; those left out are those of no distortion, zero for most."""
     prescription: Prescription | None = None
@@ -51,7 +52,9 @@ class CameraDescription(BaseModel):
     aperture: Aperture | None = None
     """Open where things may be out of focus; where left out everything is sharp."""
     eye_mm: Vector
+    """Centre of projection in the world."""
     look_at_mm: Vector
+    """Point in the world that the camera's axis meets."""
     up: Vector = (0.0, 1.0, 0.0)
     """World direction towards the top of the picture."""
 

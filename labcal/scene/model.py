@@ -39,20 +39,29 @@ class Scene(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
+    """Name of the scene: letters, digits and hyphens."""
     description: str = ""
+    """Description of the scene, for people."""
     target: DotGrid
     """The target; in a file the name of one, or its whole description."""
     cameras: Annotated[dict[Name, CameraDescription], Field(min_length=1)]
+    """Cameras by name."""
     placement: Placement
+    """Poses of the target, one for each view."""
     lamps: Annotated[tuple[Lamp, ...], Field(min_length=1)]
+    """Lamps, one at least."""
     room: Room = Room()
+    """Floor, back wall and table."""
     board: Board = Board()
+    """Print and plate of the target, with their defects."""
     occluders: tuple[Occluder, ...] = ()
     """Solid bodies that occlude the target or are only visible."""
     photometry: Photometry = Photometry()
     """The sensors; in a file the name of a preset, a preset with changes, or the whole description."""
     motion: Motion = Motion()
+    """Movement of the target during an exposure."""
     shutter: ShutterKind = ShutterKind.GLOBAL
+    """Whether all rows of a picture are exposed at once."""
     readout_ms: Amount = 0.0
     """With a rolling shutter, the time from the first row's exposure to the last one's."""
     mistake: Mistake | None = None

@@ -66,14 +66,19 @@ class Photometry(BaseModel):
     black_level_dn: Amount = 0.0
     """Code at which no electrons read."""
     adc_bits: Annotated[int, Field(ge=8, le=16)] = 12
+    """Bits of the analogue-to-digital converter."""
     white: Annotated[float, Field(gt=0, le=0.95)] = 0.75
     """Share of the saturation that the brightest part of a bare board reaches in any view."""
     tone_curve: ToneCurve = ToneCurve.SRGB
+    """Curve from light to the values of the picture; `linear` is none."""
     stage: Stage = Stage.PICTURE
+    """What is delivered: a developed picture, or the converter's raw codes."""
     bits: Literal[8, 16] = 8
     """Bits of a delivered value; a raw picture always has 16."""
     format: PictureFormat = PictureFormat.JPEG
+    """Format of the picture file."""
     jpeg_quality: Annotated[int, Field(ge=1, le=100)] = 95
+    """Quality of JPEG files, 1 to 100."""
 
     @model_validator(mode="before")
     @classmethod

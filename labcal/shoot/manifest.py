@@ -36,9 +36,11 @@ class ViewEntry(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
+    """Name of the view: letters, digits and hyphens."""
     images: Annotated[dict[Name, RelativePath], Field(min_length=1)]
     """Picture by camera, relative to the shoot's folder."""
     role: Role
+    """Whether methods learn from the view, or are tested with it."""
     T_world_target_nominal: PoseRecord | None
     """Pose that the stage reports, mm; null for a hand-held target."""
 
@@ -49,10 +51,15 @@ class Manifest(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal["labcal-shoot"] = "labcal-shoot"
+    """Kind of the file."""
     format_version: Literal[1] = 1
+    """Version of the form of the file."""
     target: AnyTarget
+    """The target as designed."""
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
+    """Cameras by name."""
     views: tuple[ViewEntry, ...]
+    """Views in the order in which they were taken."""
 
     @model_validator(mode="after")
     def _names_agree(self) -> "Manifest":

@@ -45,6 +45,7 @@ class TrueView(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     T_world_target: PoseRecord
+    """Transform from the target to the world, mm."""
     cameras: dict[Name, TruePicture] = {}
     """By the delivered name of a picture; only pictures with other values."""
 
@@ -55,9 +56,13 @@ class Truth(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal["labcal-truth"] = "labcal-truth"
+    """Kind of the file."""
     format_version: Literal[1] = 1
+    """Version of the form of the file."""
     cameras: Annotated[dict[Name, CameraRecord], Field(min_length=1)]
+    """True cameras by name."""
     views: dict[Name, TrueView]
+    """True poses by the name of the view."""
     mistake: str | None = None
     """Name of the mistake that was made on purpose."""
     mistake_description: str | None = None

@@ -58,6 +58,15 @@ def load_target(name: str) -> AnyTarget:
         of target.
     InputError
         The description cannot be read, or a key or value in it is not allowed.
+
+    Examples
+    --------
+    >>> from labcal import load_target
+    >>> target = load_target("rings-10x8")
+    >>> target.cols, target.rows, target.pitch_x_mm
+    (10, 8, 3.5)
+    >>> target.points()[[0, 1, 10]].tolist()  # mm; dots are numbered row by row from the lower left
+    [[0.0, 0.0, 0.0], [3.5, 0.0, 0.0], [0.0, 3.5, 0.0]]
     """
     content = description_content("target", FOLDER, name)
     try:

@@ -76,14 +76,21 @@ class CharucoBoard(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["charuco"]
+    """Kind of the target."""
     name: Name
+    """Name of the target: letters, digits and hyphens."""
     description: str = ""
+    """Description of the target, for people."""
     squares: tuple[Squares, Squares]
     """Squares along x and along y, one more than corners."""
     square_mm: Length
+    """Side of a square of the chessboard."""
     marker_mm: Length
+    """Side of a marker."""
     dictionary: MarkerDictionary
+    """OpenCV's name of the dictionary of the markers."""
     pattern: Pattern = Pattern.CURRENT
+    """Which squares are black where the number of rows of squares is even."""
     margin_mm: Margin = 0.0
     """Bare board around the chessboard."""
 

@@ -75,16 +75,27 @@ class DotGrid(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
+    """Name of the target: letters, digits and hyphens."""
     description: str = ""
+    """Description of the target, for people."""
     layout: Layout = Layout.SYMMETRIC
+    """Whether odd rows are shifted by half a pitch."""
     cols: Annotated[int, Field(ge=2, le=1000)]
+    """Dots in a row."""
     rows: Annotated[int, Field(ge=2, le=1000)]
+    """Rows of dots."""
     pitch_x_mm: Length
+    """Distance from dot to dot in a row."""
     pitch_y_mm: Length
+    """Distance from row to row."""
     dot_diameter_mm: Length
+    """Diameter of a full dot."""
     ring_outer_diameter_mm: Length | None = None
+    """Outer diameter of a ring."""
     ring_inner_diameter_mm: Length | None = None
+    """Diameter of the hole of a ring."""
     polarity: Polarity = Polarity.BLACK_ON_WHITE
+    """Whether dots are dark on a light board or light on a dark one."""
     rings: Rings | None
     """None, which has to be said, where all dots are alike."""
     margin_mm: Margin = 0.0

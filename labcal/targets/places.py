@@ -47,9 +47,13 @@ class DotPlaces(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal["labcal-dots"] = "labcal-dots"
+    """Kind of the file."""
     format_version: Literal[1] = 1
+    """Version of the form of the file."""
     target: AnyTarget
+    """The target as declared."""
     dots: tuple[DotPlace, ...]
+    """Dots with their places on the print."""
     calibrated_on: tuple[str, ...] = ()
     """Names of the views that tell the places: lengths in these are no check of it."""
 

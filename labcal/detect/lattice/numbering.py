@@ -22,7 +22,8 @@ def number_lattice(
     Returns
     -------
     AnyNumbering or Refusal
-        See :func:`labcal.detect.lattice.rings.number_by_rings` and :func:`labcal.detect.lattice.plain.number_plain`.
+        See :func:`labcal.detect.lattice.rings.number_by_rings` and
+        :func:`labcal.detect.lattice.plain.number_plain`.
     """
     if target.rings is None:
         return number_plain(lattice, outlines, target, settings)

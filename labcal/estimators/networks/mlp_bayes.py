@@ -30,7 +30,7 @@ class MlpBayes(NetworkEstimator):
 
     The covariance of a point is that of its pixels' noise, propagated through the network, and that of the
     weights, linearised (MacKay 1992); members of an ensemble count alike, since Laplace's evidence tells
-    their errors badly (docs/decisions.md).
+    their errors badly (decision "evidence every epoch").
 
     Parameters
     ----------

@@ -202,7 +202,7 @@ def test_what_is_no_lens_is_told_what_it_lacks(division: str) -> None:
 
 
 def test_what_formats_hold_is_found_by_writing() -> None:
-    # docs/formats.md: what each refuses of the perspective lenses and the fisheye.
+    # docs/reference/formats.md: what each refuses of the perspective lenses and the fisheye.
     assert not holds(FORMATS["mrcal"], "fisheye-kb4")
     assert not holds(FORMATS["mrcal"], "tilted14")
     assert holds(FORMATS["kalibr"], "fisheye-kb4")
