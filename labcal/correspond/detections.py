@@ -1,8 +1,8 @@
 """``detections.csv``: the dots of many pictures in one table."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -11,8 +11,6 @@ from jaxtyping import Bool, Float64, Int64
 
 from labcal.arrays import AnyArray, float_array, text_array, truth_array, whole_array
 from labcal.correspond.detection_lines import HEADER, read_columns
-from labcal.correspond.sources import Source
-from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
@@ -288,31 +286,6 @@ def _numbers(names: np.ndarray, order: tuple[str, ...]) -> Int64[np.ndarray, " n
     """Return the place of each name in an order."""
     place = {name: number for number, name in enumerate(order)}
     return np.array([place[name] for name in names.tolist()], dtype=np.int64)
-
-
-def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detections:
-    """Return one table of what was found in each picture."""
-    pairs = list(zip(sources, pictures, strict=True))
-    counts = [len(dots.flag) for _, dots in pairs]
-    sizes = np.array([dots.size for _, dots in pairs], dtype=np.int64).reshape(-1, 2)
-    flags = [flag.value for _, dots in pairs for flag in dots.flag]
-    return Detections(
-        view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), counts),
-        camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), counts),
-        image=np.repeat(np.array([source.image for source in sources], dtype=np.str_), counts),
-        size=np.repeat(sizes, counts, axis=0),
-        index=np.concatenate([dots.index for _, dots in pairs]).astype(np.int64),
-        has_id=np.concatenate([dots.has_id for _, dots in pairs]),
-        position=np.concatenate([dots.position for _, dots in pairs]),
-        covariance=np.concatenate([dots.covariance for _, dots in pairs]),
-        flag=np.array(flags, dtype=np.str_),
-    )
-
-
-def joined(tables: Sequence[Detections]) -> Detections:
-    """Return one table with the lines of several."""
-    columns = (column.name for column in fields(Detections))
-    return Detections(*(np.concatenate([getattr(table, name) for table in tables]) for name in columns))
 
 
 def detections_csv(table: Detections) -> str:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import cv2
 
-from labcal.correspond.detections import Detections, gather
+from labcal.correspond.detections import Detections
+from labcal.correspond.gathering import gather
 from labcal.correspond.orientation import resolve_orientation
 from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
