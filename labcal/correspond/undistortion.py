@@ -14,6 +14,7 @@ from labcal.correspond.picture_set import PictureSet
 from labcal.correspond.refused_pictures import no_picture_left, shared_reasons
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FolderOutput, claim_outputs
 from labcal.run.made import make_folder
 from labcal.run.progress import Progress
@@ -58,7 +59,7 @@ class Undistorted:
 def undistort_pictures(
     rig: Rig,
     pictures: PictureSet,
-    folder: Path,
+    folder: AnyPath,
     settings: UndistortSettings,
     read: Iterable[Path],
     progress: Progress,
@@ -70,7 +71,7 @@ def undistort_pictures(
     rig : Rig
     pictures : PictureSet
         Of its cameras; loose pictures are of the only camera where it has one.
-    folder : Path
+    folder : str or os.PathLike
         To appear, with ``images``, ``maps`` and the new cameras, ``rig.json``.
     settings : UndistortSettings
     read : iterable of Path
@@ -85,6 +86,7 @@ def undistort_pictures(
     OutputError
         The folder may not be made.
     """
+    folder = as_path(folder)
     if settings.rectify and settings.whole:
         raise InputError("`whole` is what `rectify` does anyway. Leave it out.")
     sources = [_with_camera(source, rig) for source in pictures.sources]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def measure(
     pictures: "AnyPictures",
-    target: str | AnyTarget | None = None,
+    target: AnyTarget | AnyPath | None = None,
     settings: "DetectSettings | None" = None,
     tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
     workers: int = 1,
@@ -28,7 +28,7 @@ def measure(
     ----------
     pictures : PictureSet, Shoot, path or sequence of paths
         As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
-    target : str or AnyTarget, optional
+    target : AnyTarget, str or path, optional
         What the pictures show; a shoot brings its own.
     settings : DetectSettings, optional
         Thresholds, sizes and counts of the detector; the defaults where left out.
@@ -61,7 +61,7 @@ def measure(
 
 def detect(
     pictures: "AnyPictures",
-    target: str | AnyTarget | None = None,
+    target: AnyTarget | AnyPath | None = None,
     settings: "DetectSettings | None" = None,
     tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
     workers: int = 1,
@@ -83,7 +83,7 @@ def detect(
 
 def inspect(
     pictures: "AnyPictures",
-    target: str | AnyTarget | None = None,
+    target: AnyTarget | AnyPath | None = None,
     settings: "DetectSettings | None" = None,
     workers: int = 1,
     progress: Progress | None = None,

@@ -13,7 +13,7 @@ def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
     """Return what dots are of: a shoot, by its folder, too, or a target, by its name, too."""
     if isinstance(source, Shoot | Target):
         return source
-    return open_shoot(as_path(source)) if is_shoot(as_path(source)) else load_target(str(source))
+    return open_shoot(as_path(source)) if is_shoot(as_path(source)) else load_target(source)
 
 
 def dots_of(detections: Detections | AnyPath | None, shown: Shoot | AnyTarget | None) -> Detections:

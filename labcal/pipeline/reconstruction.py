@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def reconstruct(
     model: Model | Rig | AnyPath,
     detections: Detections | AnyPath,
-    target: Target | str | None = None,
+    target: Target | AnyPath | None = None,
 ) -> "Reconstruction":
     """Return the points of all dots that every camera measured.
 
@@ -35,7 +35,7 @@ def reconstruct(
         A fitted method or cameras, or the file of them.
     detections : Detections or path
         Dots, or the table of them.
-    target : Target or str, optional
+    target : Target, str or path, optional
         What the dots are of, so that centroids give centres.
 
     Raises
@@ -47,7 +47,7 @@ def reconstruct(
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
-    shown = load_target(target) if isinstance(target, str) else target
+    shown = target if target is None or isinstance(target, Target) else load_target(target)
     dots = dots_of(detections, None)
     found = reconstruct_centres(used, dots, shown)
     known = None if shown is None else shown.name

@@ -43,5 +43,5 @@ def render(
     from labcal.render.shoot import RenderSettings, render_shoot
     from labcal.scene.catalogue import load_scene
 
-    loaded = load_scene(str(scene), tuple(overrides))
+    loaded = load_scene(scene, tuple(overrides))
     return render_shoot(loaded, as_path(folder), settings or RenderSettings(), progress or NoProgress())

@@ -1,13 +1,13 @@
 """The document ``results.json`` of ``labcal reproduce``."""
 
 from math import isfinite
-from pathlib import Path
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from labcal.bounds import MOST_WEIGHT, Amount, Finite
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.documents import read_document
 from labcal.wording import has_control
 
@@ -142,7 +142,7 @@ class Reproduction(BaseModel):
     pictures: Annotated[tuple[ShownPicture, ...], Field(max_length=_MOST)]
 
 
-def read_reproduction(folder: Path) -> Reproduction:
+def read_reproduction(folder: AnyPath) -> Reproduction:
     """Read ``results.json`` in a folder that ``labcal reproduce`` made.
 
     Raises
@@ -150,6 +150,7 @@ def read_reproduction(folder: Path) -> Reproduction:
     InputError
         There is none, or it is not one that this version reads.
     """
+    folder = as_path(folder)
     path = folder / RESULTS
     if not path.is_file():
         raise InputError(
