@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, text_array, truth_array, whole_array
+from labcal.arrays import AnyArray, float_array, lines_array, text_array, truth_array, whole_array
 from labcal.correspond.detection_lines import HEADER, read_columns
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
@@ -126,8 +126,20 @@ class Detections(PublicObject):
         edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))
         return [self.where(lines) for lines in np.split(order, edges)]
 
-    def where(self, mask: Bool[np.ndarray, " n"] | Int64[np.ndarray, " m"]) -> "Detections":
-        """Return the lines where the mask holds, or those of some numbers."""
+    def where(self, mask: AnyArray) -> "Detections":
+        """Return the lines where the mask holds, or those of some numbers.
+
+        Parameters
+        ----------
+        mask : array_like of bool, shape (n,), or of int
+            A truth value for each line, or the numbers of those that are wanted, in that order.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            It has another length, or is made of something else.
+        """
+        mask = lines_array(mask, len(self), "mask")
         return Detections(
             self.view[mask], self.camera[mask], self.image[mask], self.size[mask], self.index[mask],
             self.has_id[mask], self.position[mask], self.covariance[mask], self.flag[mask],

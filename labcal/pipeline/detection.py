@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from labcal.correspond.detections import Detections
+from labcal.paths import AnyPath
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, find_tone_curve
 from labcal.targets.catalogue import AnyTarget
