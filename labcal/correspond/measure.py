@@ -1,6 +1,6 @@
 """Detection in many pictures, spread over an executor."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -15,14 +15,15 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.detect.settings import DetectSettings
 from labcal.errors import InputError, InputTypeError, WorkerError
+from labcal.public_object import PublicObject
 from labcal.run.executor import finished
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
 from labcal.targets.catalogue import AnyTarget
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurement(PublicObject):
     """The result of one picture."""
 
     source: Source
@@ -35,6 +36,11 @@ class Measurement:
     def indexed(self) -> bool:
         """True if the dots of this picture have ids."""
         return self.reason is None
+
+    def _summary(self) -> Mapping[str, object]:
+        found = {"dots": 0 if self.dots is None else len(self.dots.flag)}
+        why = {} if self.reason is None else {"reason": self.reason}
+        return {"view": self.source.view, "camera": self.source.camera, **found, **why}
 
 
 def measure_picture(

@@ -1,6 +1,6 @@
 """Pictures as ideal cameras in the same places would have taken them, with the maps and the new cameras."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from labcal.correspond.refused_pictures import no_picture_left, shared_reasons
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.claims import FolderOutput, claim_outputs
 from labcal.run.made import make_folder
 from labcal.run.progress import Progress
@@ -40,8 +41,8 @@ class UndistortSettings:
     """Replace what labcal made there."""
 
 
-@dataclass(frozen=True)
-class Undistorted:
+@dataclass(frozen=True, eq=False, repr=False)
+class Undistorted(PublicObject):
     """What became of pictures; the JSON document of ``labcal undistort``."""
 
     folder: str
@@ -54,6 +55,18 @@ class Undistorted:
     """Why the views that the rig was calibrated from contradict each other, the likeliest cause first."""
     warnings: list[str]
     """What is not as it should be, for people."""
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "folder": self.folder,
+            "images": len(self.images),
+            "cameras": self.cameras,
+            "skipped": len(self.skipped),
+            "warnings": len(self.warnings),
+        }
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        return [HtmlTable(("skipped, and warnings",), [[one] for one in (*self.skipped, *self.warnings)])]
 
 
 def undistort_pictures(
