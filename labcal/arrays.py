@@ -109,6 +109,22 @@ def truth_array(given: AnyArray, shape: Shape, name: str) -> np.ndarray:
     return _checked(given, shape, name, "b", "truth values")
 
 
+def lines_array(given: AnyArray, n: int, name: str) -> np.ndarray:
+    """Return lines that are chosen out of `n`: a truth value for each, or the numbers of some.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        There are more or fewer truth values than lines, a number is of no line, or neither was given.
+    """
+    if np.asarray(given).dtype == np.bool_:
+        return truth_array(given, (n,), name)
+    numbers = whole_array(given, ("lines",), name)
+    if numbers.size and not (-n <= numbers.min() and numbers.max() < n):
+        raise InputError(f"{name} must hold numbers of lines from {-n} to {n - 1}, but holds others.")
+    return numbers
+
+
 def text_array(given: AnyArray, shape: Shape, name: str) -> np.ndarray:
     """Return what was given as an array of str of a shape; see :func:`float_array`."""
     if isinstance(given, np.ndarray) and given.dtype.kind == "U":

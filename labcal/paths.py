@@ -27,10 +27,25 @@ def as_path(given: AnyPath) -> Path:
     >>> as_path("shoots/monday").name
     'monday'
     """
-    if isinstance(given, Path):
-        return given
-    if isinstance(given, str) or (isinstance(given, os.PathLike) and isinstance(os.fspath(given), str)):
-        return Path(given)
+    return given if isinstance(given, Path) else Path(as_text(given))
+
+
+def as_text(given: AnyPath) -> str:
+    """Return a path, or a name in place of one, as a text: ``./board`` is a path, ``board`` may be a name.
+
+    Raises
+    ------
+    InputTypeError
+        As of :func:`as_path`.
+
+    Examples
+    --------
+    >>> as_text(Path("boards") / "mine.yaml")
+    'boards/mine.yaml'
+    """
+    text = os.fspath(given) if isinstance(given, str | os.PathLike) else None
+    if isinstance(text, str):
+        return text
     raise InputTypeError(
         f"A path is a text or an os.PathLike, but {shown(given)} of type {type(given).__name__} was given."
     )

@@ -35,7 +35,7 @@ class PublicObject:
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={_told(value)}" for name, value in self._summary().items())
-        return printable(f"{type(self).__name__}({told})")
+        return printable(f"{type(self).__name__}({' '.join(told.splitlines())})")
 
     def __str__(self) -> str:
         return repr(self)

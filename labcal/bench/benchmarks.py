@@ -1,13 +1,12 @@
 """The benchmarks by name."""
 
-from pathlib import Path
-
 from labcal.bench.detect.bench import bench_detect
 from labcal.bench.detect.real import real_home
 from labcal.bench.render.bench import bench_render
 from labcal.bench.settings import BenchSettings
 from labcal.bench.solve.bench import bench_solve
 from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_path
 from labcal.report.bench import BenchResult
 from labcal.run.claims import FolderOutput, claim_outputs
 from labcal.run.progress import Progress
@@ -15,13 +14,13 @@ from labcal.run.progress import Progress
 BENCHMARKS = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}
 
 
-def run_benchmark(what: str, folder: Path, settings: BenchSettings, progress: Progress) -> BenchResult:
+def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress: Progress) -> BenchResult:
     """Run a benchmark into a new folder.
 
     Parameters
     ----------
     what : {"render", "detect", "solve"}
-    folder : Path
+    folder : str or os.PathLike
     settings : BenchSettings
     progress : Progress
 
@@ -34,6 +33,7 @@ def run_benchmark(what: str, folder: Path, settings: BenchSettings, progress: Pr
     OutputError
         The folder may not be made.
     """
+    folder = as_path(folder)
     if what not in BENCHMARKS:
         raise UnknownNameError("benchmark", what, BENCHMARKS)
     if settings.groups and what == "render":

@@ -3,6 +3,7 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.thumbnail import thumbnail
 from labcal.run.outputs import write_file
@@ -16,12 +17,12 @@ WIDTH = 640
 QUALITY = 88
 
 
-def make_gallery(folder: Path, seed: int, progress: Progress, *, force: bool = False) -> list[str]:
+def make_gallery(folder: AnyPath, seed: int, progress: Progress, *, force: bool = False) -> list[str]:
     """Render the first view of every shipped scene and write ``README.md`` with the pictures.
 
     Parameters
     ----------
-    folder : Path
+    folder : str or os.PathLike
         It appears when every picture is there.
     seed : int
     progress : Progress
@@ -41,6 +42,7 @@ def make_gallery(folder: Path, seed: int, progress: Progress, *, force: bool = F
     DeviceError
         There is no LLVM library for the renderer.
     """
+    folder = as_path(folder)
     names = scene_names()
     progress.start("gallery", len(names))
     lines = [

@@ -28,6 +28,7 @@ from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 
 if TYPE_CHECKING:
+    import matplotlib.figure
     import pandas
 
 
@@ -89,6 +90,24 @@ class Calibration(PublicObject):
             rms_px=[fit.rms_px for fit in fits],
             rms_in_rig_px=[fit.rms_in_rig_px for fit in fits],
         )
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw the residuals in the rig: their RMS by view, px, and over each picture, enlarged.
+
+        Residuals are predicted minus measured positions of the dots' centres.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> made.plot().axes[0].get_ylabel()
+        'RMS residual (px)'
+        """
+        from labcal.calibrate.calibration_figure import (  # noqa: PLC0415 -- imports matplotlib
+            calibration_figure,
+        )
+
+        return calibration_figure(self.found)
 
     def _summary(self) -> Mapping[str, object]:
         return {

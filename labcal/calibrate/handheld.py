@@ -30,6 +30,7 @@ from labcal.calibrate.one_lens import two_lenses
 from labcal.calibrate.outlying_dots import OutlyingDots
 from labcal.calibrate.parallel_rig import told_by_each_other
 from labcal.calibrate.resection.resected import MOST_OFF
+from labcal.calibrate.rig_residuals import RigResiduals
 from labcal.calibrate.rig_start import rig_start
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
@@ -233,4 +234,5 @@ def _assemble(
         bias=CentreBias.of(adjusted.shift),
         freed=whole.freed,
         reason=adjusted.reason,
+        residuals=RigResiduals.of(adjusted, whole.observations),
     )

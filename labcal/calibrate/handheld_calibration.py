@@ -12,6 +12,7 @@ from labcal.calibrate.centre_bias import CentreBias
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.outlying_dots import OutlyingDots
+from labcal.calibrate.rig_residuals import RigResiduals
 from labcal.cameras.optics import INTRINSICS
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
@@ -94,6 +95,8 @@ class HandheldCalibration:
     freed: FreedDots | None
     """The dots as all cameras together find them."""
     reason: StopReason
+    residuals: RigResiduals
+    """Of all dots that entered, in the rig."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

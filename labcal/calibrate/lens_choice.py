@@ -17,7 +17,8 @@ from labcal.calibrate.lens_candidates import LARGE, OF_VIEWS, PLENTY
 from labcal.calibrate.lens_start import LensStart, start_from_camera, start_from_pictures
 from labcal.calibrate.lens_support import undetermined
 from labcal.calibrate.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
-from labcal.correspond.detections import Detections, joined
+from labcal.correspond.detections import Detections
+from labcal.correspond.gathering import joined
 from labcal.errors import InputError
 from labcal.run.progress import Progress
 from labcal.run.threads import one_blas_thread

@@ -1,6 +1,9 @@
-"""Pixels that see no direction, told for people."""
+"""Pixels that see no direction, told for people or refused."""
+
+import numpy as np
 
 from labcal.cameras.camera import Camera
+from labcal.errors import InputError
 
 
 def blind_pixels(name: str, camera: Camera) -> str | None:
@@ -20,3 +23,30 @@ def blind_pixels(name: str, camera: Camera) -> str | None:
         "there, or the picture reaches beyond its field. Points there are lost; if the picture is not black "
         "there, take pictures with dots up to its corners, or another lens model"
     )
+
+
+def require_rays_everywhere(name: str, camera: Camera) -> None:
+    """Raise where the lens model folds, or has no inverse, within the picture.
+
+    Raises
+    ------
+    InputError
+        A pixel on a lattice over the picture has no ray.
+    """
+    q = np.stack(camera.lattice(), axis=-1)
+    lost = ~camera.rays(q).ok
+    if lost.any():
+        q = q[lost][0]
+        raise InputError(
+            f"The lens of camera '{name}' ({camera.lens}) folds within its picture: pixel "
+            f"({q[0]:.1f}, {q[1]:.1f}) sees no direction. {_mend(camera)}"
+        )
+
+
+def _mend(camera: Camera) -> str:
+    """Return what helps where the picture reaches beyond the lens's field."""
+    if camera.prescription is not None:
+        return "Raise focal_px, lessen the picture's size, or give the prescription wider surfaces."
+    if camera.model.ranges is not None:
+        return "Raise the focal length, lessen the picture's size, or let the lens see farther."
+    return "Weaken the distortion, or add coefficients that let it grow outwards."

@@ -11,45 +11,29 @@ from labcal.arrays import (
     AnyArray,
     Mask,
     Matrix3,
-    Pixels,
     PointJacobians,
     Pose,
     Vectors3,
     float_array,
     whole_array,
 )
-from labcal.cameras.dual import Dual, DualMathematics, constants, variables
-from labcal.cameras.lens import LENGTH, MOST_COEFFICIENTS, PRESCRIPTION, Lens, lens_by_name
-from labcal.cameras.mathematics import NUMPY, Number, NumpyMathematics
-from labcal.cameras.optics import INTRINSICS, Optics
+from labcal.cameras.camera_description import camera_description
+from labcal.cameras.imaging import Projection, Rays
+from labcal.cameras.jacobians import intrinsic_jacobian, point_jacobian
+from labcal.cameras.lens import MOST_COEFFICIENTS, Lens, lens_by_name
+from labcal.cameras.mathematics import NUMPY
+from labcal.cameras.optics import Optics
+from labcal.cameras.possible_camera import require_possible
 from labcal.cameras.prescribed import PrescribedLens
 from labcal.cameras.prescription import Prescription
 from labcal.cameras.window import FlatWindow, WavyWindow
-from labcal.errors import InputError
-from labcal.geometry.poses import inverse, require_rigid, transform
+from labcal.geometry.poses import inverse, transform
 from labcal.public_object import PublicObject
 
 if TYPE_CHECKING:
     import matplotlib.figure
 
 _LATTICE = 65
-
-
-@dataclass(frozen=True)
-class Rays:
-    """Where pixels look: a point on each ray, its unit direction, and whether there is a ray at all."""
-
-    origin: Vectors3
-    direction: Vectors3
-    ok: Mask
-
-
-@dataclass(frozen=True)
-class Projection:
-    """Where points are imaged; NaN and not ok for what the camera cannot image."""
-
-    q: Pixels
-    ok: Mask
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -128,39 +112,7 @@ class Camera(PublicObject):
         }
         for name, part in parts.items():
             object.__setattr__(self, name, part)
-        self._require_sense()
-
-    def _require_sense(self) -> None:
-        """Raise where the parts are no possible camera."""
-        if (self.lens == PRESCRIPTION) != (self.prescription is not None):
-            raise InputError(
-                f"A camera has a prescription if its lens is '{PRESCRIPTION}', and only then; here the lens "
-                f"is '{self.lens}'. Set lens to '{PRESCRIPTION}', or leave out the prescription."
-            )
-        model = self.model
-        fx, fy, cx, cy = self.intrinsics
-        expected = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
-        if not (np.isfinite(self.K).all() and np.array_equal(self.K, expected) and min(fx, fy) > 0):
-            raise InputError(
-                "K must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths in pixels."
-            )
-        if len(self.dist) < LENGTH or not np.isfinite(self.dist).all():
-            raise InputError(f"dist must hold at least {LENGTH} finite coefficients; pad it with zeros.")
-        if np.any(self.dist[model.coefficients :] != 0.0):
-            raise InputError(
-                f"The lens model '{self.lens}' has {model.coefficients} coefficients; the rest of dist must "
-                "be 0. Shorten dist, or choose another lens."
-            )
-        if self.prescription is not None and fx != fy:
-            raise InputError("A lens prescription images round things round: fx and fy must be equal.")
-        if model.parallel and isinstance(self.window, FlatWindow):
-            raise InputError(
-                f"A flat window leaves the rays of the lens '{self.lens}' parallel: it is no more than "
-                "another place of the camera. Leave the window out."
-            )
-        if min(self.size) < 1:
-            raise InputError(f"The picture size must be positive, but is {self.size[0]} x {self.size[1]}.")
-        require_rigid(self.T_cam_world, "T_cam_world")
+        require_possible(self)
 
     def plot(self) -> "matplotlib.figure.Figure":
         """Draw how far the lens displaces its picture, in px, with the field of view's border.
@@ -182,31 +134,7 @@ class Camera(PublicObject):
         return camera_figure(self)
 
     def _summary(self) -> Mapping[str, object]:
-        return self.described
-
-    @property
-    def described(self) -> Mapping[str, str]:
-        """Lens, picture size, focal length and angle of view, for people."""
-        fx, fy, _, _ = self.intrinsics
-        width, height = self.size
-        across, down = self.field_deg
-        return {
-            "lens": self.lens,
-            "size": f"{width} x {height} px",
-            "focal_length": f"{fx:.1f}, {fy:.1f} px",
-            "field": f"{across:.1f} x {down:.1f} deg",
-        }
-
-    @cached_property
-    def field_deg(self) -> tuple[float, float]:
-        """Angles of view from edge to edge through the picture's middle, across and down, degrees."""
-        width, height = self.size
-        u, v = 0.5 * (width - 1), 0.5 * (height - 1)
-        edges = self.rays([[-0.5, v], [width - 0.5, v], [u, -0.5], [u, height - 0.5]]).direction
-        x, y, z = self.T_cam_world[:3, :3] @ edges.T
-        left, right = np.degrees(np.arctan2(x[:2], z[:2])).tolist()
-        top, bottom = np.degrees(np.arctan2(y[2:], z[2:])).tolist()
-        return right - left, bottom - top
+        return camera_description(self)
 
     @property
     def intrinsics(self) -> tuple[float, float, float, float]:
@@ -252,19 +180,6 @@ class Camera(PublicObject):
         spare = 1.0 + (self.window.largest_px if isinstance(self.window, WavyWindow) else 0.0)
         x, y = max(cx, width - 1 - cx) + spare, max(cy, height - 1 - cy) + spare
         return float(np.hypot(x / fx, y / fy))
-
-    @cached_property
-    def newton_steps(self) -> int:
-        """Newton steps after which the inverse of the lens is found everywhere in the picture."""
-        q = self._lattice()
-        with np.errstate(invalid="ignore", over="ignore"):
-            there = self.optics.trace(NUMPY, self.numbers, *q).ok
-            for steps in range(1, NUMPY.newton_steps):
-                # Well short of what is asked for, since between the nodes it may be worse.
-                m = NumpyMathematics(steps, settled=5e-5)
-                if not np.any(there & ~self.optics.trace(m, self.numbers, *q).ok):
-                    return steps
-        return NUMPY.newton_steps
 
     def rays(self, q: AnyArray) -> Rays:
         """Return the rays of pixels, in the world.
@@ -345,37 +260,11 @@ class Camera(PublicObject):
 
     def point_jacobian(self, p: AnyArray) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
-        X, Y, Z = np.moveaxis(transform(self.T_cam_world, float_array(p, (..., 3), "p")), -1, 0)
-        numbers = constants(self.forward_numbers, 3)
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            x, y, z = variables(X, Y, Z)
-            found = self.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
-        local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
-        jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
-        return jacobian
+        return point_jacobian(self, float_array(p, (..., 3), "p"))
 
     def intrinsic_jacobian(self, p: AnyArray) -> np.ndarray:
         """Return dq / d(fx, fy, cx, cy, coefficients) at world points, shape (..., 2, 4 + coefficients)."""
-        free = self.model.coefficients
-        X, Y, Z = np.moveaxis(transform(self.T_cam_world, float_array(p, (..., 3), "p")), -1, 0)
-        varied = variables(*self.intrinsics, *self.padded_dist[:free])
-        directions = INTRINSICS + free
-        fixed = constants(self.padded_dist[free:], directions)
-        m = DualMathematics(NUMPY)
-        numbers = self.dual_numbers(m, varied[:INTRINSICS], (*varied[INTRINSICS:], *fixed))
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            x, y, z = constants((X, Y, Z), directions)
-            found = self.optics.project(m, numbers, (x, y, z))
-        return slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
-
-    def dual_numbers(
-        self, m: DualMathematics, intrinsics: tuple[Dual, ...], dist: tuple[Dual, ...]
-    ) -> tuple[Dual, ...]:
-        """Return :attr:`forward_numbers` for derivatives by intrinsics and all of :attr:`padded_dist`."""
-        directions = len(intrinsics[0].slopes)
-        formula = self.model.formula(m, dist) if self.model.coefficients else ()
-        rest = constants(self._forward_lens_numbers[len(formula) :], directions)
-        return (*intrinsics, *constants(self._window_numbers, directions), *formula, *rest)
+        return intrinsic_jacobian(self, float_array(p, (..., 3), "p"))
 
     def in_picture(self, q: AnyArray) -> Mask:
         """Return whether pixels lie on the picture, which reaches half a pixel beyond the outer centres."""
@@ -387,33 +276,7 @@ class Camera(PublicObject):
     @cached_property
     def share_without_rays(self) -> float:
         """The share of a lattice over the picture whose pixels see no direction: the lens folds there."""
-        return float((~self.rays(np.stack(self._lattice(), axis=-1)).ok).mean())
-
-    def require_rays_everywhere(self, name: str) -> None:
-        """Raise where the lens model folds, or has no inverse, within the picture.
-
-        Raises
-        ------
-        InputError
-            A pixel on a lattice over the picture has no ray.
-        """
-        q = np.stack(self._lattice(), axis=-1)
-        lost = ~self.rays(q).ok
-        if lost.any():
-            q = q[lost][0]
-            raise InputError(
-                f"The lens of camera '{name}' ({self.lens}) folds within its picture: pixel "
-                f"({q[0]:.1f}, {q[1]:.1f}) sees no direction. {self._mend}"
-            )
-
-    @property
-    def _mend(self) -> str:
-        """What helps where the picture reaches beyond the lens's field."""
-        if self.prescription is not None:
-            return "Raise focal_px, lessen the picture's size, or give the prescription wider surfaces."
-        if self.model.ranges is not None:
-            return "Raise the focal length, lessen the picture's size, or let the lens see farther."
-        return "Weaken the distortion, or add coefficients that let it grow outwards."
+        return float((~self.rays(np.stack(self.lattice(), axis=-1)).ok).mean())
 
     @property
     def padded_dist(self) -> tuple[float, ...]:
@@ -432,15 +295,9 @@ class Camera(PublicObject):
     def _lens_numbers(self) -> tuple[float, ...]:
         return self.model.numbers(NUMPY, self.padded_dist, self.reach)
 
-    def _lattice(self) -> tuple[np.ndarray, np.ndarray]:
+    def lattice(self) -> tuple[np.ndarray, np.ndarray]:
         """Return u and v of a lattice over the picture up to its very edges."""
         u = np.linspace(-0.5, self.size[0] - 0.5, _LATTICE)
         v = np.linspace(-0.5, self.size[1] - 0.5, _LATTICE)
         across, down = np.meshgrid(u, v)
         return across.ravel(), down.ravel()
-
-
-def slopes_of(of_u: tuple[Number, ...], of_v: tuple[Number, ...], shape: tuple[int, ...]) -> np.ndarray:
-    """Return the slopes of both coordinates as one array, shape (..., 2, directions)."""
-    rows = [np.stack([np.broadcast_to(slope, shape) for slope in of], axis=-1) for of in (of_u, of_v)]
-    return np.stack(rows, axis=-2)

@@ -12,6 +12,7 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, Pixels, PointJacobians, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
+from labcal.cameras.jacobians import dual_numbers
 from labcal.cameras.mathematics import NUMPY, Number
 from labcal.cameras.optics import INTRINSICS
 from labcal.geometry.poses import transform
@@ -82,7 +83,7 @@ def projection_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivat
     varied = variables(*np.moveaxis(p_cam, -1, 0), *camera.intrinsics, *dist[:free])
     intrinsics, coefficients = varied[POINT : POINT + INTRINSICS], varied[POINT + INTRINSICS :]
     lens = (*coefficients, *constants(dist[free:], width))
-    return _at_once(camera, camera.dual_numbers(m, intrinsics, lens), varied[:POINT])
+    return _at_once(camera, dual_numbers(camera, m, intrinsics, lens), varied[:POINT])
 
 
 def point_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivatives:

@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, Outlines, Pixels, Pose, Vectors3
-from labcal.cameras.camera import Camera, Projection
+from labcal.cameras.camera import Camera
+from labcal.cameras.imaging import Projection
 from labcal.geometry.poses import transform
 
 SAMPLES = 64

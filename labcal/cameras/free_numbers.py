@@ -6,9 +6,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
-from labcal.cameras.camera import Camera, slopes_of
+from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import POINT, ProjectionDerivatives, has_field, projection_derivatives
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
+from labcal.cameras.jacobians import dual_numbers, slopes_of
 from labcal.cameras.lens import LENGTH
 from labcal.cameras.mathematics import NUMPY
 from labcal.cameras.optics import INTRINSICS
@@ -124,7 +125,7 @@ class FreeNumbers:
         if camera.model.parallel:
             intrinsics = (*free[:2], *constants(camera.intrinsics[2:], POINT + self.count))
         rest = constants(camera.padded_dist[camera.model.coefficients :], POINT + self.count)
-        numbers = camera.dual_numbers(m, intrinsics, (*free[self.coefficients], *rest))
+        numbers = dual_numbers(camera, m, intrinsics, (*free[self.coefficients], *rest))
         if not isinstance(camera.window, FlatWindow):
             return numbers
         pane = camera.window.formula(m, free[-PLACE:])

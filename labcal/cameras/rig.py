@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.cameras.camera import Camera
+from labcal.cameras.camera_description import camera_description
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
@@ -199,7 +200,7 @@ class Rig(PublicObject, BaseModel):
         for name in self.cameras:
             camera = self.camera(name)
             x, y, z = camera.centre.tolist()
-            rows.append([name, *map(str, camera.described.values()), f"{x:.1f}, {y:.1f}, {z:.1f}"])
+            rows.append([name, *map(str, camera_description(camera).values()), f"{x:.1f}, {y:.1f}, {z:.1f}"])
         return [HtmlTable(("camera", "lens", "size", "focal length", "field", "centre (mm)"), rows)]
 
 

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import AnyArray, Mask, Pixels, PointCovariances, Vectors3, float_array
+from labcal.arrays import AnyArray, Mask, PointCovariances, Vectors3, float_array
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import Imaged, imaged
 from labcal.geometry.covariances import positive_definite
@@ -136,20 +136,25 @@ def _normal_equations(
     return normal, gradient
 
 
-def triangulation_limit(
-    cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
-) -> PointCovariances:
+def triangulation_limit(cameras: Sequence[Camera], p: AnyArray, covariance: AnyArray) -> PointCovariances:
     """Return the Cramer-Rao bound of points seen by exactly known cameras, shape (n, 3, 3), mm squared.
 
     Parameters
     ----------
     cameras : sequence of Camera
         The true cameras.
-    p : ndarray, shape (n, 3)
+    p : array_like, shape (n, 3)
         True points, mm.
-    covariance : ndarray, shape (n, cameras, 2, 2)
+    covariance : array_like, shape (n, cameras, 2, 2)
         Covariances of the pixel positions, px squared.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        `p` or `covariance` has another shape, or is not made of numbers.
     """
+    p = float_array(p, ("n", 3), "p")
+    covariance = float_array(covariance, (len(p), len(cameras), 2, 2), "covariance")
     q = np.stack([camera.project(p).q for camera in cameras], axis=1)
     known = [KnownCamera(camera) for camera in cameras]
     normal, _ = _normal_equations(known, p, q, np.linalg.inv(covariance))
@@ -157,21 +162,28 @@ def triangulation_limit(
     return bound
 
 
-def epipolar_distances(camera_a: Camera, camera_b: Camera, q_a: Pixels, q_b: Pixels) -> np.ndarray:
+def epipolar_distances(camera_a: Camera, camera_b: Camera, q_a: AnyArray, q_b: AnyArray) -> np.ndarray:
     """Return how far pixels of `camera_b` lie from the epipolar curves of their partners in `camera_a`.
 
     Parameters
     ----------
     camera_a, camera_b : Camera
         Any lens: the curve is followed through the camera models.
-    q_a, q_b : ndarray, shape (n, 2)
+    q_a, q_b : array_like, shape (n, 2)
         Pixels of the same points.
 
     Returns
     -------
     ndarray, shape (n,)
         Signed distance in px of camera b; NaN where there is no ray.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        `q_a` or `q_b` has another shape, or is not made of numbers.
     """
+    q_a = float_array(q_a, ("n", 2), "q_a")
+    q_b = float_array(q_b, (len(q_a), 2), "q_b")
     rays_a, rays_b = camera_a.rays(q_a), camera_b.rays(q_b)
     p = closest_points(
         np.stack([rays_a.origin, rays_b.origin], axis=1),

@@ -130,13 +130,14 @@ def _dots_path(output: Path) -> Path:
 
 def _write_dots(arguments: Namespace, made: "Calibration") -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
-    from labcal.report.displacement_picture import draw_displacements
     from labcal.run.outputs import write_file
-    from labcal.shoot.pictures import png_output
     from labcal.targets.places import write_places
 
     if made.places is not None:
         write_places(_dots_path(arguments.output), made.places, force=arguments.force)
     if arguments.overlay is not None and made.found.freed is not None:
+        from labcal.report.displacement_picture import draw_displacements  # imports matplotlib
+        from labcal.shoot.pictures import png_output
+
         drawn, kind = draw_displacements(made.found.freed), png_output(arguments.overlay).kind
         write_file(arguments.overlay, drawn, kind=kind, force=arguments.force)

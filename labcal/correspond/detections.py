@@ -1,18 +1,16 @@
 """``detections.csv``: the dots of many pictures in one table."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, text_array, truth_array, whole_array
+from labcal.arrays import AnyArray, float_array, lines_array, text_array, truth_array, whole_array
 from labcal.correspond.detection_lines import HEADER, read_columns
-from labcal.correspond.sources import Source
-from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
@@ -128,8 +126,20 @@ class Detections(PublicObject):
         edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))
         return [self.where(lines) for lines in np.split(order, edges)]
 
-    def where(self, mask: Bool[np.ndarray, " n"] | Int64[np.ndarray, " m"]) -> "Detections":
-        """Return the lines where the mask holds, or those of some numbers."""
+    def where(self, mask: AnyArray) -> "Detections":
+        """Return the lines where the mask holds, or those of some numbers.
+
+        Parameters
+        ----------
+        mask : array_like of bool, shape (n,), or of int
+            A truth value for each line, or the numbers of those that are wanted, in that order.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            It has another length, or is made of something else.
+        """
+        mask = lines_array(mask, len(self), "mask")
         return Detections(
             self.view[mask], self.camera[mask], self.image[mask], self.size[mask], self.index[mask],
             self.has_id[mask], self.position[mask], self.covariance[mask], self.flag[mask],
@@ -288,31 +298,6 @@ def _numbers(names: np.ndarray, order: tuple[str, ...]) -> Int64[np.ndarray, " n
     """Return the place of each name in an order."""
     place = {name: number for number, name in enumerate(order)}
     return np.array([place[name] for name in names.tolist()], dtype=np.int64)
-
-
-def gather(sources: Sequence[Source], pictures: Iterable[PictureDots]) -> Detections:
-    """Return one table of what was found in each picture."""
-    pairs = list(zip(sources, pictures, strict=True))
-    counts = [len(dots.flag) for _, dots in pairs]
-    sizes = np.array([dots.size for _, dots in pairs], dtype=np.int64).reshape(-1, 2)
-    flags = [flag.value for _, dots in pairs for flag in dots.flag]
-    return Detections(
-        view=np.repeat(np.array([source.view for source in sources], dtype=np.str_), counts),
-        camera=np.repeat(np.array([source.camera for source in sources], dtype=np.str_), counts),
-        image=np.repeat(np.array([source.image for source in sources], dtype=np.str_), counts),
-        size=np.repeat(sizes, counts, axis=0),
-        index=np.concatenate([dots.index for _, dots in pairs]).astype(np.int64),
-        has_id=np.concatenate([dots.has_id for _, dots in pairs]),
-        position=np.concatenate([dots.position for _, dots in pairs]),
-        covariance=np.concatenate([dots.covariance for _, dots in pairs]),
-        flag=np.array(flags, dtype=np.str_),
-    )
-
-
-def joined(tables: Sequence[Detections]) -> Detections:
-    """Return one table with the lines of several."""
-    columns = (column.name for column in fields(Detections))
-    return Detections(*(np.concatenate([getattr(table, name) for table in tables]) for name in columns))
 
 
 def detections_csv(table: Detections) -> str:

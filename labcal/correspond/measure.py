@@ -1,12 +1,13 @@
 """Detection in many pictures, spread over an executor."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import cv2
 
-from labcal.correspond.detections import Detections, gather
+from labcal.correspond.detections import Detections
+from labcal.correspond.gathering import gather
 from labcal.correspond.orientation import resolve_orientation
 from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
@@ -14,14 +15,15 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.detect.settings import DetectSettings
 from labcal.errors import InputError, InputTypeError, WorkerError
+from labcal.public_object import PublicObject
 from labcal.run.executor import finished
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
 from labcal.targets.catalogue import AnyTarget
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurement(PublicObject):
     """The result of one picture."""
 
     source: Source
@@ -34,6 +36,11 @@ class Measurement:
     def indexed(self) -> bool:
         """True if the dots of this picture have ids."""
         return self.reason is None
+
+    def _summary(self) -> Mapping[str, object]:
+        found = {"dots": 0 if self.dots is None else len(self.dots.flag)}
+        why = {} if self.reason is None else {"reason": self.reason}
+        return {"view": self.source.view, "camera": self.source.camera, **found, **why}
 
 
 def measure_picture(

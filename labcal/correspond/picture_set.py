@@ -42,7 +42,7 @@ class PictureSet:
         """``train`` or ``test`` of each view of a shoot; empty for loose pictures."""
         return {} if self.shoot is None else {view.name: view.role.value for view in self.shoot.views()}
 
-    def target(self, given: "str | AnyTarget | None" = None) -> AnyTarget:
+    def target(self, given: "AnyTarget | AnyPath | None" = None) -> AnyTarget:
         """Return the target that is given, by itself or by name, or else that of the shoot.
 
         Raises
@@ -93,7 +93,7 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     return PictureSet(tuple(find_sources(paths, endings)), None, _name(paths[0]), tuple(paths), left_out)
 
 
-def target_shown(given: "str | AnyTarget | None", shoot: Shoot | None) -> AnyTarget:
+def target_shown(given: "AnyTarget | AnyPath | None", shoot: Shoot | None) -> AnyTarget:
     """Return the target that is given, by itself or by name, or else that of the shoot.
 
     Raises

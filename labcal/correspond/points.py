@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, PointCovariances, Vectors3, float_array, text_array, whole_array
+from labcal.arrays import (
+    AnyArray,
+    PointCovariances,
+    Vectors3,
+    float_array,
+    lines_array,
+    text_array,
+    whole_array,
+)
 from labcal.correspond.point_lines import HEADER, UPPER, PointFlag, read_columns
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
@@ -88,8 +96,20 @@ class Points(PublicObject):
         """Standard deviation of each point, mm: root of its covariance's trace; NaN where none is stated."""
         return np.asarray(np.sqrt(np.trace(self.covariance, axis1=1, axis2=2)))
 
-    def where(self, mask: np.ndarray) -> "Points":
-        """Return the lines where the mask holds."""
+    def where(self, mask: AnyArray) -> "Points":
+        """Return the lines where the mask holds, or those of some numbers.
+
+        Parameters
+        ----------
+        mask : array_like of bool, shape (n,), or of int
+            A truth value for each line, or the numbers of those that are wanted, in that order.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            It has another length, or is made of something else.
+        """
+        mask = lines_array(mask, len(self), "mask")
         return Points(
             self.view[mask], self.index[mask], self.point[mask], self.covariance[mask], self.flag[mask]
         )

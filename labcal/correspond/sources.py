@@ -9,6 +9,7 @@ import numpy as np
 from labcal.correspond.name_patterns import ANY, best_pattern, view_in
 from labcal.correspond.named_cameras import named_cameras
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
@@ -170,8 +171,9 @@ def _files(paths: Sequence[str]) -> list[str]:
     return found
 
 
-def picture_folders(folder: Path) -> list[Path]:
+def picture_folders(folder: AnyPath) -> list[Path]:
     """Return the folders whose pictures a folder stands for: itself, or those in it where it has none."""
+    folder = as_path(folder)
     if _pictures_in(folder):
         return [folder]
     return [folder, *(entry for entry in sorted(folder.iterdir()) if entry.is_dir())]

@@ -1,6 +1,6 @@
 """Pictures as ideal cameras in the same places would have taken them, with the maps and the new cameras."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,6 +14,8 @@ from labcal.correspond.picture_set import PictureSet
 from labcal.correspond.refused_pictures import no_picture_left, shared_reasons
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.claims import FolderOutput, claim_outputs
 from labcal.run.made import make_folder
 from labcal.run.progress import Progress
@@ -39,8 +41,8 @@ class UndistortSettings:
     """Replace what labcal made there."""
 
 
-@dataclass(frozen=True)
-class Undistorted:
+@dataclass(frozen=True, eq=False, repr=False)
+class Undistorted(PublicObject):
     """What became of pictures; the JSON document of ``labcal undistort``."""
 
     folder: str
@@ -54,11 +56,23 @@ class Undistorted:
     warnings: list[str]
     """What is not as it should be, for people."""
 
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "folder": self.folder,
+            "images": len(self.images),
+            "cameras": self.cameras,
+            "skipped": len(self.skipped),
+            "warnings": len(self.warnings),
+        }
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        return [HtmlTable(("skipped, and warnings",), [[one] for one in (*self.skipped, *self.warnings)])]
+
 
 def undistort_pictures(
     rig: Rig,
     pictures: PictureSet,
-    folder: Path,
+    folder: AnyPath,
     settings: UndistortSettings,
     read: Iterable[Path],
     progress: Progress,
@@ -70,7 +84,7 @@ def undistort_pictures(
     rig : Rig
     pictures : PictureSet
         Of its cameras; loose pictures are of the only camera where it has one.
-    folder : Path
+    folder : str or os.PathLike
         To appear, with ``images``, ``maps`` and the new cameras, ``rig.json``.
     settings : UndistortSettings
     read : iterable of Path
@@ -85,6 +99,7 @@ def undistort_pictures(
     OutputError
         The folder may not be made.
     """
+    folder = as_path(folder)
     if settings.rectify and settings.whole:
         raise InputError("`whole` is what `rectify` does anyway. Leave it out.")
     sources = [_with_camera(source, rig) for source in pictures.sources]

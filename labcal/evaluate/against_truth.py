@@ -25,6 +25,7 @@ from labcal.wording import counted, listed
 
 if TYPE_CHECKING:
     import matplotlib.figure
+    import pandas
 
 _HULL_TOLERANCE_MM = 1e-3
 
@@ -52,16 +53,31 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     """Which views are scored; its fields are also those of the errors."""
     error: Vectors3 = field(metadata={IN_JSON: InJson.ABSENT})
     """Predicted minus true of each point that counts, mm; not in the JSON document."""
+    points: Points = field(metadata={IN_JSON: InJson.ABSENT})
+    """The points that count, as they were reconstructed; not in the JSON document."""
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a table with a line for each point that counts: its view and dot, its error in mm, its flag.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+        """
+        from labcal.evaluate.error_tables import truth_errors_frame  # noqa: PLC0415 -- pandas is optional
+
+        return truth_errors_frame(self)
 
     def plot(self) -> "matplotlib.figure.Figure":
         """Draw a histogram of the lengths of the errors, with their RMS and the limit of triangulation, mm.
 
         Examples
         --------
-        >>> part = ScoredPart(2, ("a",), 0)
+        >>> from labcal import examples
+        >>> part, points = ScoredPart(2, ("a",), 0), examples.points().where([0, 1])
         >>> error = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.2]])
         >>> figures = (2, (0.05, 0.0, 0.1), 0.15, 0.158, 0.195, 0.2, 0.1, 0.5)
-        >>> errors = TruthErrors(*figures, "none", "all points", 0, part, error)
+        >>> errors = TruthErrors(*figures, "none", "all points", 0, part, error, points)
         >>> errors.plot().axes[0].get_xlabel()
         'length of the error (mm)'
         """
@@ -148,6 +164,7 @@ def errors_against_truth(
         not_scored=int((~counts).sum()),
         scored_views=ScoredPart.of(kept, views),
         error=predicted - true,
+        points=kept,
     )
 
 

@@ -18,6 +18,7 @@ from labcal.targets.target import Target
 
 if TYPE_CHECKING:
     import matplotlib.figure
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,18 @@ class LengthErrors(OfScoredViews):
     """Which views are scored; its fields are also those of the errors."""
     error: Lengths = field(metadata={IN_JSON: InJson.ABSENT})
     """Measured minus nominal of each length, mm; not in the JSON document."""
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a table with a line for each length: measured minus nominal, ``error_mm``.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+        """
+        from labcal.evaluate.error_tables import length_errors_frame  # noqa: PLC0415 -- pandas is optional
+
+        return length_errors_frame(self)
 
     def plot(self) -> "matplotlib.figure.Figure":
         """Draw a histogram of the errors of lengths, with their RMS to both sides, mm.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arrays import PointCovariances, Vectors3
+from labcal.arrays import AnyArray, float_array
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.ellipsoids import within_ellipsoids
 
@@ -28,15 +28,21 @@ class ErrorStatistics:
     """Greatest length."""
 
 
-def error_statistics(predicted: Vectors3, true: Vectors3) -> ErrorStatistics:
+def error_statistics(predicted: AnyArray, true: AnyArray) -> ErrorStatistics:
     """Return the statistics of points; at least one must be finite in both, the rest is ignored.
 
     Parameters
     ----------
-    predicted, true : ndarray, shape (n, 3)
+    predicted, true : array_like, shape (n, 3)
         Millimetres.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        One has another shape, or is not made of numbers.
     """
-    error = predicted - true
+    predicted = float_array(predicted, ("n", 3), "predicted")
+    error = predicted - float_array(true, predicted.shape, "true")
     error = error[np.isfinite(error).all(axis=1)]
     if len(error) == 0:
         nan = float("nan")
@@ -53,16 +59,23 @@ def error_statistics(predicted: Vectors3, true: Vectors3) -> ErrorStatistics:
     )
 
 
-def coverage(error: Vectors3, covariance: PointCovariances) -> float:
+def coverage(error: AnyArray, covariance: AnyArray) -> float:
     """Return the share of errors within their own 95% ellipsoids; NaN if no covariance is stated.
 
     Parameters
     ----------
-    error : ndarray, shape (n, 3)
+    error : array_like, shape (n, 3)
         Millimetres.
-    covariance : ndarray, shape (n, 3, 3)
+    covariance : array_like, shape (n, 3, 3)
         As the method states it, mm squared.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        One has another shape, or is not made of numbers.
     """
+    error = float_array(error, ("n", 3), "error")
+    covariance = float_array(covariance, (len(error), 3, 3), "covariance")
     stated = positive_definite(covariance) & np.isfinite(error).all(axis=1)
     if not stated.any():
         return float("nan")

@@ -13,6 +13,7 @@ from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading
 from labcal.paper.summary import figures_of, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
+from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
@@ -72,12 +73,12 @@ class ReproduceSettings:
         )
 
 
-def reproduce(folder: Path, settings: ReproduceSettings, progress: Progress) -> Reproduction:
+def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) -> Reproduction:
     """Reproduce rows of the paper into a new folder: ``results.json``, ``index.html``, shoots and cases.
 
     Parameters
     ----------
-    folder : Path
+    folder : str or os.PathLike
         The folder to appear; what an interrupted run left is taken up again.
     settings : ReproduceSettings
     progress : Progress
@@ -89,6 +90,7 @@ def reproduce(folder: Path, settings: ReproduceSettings, progress: Progress) -> 
     DeviceError
         The renderer does not work on this machine.
     """
+    folder = as_path(folder)
     began = time.time()
     with unfinished_folder(folder, _command(settings), force=settings.force) as working:
         problems, pictures = _pictured(working, settings, progress)

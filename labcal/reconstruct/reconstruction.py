@@ -1,7 +1,9 @@
 """Points in space from matched dots, by a fitted method or by a rig."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,8 +21,13 @@ from labcal.estimators.model_file import ModelKind, load_model, model_kind, trai
 from labcal.estimators.swapped_pictures import refuse_swapped
 from labcal.estimators.valid_points import predicted, within_sense
 from labcal.paths import AnyPath
-from labcal.public_object import PublicObject
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.targets.target import Target
+
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import pandas
+    import xarray
 
 
 def load_reconstructor(path: AnyPath, method: object | None = None) -> Model | Rig:
@@ -79,6 +86,35 @@ class Reconstruction(PublicObject):
     """Comparison of this with the value expected from the calibration; None if the model has no cameras."""
     warnings: tuple[str, ...] = ()
     """Warnings in words."""
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write the points as ``points.csv``, which :meth:`Points.load` reads.
+
+        Raises
+        ------
+        OutputError
+            The file exists and `force` is not set, or it cannot be written.
+        """
+        self.points.save(path, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the points as a table; as :meth:`Points.to_pandas`."""
+        return self.points.to_pandas()
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the points as arrays; as :meth:`Points.to_xarray`."""
+        return self.points.to_xarray()
+
+    def plot(self) -> "matplotlib.figure.Figure":
+        """Draw the points in space; as :meth:`Points.plot`."""
+        return self.points.plot()
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        flags = Counter(self.points.flag.tolist())
+        return [
+            HtmlTable(("flag", "points"), [[flag, str(count)] for flag, count in flags.items()]),
+            HtmlTable(("warnings",), [[warning] for warning in self.warnings]),
+        ]
 
     def _summary(self) -> Mapping[str, object]:
         told: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}

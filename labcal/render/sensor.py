@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.field import FallOff
+from labcal.cameras.newton_steps import newton_steps
 from labcal.cameras.prescribed import PrescribedLens
 from labcal.cameras.pupil import ParallelPupil, Pupil, ThinPupil, TracedPupil
 from labcal.errors import InputError
@@ -66,7 +67,7 @@ class Sensor:
             return tuple(dr.opaque(mi.Float64, float(number)) for number in numbers)
 
         self._mi, self._camera, self._shading = mi, camera, shading
-        self._m = DrjitMathematics(camera.newton_steps)
+        self._m = DrjitMathematics(newton_steps(camera))
         self._numbers = opaque(camera.numbers)
         self._T_world_cam = [opaque(tuple(row)) for row in inverse(camera.T_cam_world)[:3]]
         self._pupil = None if aperture is None else _pupil(camera, aperture)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.errors import InputError, WorkerError
+from labcal.paths import AnyPath, as_path
 from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
 from labcal.render.response import exposure_for
@@ -58,7 +59,7 @@ class RenderSettings:
     """Replace a shoot that is there already."""
 
 
-def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress: Progress) -> Shoot:
+def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progress: Progress) -> Shoot:
     """Render a scene into a new shoot folder.
 
     The folder appears when everything is in it. A run that was interrupted leaves ``<folder>.unfinished``;
@@ -68,7 +69,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
     Parameters
     ----------
     scene : Scene
-    folder : Path
+    folder : str or os.PathLike
         The shoot to appear.
     settings : RenderSettings
     progress : Progress
@@ -89,6 +90,7 @@ def render_shoot(scene: Scene, folder: Path, settings: RenderSettings, progress:
     DeviceError
         There is no LLVM library for the renderer, or a picture ends each worker process that renders it.
     """
+    folder = as_path(folder)
     if settings.spp is not None:
         scene = scene.with_spp(settings.spp)
     if settings.views is not None and settings.views < 1:

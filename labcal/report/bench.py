@@ -1,10 +1,18 @@
 """The document of ``labcal bench``: figures against their limits."""
 
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
 from pydantic import BaseModel, ConfigDict
 from rich.table import Table
 from rich.text import Text
 
+from labcal.extras import optional_module
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.report.reproduction import Measured
+
+if TYPE_CHECKING:
+    import pandas
 
 
 class Check(BaseModel):
@@ -33,7 +41,7 @@ class Figure(BaseModel):
     value: Measured
 
 
-class BenchResult(BaseModel):
+class BenchResult(PublicObject, BaseModel):
     """All checks of one benchmark."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -50,6 +58,29 @@ class BenchResult(BaseModel):
     def failed(self) -> int:
         """Number of failed checks."""
         return sum(not check.ok for check in self.checks)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a table with a line for each check: ``name``, ``value``, ``limit`` and ``ok``.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+        """
+        frame: pandas.DataFrame = optional_module("pandas", "data").DataFrame(
+            [check.model_dump() for check in self.checks], columns=list(Check.model_fields)
+        )
+        return frame
+
+    def _summary(self) -> Mapping[str, object]:
+        return {"bench": self.bench, "checks": len(self.checks), "failed": self.failed, "quick": self.quick}
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        rows = [
+            [check.name, f"{check.value:.4g}", f"{check.limit:g}", "ok" if check.ok else "missed"]
+            for check in self.checks
+        ]
+        return [HtmlTable(("check", "value", "limit", ""), rows)]
 
 
 def bench_table(result: BenchResult) -> Table:

@@ -1,7 +1,8 @@
 """A shoot at a glance: exposure, sharpness and dots of every picture, drawn on one contact sheet."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.table import Table
@@ -10,7 +11,9 @@ from labcal.correspond.coverage import coverage
 from labcal.correspond.measure import Measurement, detections_of
 from labcal.correspond.picture_set import PictureSet
 from labcal.correspond.refused_pictures import shared_reasons
+from labcal.extras import optional_module
 from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.report.columns import name_column
 from labcal.report.contact_sheet import SheetCoverage, SheetLayout, SheetTile, contact_sheet, plan_layout
 from labcal.report.marked_thumbnail import marked_thumbnail
@@ -19,6 +22,9 @@ from labcal.shoot.pictures import write_single_picture
 from labcal.shoot.quality import picture_quality
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import counted
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -50,8 +56,8 @@ class InspectedCamera:
     dots: int
 
 
-@dataclass(frozen=True)
-class Inspection:
+@dataclass(frozen=True, eq=False, repr=False)
+class Inspection(PublicObject):
     """What pictures look like, and where in them dots were found.
 
     Attributes
@@ -79,6 +85,36 @@ class Inspection:
             The picture may not be written.
         """
         write_single_picture(as_path(path), self.sheet, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a table with a line for each picture, and the columns of the JSON document.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+        """
+        names = [field.name for field in fields(InspectedPicture)]
+        frame: pandas.DataFrame = optional_module("pandas", "data").DataFrame(
+            {name: [getattr(picture, name) for picture in self.pictures] for name in names}
+        )
+        return frame
+
+    def _summary(self) -> Mapping[str, object]:
+        refused = sum(picture.reason is not None for picture in self.pictures)
+        return {
+            "pictures": len(self.pictures),
+            "cameras": list(self.cameras),
+            "dots": sum(picture.dots for picture in self.pictures),
+            "refused": refused,
+        }
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        rows = [
+            [one.view, one.camera, str(one.dots), "" if one.reason is None else one.reason]
+            for one in self.pictures
+        ]
+        return [HtmlTable(("view", "camera", "dots", "refused because"), rows)]
 
     def document(self, sheet: AnyPath) -> "InspectResult":
         """Return the JSON document; `sheet` is where the contact sheet is."""

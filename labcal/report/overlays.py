@@ -1,10 +1,10 @@
 """A folder of pictures with what detection made of them drawn on top."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from labcal.correspond.measure import Measurement
 from labcal.correspond.sources import Source
+from labcal.paths import AnyPath, as_path
 from labcal.report.overlay import draw_overlay
 from labcal.run.unfinished import unfinished_folder
 from labcal.shoot.pictures import write_picture
@@ -17,7 +17,7 @@ def overlay_command(sources: Sequence[Source]) -> str:
 
 
 def write_overlays(
-    folder: Path, measurements: Sequence[Measurement], target: AnyTarget, *, force: bool = False
+    folder: AnyPath, measurements: Sequence[Measurement], target: AnyTarget, *, force: bool = False
 ) -> None:
     """Write each picture that could be read with its dots drawn in, as ``<view>_<camera>.png``.
 
@@ -26,6 +26,7 @@ def write_overlays(
     OutputError
         The folder may not be made.
     """
+    folder = as_path(folder)
     command = overlay_command([found.source for found in measurements])
     with unfinished_folder(folder, command, force=force) as working:
         for found in measurements:

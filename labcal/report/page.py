@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
 from labcal.report import figures_text
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
@@ -71,7 +72,7 @@ class _EmbeddedPicture:
     absent: str = ""
 
 
-def reproduction_page(result: Reproduction, folder: Path) -> str:
+def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
     """Return the page: figures, all rows, how they are read, and the pictures.
 
     Nothing is fetched from anywhere: styles, figures and pictures are in the page. The same results and
@@ -80,9 +81,10 @@ def reproduction_page(result: Reproduction, folder: Path) -> str:
     Parameters
     ----------
     result : Reproduction
-    folder : Path
+    folder : str or os.PathLike
         Where the pictures of `result` are. One that cannot be read, or lies outside, is said to be missing.
     """
+    folder = as_path(folder)
     environment = Environment(
         loader=PackageLoader("labcal.report"),
         autoescape=True,
@@ -112,8 +114,9 @@ def reproduction_page(result: Reproduction, folder: Path) -> str:
     )
 
 
-def missing_pictures(result: Reproduction, folder: Path) -> list[str]:
+def missing_pictures(result: Reproduction, folder: AnyPath) -> list[str]:
     """Return the files of pictures that the page cannot show, relative to the folder."""
+    folder = as_path(folder)
     return [picture.file for picture in result.pictures if _embed(picture, folder).absent]
 
 

@@ -1,15 +1,21 @@
 """The document ``results.json`` of ``labcal reproduce``."""
 
+from collections.abc import Mapping, Sequence
 from math import isfinite
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 from labcal.bounds import MOST_WEIGHT, Amount, Finite
 from labcal.errors import InputError
+from labcal.extras import optional_module
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.documents import read_document
 from labcal.wording import has_control
+
+if TYPE_CHECKING:
+    import pandas
 
 RESULTS = "results.json"
 Count = Annotated[int, Field(ge=0, le=10**9)]
@@ -128,7 +134,7 @@ class ShownPicture(BaseModel):
     """Relative to the folder of the results."""
 
 
-class Reproduction(BaseModel):
+class Reproduction(PublicObject, BaseModel):
     """Every row that was asked for, and under which restrictions."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -141,8 +147,31 @@ class Reproduction(BaseModel):
     """Description of what ``--quick`` left out; empty for a full run."""
     pictures: Annotated[tuple[ShownPicture, ...], Field(max_length=_MOST)]
 
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a table with a line for each row of the paper, and the columns of the JSON document.
 
-def read_reproduction(folder: Path) -> Reproduction:
+        Readings of a row and the contradiction in the paper are left out.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+        """
+        columns = [name for name in RowResult.model_fields if name not in {"readings", "contradiction"}]
+        frame: pandas.DataFrame = optional_module("pandas", "data").DataFrame(
+            [row.model_dump(include=set(columns)) for row in self.rows], columns=columns
+        )
+        return frame
+
+    def _summary(self) -> Mapping[str, object]:
+        return {"rows": len(self.rows), "not_reported": len(self.not_reported), "quick": self.quick}
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        rows = [[row.exp, row.solver, f"{row.rmse_mm:.4g}", row.verdict] for row in self.rows]
+        return [HtmlTable(("row", "method", "RMS error (mm)", "verdict"), rows)]
+
+
+def read_reproduction(folder: AnyPath) -> Reproduction:
     """Read ``results.json`` in a folder that ``labcal reproduce`` made.
 
     Raises
@@ -150,6 +179,7 @@ def read_reproduction(folder: Path) -> Reproduction:
     InputError
         There is none, or it is not one that this version reads.
     """
+    folder = as_path(folder)
     path = folder / RESULTS
     if not path.is_file():
         raise InputError(

@@ -1,5 +1,6 @@
 """Scenes by name or from a YAML file, with single values set on the command line."""
 
+from labcal.paths import AnyPath, as_text
 from labcal.run.descriptions import description_content, description_names, validate_description
 from labcal.scene.model import Scene
 from labcal.scene.overrides import apply_overrides
@@ -15,12 +16,12 @@ def scene_names() -> list[str]:
     return description_names(FOLDER)
 
 
-def load_scene(name: str, overrides: tuple[str, ...] = ()) -> Scene:
+def load_scene(name: AnyPath, overrides: tuple[str, ...] = ()) -> Scene:
     """Return the scene of that name.
 
     Parameters
     ----------
-    name : str
+    name : str or os.PathLike
         The name of a shipped scene, or the path of a YAML file.
     overrides : tuple of str
         ``key=value`` each; the key is dotted (``cameras.left.focal_px``), the value is YAML.
@@ -32,6 +33,7 @@ def load_scene(name: str, overrides: tuple[str, ...] = ()) -> Scene:
     InputError
         The description cannot be read, or a value in it is not allowed.
     """
+    name = as_text(name)
     scene = validate_description(Scene, "scene", name, description_content("scene", FOLDER, name))
     if not overrides:
         return scene

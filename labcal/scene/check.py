@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labcal.cameras.blind_pixels import require_rays_everywhere
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
 from labcal.scene.clearance import require_room
@@ -39,7 +40,7 @@ def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
     """
     cameras = scene.true_cameras()
     for name, camera in cameras.items():
-        camera.require_rays_everywhere(name)
+        require_rays_everywhere(name, camera)
     made = TruePrint.of(scene.target, scene.board, seed)
     views = planned_views(scene, seed)
     as_meant = scene.model_copy(update={"mistake": None})

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arrays import Vectors3
-from labcal.cameras.camera import Camera, Projection
+from labcal.cameras.camera import Camera
+from labcal.cameras.imaging import Projection
 from labcal.scene.motion import ShutterTimes, Track
 from labcal.scene.photometry import Photometry
 

@@ -102,6 +102,7 @@ def open_shoot(folder: AnyPath) -> Shoot:
     return Shoot(folder, manifest)
 
 
-def write_manifest(folder: Path, manifest: Manifest) -> None:
+def write_manifest(folder: AnyPath, manifest: Manifest) -> None:
     """Write ``shoot.json`` into a folder under construction."""
+    folder = as_path(folder)
     write_file(folder / MANIFEST, manifest.model_dump_json(indent=2) + "\n", force=True)

@@ -5,17 +5,17 @@ import os
 from collections.abc import Mapping
 from contextlib import redirect_stdout
 from io import StringIO
-from pathlib import Path
 
 import numpy as np
 
 from labcal.errors import InputError, OutputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.outputs import appearing_file
 from labcal.shoot.library_messages import kept_messages
 from labcal.shoot.picture_header import require_sensible_size
 
 
-def read_exr(path: Path) -> np.ndarray:
+def read_exr(path: AnyPath) -> np.ndarray:
     """Read the colours, or the only channel, of an OpenEXR file.
 
     Returns
@@ -28,6 +28,7 @@ def read_exr(path: Path) -> np.ndarray:
     InputError
         The file is damaged, or of another kind.
     """
+    path = as_path(path)
     import OpenEXR  # noqa: PLC0415 -- a compiled library that few pictures need
 
     try:
@@ -49,7 +50,7 @@ def read_exr(path: Path) -> np.ndarray:
     return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., :3])  # noqa: PLR2004 -- grey
 
 
-def read_exr_texts(path: Path) -> dict[str, str]:
+def read_exr_texts(path: AnyPath) -> dict[str, str]:
     """Return the texts in the header of an OpenEXR file, by name.
 
     Raises
@@ -57,6 +58,7 @@ def read_exr_texts(path: Path) -> dict[str, str]:
     InputError
         The file is damaged, or of another kind.
     """
+    path = as_path(path)
     import OpenEXR  # noqa: PLC0415 -- as above
 
     try:
@@ -66,12 +68,12 @@ def read_exr_texts(path: Path) -> dict[str, str]:
         raise InputError(f"{path} is not an OpenEXR file that can be read: {error}.") from error
 
 
-def write_exr(path: Path, picture: np.ndarray, texts: Mapping[str, str], *, force: bool = False) -> None:
+def write_exr(path: AnyPath, picture: np.ndarray, texts: Mapping[str, str], *, force: bool = False) -> None:
     """Write a float32 picture in channels R, G and B, or Y, compressed without loss.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
     picture : ndarray of float32, shape (height, width) or (height, width, 3)
     texts : mapping of str to str
         What the header holds besides, by name.
@@ -81,6 +83,7 @@ def write_exr(path: Path, picture: np.ndarray, texts: Mapping[str, str], *, forc
     OutputError
         The file exists and `force` is not set, or it cannot be written.
     """
+    path = as_path(path)
     import OpenEXR  # noqa: PLC0415 -- as above
 
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **texts}

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from labcal.errors import InputError, OutputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_marks import JPEG_COMMENT, PNG_TEXT, TRAILER
@@ -38,7 +39,7 @@ _TIFF_ERROR = "TIFF_Error"
 """Prefix of messages by which OpenCV reports a strip that libtiff cannot decode."""
 
 
-def read_picture(path: Path) -> np.ndarray:
+def read_picture(path: AnyPath) -> np.ndarray:
     """Read a picture in the orientation in which its camera stored it.
 
     The pixels are those of the sensor in the order in which they are stored: an orientation that the file
@@ -58,6 +59,7 @@ def read_picture(path: Path) -> np.ndarray:
         The file cannot be opened, is truncated or damaged, is no picture of a format that is read, or
         declares a size that no memory is spent on.
     """
+    path = as_path(path)
     data = read_bytes(path, "picture", MOST_BYTES)
     kind = picture_kind(data)
     if kind is None:
@@ -89,7 +91,7 @@ def read_picture(path: Path) -> np.ndarray:
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
 
 
-def png_output(path: Path) -> FileOutput:
+def png_output(path: AnyPath) -> FileOutput:
     """Return a PNG picture as an output of a command.
 
     Raises
@@ -97,12 +99,13 @@ def png_output(path: Path) -> FileOutput:
     OutputError
         The name does not end in ``.png``.
     """
+    path = as_path(path)
     if path.suffix.lower() != ".png":
         raise OutputError(f"{path} cannot be written: it would be a PNG. Choose a name that ends in .png.")
     return picture_output(path)
 
 
-def picture_output(path: Path) -> FileOutput:
+def picture_output(path: AnyPath) -> FileOutput:
     """Return a picture as an output of a command, in the format of the file name ending.
 
     To be written by :func:`write_single_picture`.
@@ -112,6 +115,7 @@ def picture_output(path: Path) -> FileOutput:
     OutputError
         No format that is written ends so.
     """
+    path = as_path(path)
     suffix = path.suffix.lower()
     if suffix not in _WRITTEN:
         raise _unknown_ending(path)
@@ -121,14 +125,15 @@ def picture_output(path: Path) -> FileOutput:
     )
 
 
-def write_single_picture(path: Path, picture: np.ndarray, *, force: bool = False) -> None:
+def write_single_picture(path: AnyPath, picture: np.ndarray, *, force: bool = False) -> None:
     """Write a picture that is an output by itself, with the mark of labcal; else as :func:`write_picture`."""
+    path = as_path(path)
     kind = picture_output(path).kind
     write_file(path, _encoded(path, picture, _JPEG_QUALITY), kind=kind, force=force)
 
 
 def write_picture(
-    path: Path, picture: np.ndarray, *, jpeg_quality: int = _JPEG_QUALITY, force: bool = False
+    path: AnyPath, picture: np.ndarray, *, jpeg_quality: int = _JPEG_QUALITY, force: bool = False
 ) -> None:
     """Write a PNG, JPEG or TIFF (uint8, uint16) inside a folder, in the format of its file name ending.
 
@@ -142,6 +147,7 @@ def write_picture(
     OutputError
         The file exists and `force` is not set, or it cannot be written.
     """
+    path = as_path(path)
     write_file(path, _encoded(path, picture, jpeg_quality), force=force)
 
 

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ from labcal.arrays import Mask, Pixels, Vectors3
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.cameras.record import CameraRecord, PoseRecord
 from labcal.cameras.rig import Rig, checked_rig
+from labcal.paths import AnyPath, as_path
 from labcal.run.documents import read_document
 from labcal.run.made import make_folder
 from labcal.run.names import Name, is_name
@@ -89,8 +89,9 @@ class TrueDots:
     """(n,), the whole outline is in the frame and nothing hides it."""
 
 
-def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
+def write_truth(folder: AnyPath, truth: Truth, dots: list[TrueDots]) -> None:
     """Write ``truth/truth.json`` and ``truth/dots.csv`` into a shoot under construction."""
+    folder = as_path(folder)
     home = folder / FOLDER
     make_folder(home)
     write_file(home / "truth.json", truth.model_dump_json(indent=2) + "\n", force=True)
@@ -106,12 +107,13 @@ def write_truth(folder: Path, truth: Truth, dots: list[TrueDots]) -> None:
     write_file(home / "dots.csv", table_text(HEADER, lines), force=True)
 
 
-def has_truth(folder: Path) -> bool:
+def has_truth(folder: AnyPath) -> bool:
     """Return whether the folder of the shoot contains its truth."""
+    folder = as_path(folder)
     return (folder / FOLDER / "truth.json").is_file()
 
 
-def read_truth(folder: Path) -> Truth:
+def read_truth(folder: AnyPath) -> Truth:
     """Read ``truth.json`` of a shoot.
 
     Raises
@@ -119,13 +121,14 @@ def read_truth(folder: Path) -> Truth:
     InputError
         It is missing, or not one that this version reads.
     """
+    folder = as_path(folder)
     path = folder / FOLDER / "truth.json"
     truth = read_document(Truth, "truth", path)
     checked_rig(Rig(cameras=truth.cameras), str(path))
     return truth
 
 
-def read_true_dots(folder: Path) -> list[TrueDots]:
+def read_true_dots(folder: AnyPath) -> list[TrueDots]:
     """Read ``dots.csv`` of a shoot, one entry a picture, in the file's order.
 
     Raises
@@ -133,6 +136,7 @@ def read_true_dots(folder: Path) -> list[TrueDots]:
     InputError
         It is missing, its columns are not those of this version, a line is damaged, or a dot is there twice.
     """
+    folder = as_path(folder)
     path = folder / FOLDER / "dots.csv"
     pictures: dict[tuple[str, str], int] = {}
     read = [_columns(part, pictures) for part in table_parts(HEADER, "true dots", path)]

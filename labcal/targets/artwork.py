@@ -18,6 +18,7 @@ from matplotlib.patches import Rectangle as RectanglePatch
 from matplotlib.path import Path as Outline
 
 from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_marks import PDF_COMMENT, PNG_TEXT, XML_COMMENT
@@ -73,7 +74,7 @@ class Artwork:
 
 
 def export_artwork(
-    target: AnyTarget, path: FilePath, *, dpi: int | None = None, force: bool = False
+    target: AnyTarget, path: AnyPath, *, dpi: int | None = None, force: bool = False
 ) -> Artwork:
     """Write a target as a file to print; the ending of the name says which format.
 
@@ -81,7 +82,7 @@ def export_artwork(
     ----------
     target : AnyTarget
         The target.
-    path : pathlib.Path
+    path : str or os.PathLike
         The file, ending in ``.svg``, ``.pdf`` or ``.png``.
     dpi : int, optional
         Pixels an inch of a PNG, 300 where left out.
@@ -96,6 +97,7 @@ def export_artwork(
     OutputError
         The file exists or cannot be written.
     """
+    path = as_path(path)
     kind = _format_of(path)
     require_file_place(path, force=force)
     artwork = draw_artwork(target, kind, dpi=dpi)
@@ -103,7 +105,7 @@ def export_artwork(
     return artwork
 
 
-def artwork_output(path: FilePath) -> FileOutput:
+def artwork_output(path: AnyPath) -> FileOutput:
     """Return a file to print as an output of a command; see :func:`export_artwork`.
 
     Raises
@@ -111,6 +113,7 @@ def artwork_output(path: FilePath) -> FileOutput:
     UnknownNameError
         The ending is not known.
     """
+    path = as_path(path)
     return FileOutput(path, _file_kind(_format_of(path)))
 
 

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from pydantic import PlainSerializer, PlainValidator
 
 from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_text
 from labcal.run.descriptions import description_content, description_names, validate_description
 from labcal.targets.registry import PLAIN, TargetKind, kind_by_name, target_kinds
 from labcal.targets.target import PrintableTarget
@@ -43,12 +44,12 @@ def target_names() -> list[str]:
     return description_names(FOLDER)
 
 
-def load_target(name: str) -> AnyTarget:
+def load_target(name: AnyPath) -> AnyTarget:
     """Return the target of that name.
 
     Parameters
     ----------
-    name : str
+    name : str or os.PathLike
         The name of a shipped target, or the path of a YAML file.
 
     Raises
@@ -68,6 +69,7 @@ def load_target(name: str) -> AnyTarget:
     >>> target.points()[[0, 1, 10]].tolist()  # mm; dots are numbered row by row from the lower left
     [[0.0, 0.0, 0.0], [3.5, 0.0, 0.0], [0.0, 3.5, 0.0]]
     """
+    name = as_text(name)
     content = description_content("target", FOLDER, name)
     try:
         kind = _kind(content)

@@ -189,7 +189,7 @@ def test_an_installed_command_finds_a_module_in_the_folder_where_it_is_given(
     script.parent.mkdir()
     script.write_text("import sys\nfrom labcal.cli import main\nsys.exit(main())\n")
     words = ["fit", shoot.folder, "--method", OWN, "--detections", "dots.csv", "--no-rehearsal", "-o", "m"]
-    package = str(Path(pipeline.__file__).parents[1])
+    package = str(Path(pipeline.__file__).parents[2])
     done = subprocess.run(
         [sys.executable, "-P", str(script), *map(str, words)],
         cwd=tmp_path,

@@ -12,12 +12,20 @@ from matplotlib.figure import Figure
 from labcal import examples
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import epipolar_distances, triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import Points
 from labcal.errors import DeviceError, InputError, InputTypeError, OutputError, UnknownNameError
+from labcal.evaluate.statistics import error_statistics
 from labcal.paths import as_path
 
 K = [[800, 0, 320], [0, 800, 240], [0, 0, 1]]
+
+
+@pytest.fixture(scope="module")
+def points() -> Points:
+    """The example's points, reconstructed once."""
+    return examples.points()
 
 
 def spoilt() -> Detections:
@@ -28,15 +36,20 @@ def spoilt() -> Detections:
     return replace(table, has_id=has_id, position=position, flag=flag)
 
 
-@pytest.mark.parametrize(
-    "make", [spoilt, examples.points, examples.rig, lambda: examples.rig().camera("left")]
-)
-def test_what_is_made_twice_is_equal_and_has_no_hash(make: object) -> None:
-    one, other = make(), make()  # type: ignore[operator]
+def require_equal_without_hash(one: object, other: object) -> None:
     assert one == other
     assert one != "something else"
     with pytest.raises(TypeError, match="unhashable"):
         hash(one)
+
+
+@pytest.mark.parametrize("make", [spoilt, examples.rig, lambda: examples.rig().camera("left")])
+def test_what_is_made_twice_is_equal_and_has_no_hash(make: object) -> None:
+    require_equal_without_hash(make(), make())  # type: ignore[operator]
+
+
+def test_points_made_twice_are_equal(points: Points) -> None:
+    require_equal_without_hash(points, examples.points())
 
 
 @pytest.mark.parametrize("column", [field.name for field in fields(Detections)])
@@ -53,9 +66,9 @@ def test_cameras_differ_in_any_parameter() -> None:
     assert replace(camera, size=[640, 481]) != camera
 
 
-@pytest.mark.parametrize("make", [spoilt, examples.points, examples.rig])
-def test_saved_is_loaded_as_it_was_and_not_overwritten(make: object, tmp_path: Path) -> None:
-    given = make()  # type: ignore[operator]
+@pytest.mark.parametrize("which", ["detections", "points", "rig"])
+def test_saved_is_loaded_as_it_was_and_not_overwritten(which: str, points: Points, tmp_path: Path) -> None:
+    given = {"detections": spoilt, "points": lambda: points, "rig": examples.rig}[which]()
     path = str(tmp_path / "file")
     given.save(path)
     if not isinstance(given, Detections):  # a table's covariance of no position is no more
@@ -130,9 +143,9 @@ def test_html_takes_nothing_for_html() -> None:
     assert "\n" not in repr(table)
 
 
-def test_tables_of_pandas_have_the_columns_of_the_files(tmp_path: Path) -> None:
+def test_tables_of_pandas_have_the_columns_of_the_files(tmp_path: Path, points: Points) -> None:
     pandas = pytest.importorskip("pandas")
-    for given in (spoilt(), examples.points()):
+    for given in (spoilt(), points):
         path = tmp_path / type(given).__name__
         given.save(path)
         written = pandas.read_csv(path, comment="#").dropna(how="all")
@@ -160,19 +173,21 @@ def test_arrays_of_xarray_hold_each_dot_at_its_place() -> None:
         table.where(np.array([0, 0])).to_xarray()
 
 
-def test_without_the_library_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_library_the_error_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, points: Points
+) -> None:
     for name in ("pandas", "xarray"):
         monkeypatch.setitem(sys.modules, name, None)
-    for ask in (examples.rig().to_pandas, examples.points().to_xarray):
+    for ask in (examples.rig().to_pandas, points.to_xarray):
         with pytest.raises(DeviceError, match=r"pip install 'labcal\[data\]'"):
             ask()
 
 
-def test_figures_say_their_units() -> None:
+def test_figures_say_their_units(points: Points) -> None:
     table, rig = spoilt(), examples.rig()
     drawn = {
         "x (px)": [table.plot("hand-0", "left"), table.plot()],
-        "X (mm)": [rig.plot(), examples.points().plot()],
+        "X (mm)": [rig.plot(), points.plot()],
         "u (px)": [rig.camera("left").plot()],
     }
     for label, figures in drawn.items():
@@ -189,9 +204,45 @@ def test_figures_say_their_units() -> None:
         table.plot("hand-00")
 
 
-def test_the_middle_of_the_example_is_where_its_cameras_look() -> None:
-    assert isinstance(examples.points(), Points)
+def test_the_middle_of_the_example_is_where_its_cameras_look(points: Points) -> None:
+    assert isinstance(points, Points)
     assert isinstance(examples.rig(), Rig)
     q = examples.detections().position
     assert np.isfinite(q).all()
-    np.testing.assert_allclose(np.linalg.norm(np.ptp(examples.points().point, axis=0)), 400.0, atol=120.0)
+    np.testing.assert_allclose(np.linalg.norm(np.ptp(points.point, axis=0)), 400.0, atol=120.0)
+
+
+def test_lines_are_chosen_by_anything_that_numpy_takes(points: Points) -> None:
+    for table in (examples.detections(), points):
+        first = np.arange(len(table)) < 2
+        expected = table.where(first)
+        assert len(expected) == 2
+        for mask in (first.tolist(), [0, 1], (0, 1), np.int8([0, 1])):
+            assert table.where(mask) == expected
+        assert len(table.where([])) == 0
+        with pytest.raises(InputError, match=r"mask must have the shape"):
+            table.where([True, False])
+        with pytest.raises(InputError, match="numbers of lines"):
+            table.where([len(table)])
+        with pytest.raises(InputTypeError, match="whole numbers"):
+            table.where(["ok"])
+
+
+def test_limits_and_distances_take_lists_and_refuse_other_shapes(points: Points) -> None:
+    cameras = [examples.rig().camera(name) for name in ("left", "right")]
+    p = points.point[:3]
+    covariance = np.tile(np.eye(2), (3, 2, 1, 1))
+    q = [camera.project(p).q for camera in cameras]
+    limit = triangulation_limit(cameras, p, covariance)
+    np.testing.assert_array_equal(triangulation_limit(cameras, p.tolist(), covariance.tolist()), limit)
+    distances = epipolar_distances(*cameras, *q)
+    np.testing.assert_array_equal(epipolar_distances(*cameras, *(one.tolist() for one in q)), distances)
+    np.testing.assert_allclose(distances, 0.0, atol=1e-6)
+    found = error_statistics([[1, 0, 0]], [[0, 0, 0]])
+    assert (found.n, found.mae_mm) == (1, 1.0)
+    with pytest.raises(InputError, match=r"covariance must have the shape \(3, 2, 2, 2\)"):
+        triangulation_limit(cameras, p, covariance[:, :1])
+    with pytest.raises(InputError, match=r"q_b must have the shape \(3, 2\)"):
+        epipolar_distances(*cameras, q[0], q[1][:2])
+    with pytest.raises(InputError, match=r"true must have the shape \(1, 3\)"):
+        error_statistics([[1, 0, 0]], [[0, 0, 0], [0, 0, 0]])

@@ -1,6 +1,6 @@
 """Conversion of files between labcal and other systems: what is wanted, what came of it, and cameras."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from labcal.cameras.interop.rig_files import (
 )
 from labcal.cameras.rig import contradiction_note
 from labcal.errors import InputError
+from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.claims import claim_outputs
 
 
@@ -54,8 +55,8 @@ class ConvertSettings:
                 raise InputError(f"`{name}` {why}. Leave it out.")
 
 
-@dataclass(frozen=True)
-class Conversion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Conversion(PublicObject):
     """What became of files that were converted; the JSON document of ``labcal convert``."""
 
     source: str
@@ -74,6 +75,13 @@ class Conversion:
     """What the reader of the files should know."""
     inconsistent: list[str]
     """Why the views that a rig was calibrated from contradict each other, the likeliest cause first."""
+
+    def _summary(self) -> Mapping[str, object]:
+        of = {"cameras": self.cameras} if self.points is None else {"points": self.points}
+        return {"source": self.source, "wanted": self.wanted, "files": self.files, **of}
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        return [HtmlTable(("notes",), [[note] for note in self.notes])]
 
 
 def convert_cameras(

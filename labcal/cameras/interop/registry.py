@@ -1,7 +1,5 @@
 """The formats by name, by the ending of a file, or by what it holds."""
 
-from pathlib import Path
-
 from labcal.cameras.interop.colmap import COLMAP
 from labcal.cameras.interop.dice import DICE
 from labcal.cameras.interop.exchange import Home, RigFormat, SourceText
@@ -11,6 +9,7 @@ from labcal.cameras.interop.mrcal import MRCAL
 from labcal.cameras.interop.opencv import OPENCV
 from labcal.cameras.interop.ros import ROS
 from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_path
 
 FORMATS: dict[str, RigFormat] = {one.name: one for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, DICE)}
 
@@ -28,7 +27,7 @@ def format_by_name(name: str) -> RigFormat:
     return FORMATS[name]
 
 
-def format_to_write(path: Path) -> RigFormat:
+def format_to_write(path: AnyPath) -> RigFormat:
     """Return the format that the ending of a file to write means.
 
     Raises
@@ -36,6 +35,7 @@ def format_to_write(path: Path) -> RigFormat:
     InputError
         Several formats end so, or none.
     """
+    path = as_path(path)
     fitting = [
         one for one in FORMATS.values() if one.home is Home.FILE and path.suffix.lower() in one.suffixes
     ]

@@ -22,6 +22,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig, checked_rig
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
+from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, FolderOutput, Output
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_reading import read_bytes
@@ -38,13 +39,13 @@ _LIKELY_MM = (1.0, 1e5)
 
 
 def read_rig_files(
-    paths: Sequence[Path], format_name: str | None, given: ReadOptions = NOTHING_GIVEN
+    paths: Sequence[AnyPath], format_name: str | None, given: ReadOptions = NOTHING_GIVEN
 ) -> tuple[RigFormat, ReadRig]:
     """Read a rig from one file, several, or a folder.
 
     Parameters
     ----------
-    paths : sequence of Path
+    paths : sequence of str or os.PathLike
         A folder stands for the files in it that are of the format.
     format_name : str, optional
         Found by what the files hold where not given.
@@ -65,12 +66,13 @@ def read_rig_files(
         lengths are hardly in the unit that they are taken for.
     """
     wanted = None if format_name is None else format_by_name(format_name)
-    files = _files(paths)
+    given_paths = [as_path(path) for path in paths]
+    files = _files(given_paths)
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
     sources = [_source(path, wanted) for path in files]
     found = [(source, wanted or recognised_format(source)) for source in sources]
-    in_folder = any(path.is_dir() for path in paths)
+    in_folder = any(path.is_dir() for path in given_paths)
     known = [(source, one) for source, one in found if one is not None]
     strange = [source.path for source, one in found if one is None]
     if strange and not (in_folder and known):
@@ -146,12 +148,12 @@ def _in_unit(rig: Rig, chosen: RigFormat, given: ReadOptions) -> Rig:
     return rig
 
 
-def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bool) -> list[Path]:
+def write_rig_files(path: AnyPath, chosen: RigFormat, texts: RigTexts, *, force: bool) -> list[Path]:
     """Write a rig and return the files.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
         The file to write. Where there is one a camera, its name gets the camera's behind it, as in
         ``rig-left.yaml``; a `path` without an ending is a folder for them.
     chosen : RigFormat
@@ -165,6 +167,7 @@ def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bo
     OutputError
         A file exists and `force` is not set, or it cannot be written.
     """
+    path = as_path(path)
     folder = _folder(path, chosen, texts)
     if folder is not None:
         with unfinished_folder(path, _command(folder), force=force) as working:
@@ -179,8 +182,9 @@ def write_rig_files(path: Path, chosen: RigFormat, texts: RigTexts, *, force: bo
     return paths
 
 
-def rig_outputs(path: Path, chosen: RigFormat, texts: RigTexts) -> list[Output]:
+def rig_outputs(path: AnyPath, chosen: RigFormat, texts: RigTexts) -> list[Output]:
     """Return what :func:`write_rig_files` would write, as the outputs of a command."""
+    path = as_path(path)
     folder = _folder(path, chosen, texts)
     if folder is not None:
         return [FolderOutput(path, _command(folder))]

@@ -26,6 +26,7 @@ from labcal.correspond.sense import covaries_soundly, near_picture
 from labcal.correspond.sources import Source, loose_source, refuse_unnamed_cameras
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_marks import VNL_COMMENT
 from labcal.run.file_reading import MOST_OF_A_TABLE, read_text
@@ -111,13 +112,13 @@ def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
 
 
 def read_corners(
-    path: Path, target: Target, endings: Mapping[str, str], size_of: Callable[[Path], tuple[int, int]]
+    path: AnyPath, target: Target, endings: Mapping[str, str], size_of: Callable[[Path], tuple[int, int]]
 ) -> ReadCorners:
     """Read a ``corners.vnl``.
 
     Parameters
     ----------
-    path : Path
+    path : str or os.PathLike
     target : Target
         How many points are in a row, and how many rows there are.
     endings : mapping of str to str
@@ -137,6 +138,7 @@ def read_corners(
         The file cannot be read, is damaged, an image has another number of points than the target, two images
         are the same view of the same camera, or the target is no grid of rows and columns.
     """
+    path = as_path(path)
     _require_rows_and_columns(target)
     text = _text(path)
     legend = _LEGEND.search(text)

@@ -10,7 +10,8 @@ from labcal.bench.hand_views import HandViews, poses_in_hand
 from labcal.calibrate.calibration import calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.camera import Camera
-from labcal.correspond.detections import Detections, joined
+from labcal.correspond.detections import Detections
+from labcal.correspond.gathering import joined
 from labcal.targets.catalogue import load_target
 
 See = Callable[..., Detections]

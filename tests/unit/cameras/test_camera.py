@@ -2,6 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal.cameras.blind_pixels import require_rays_everywhere
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import lens_by_name
 from labcal.errors import InputError, UnknownNameError
@@ -146,9 +147,9 @@ def test_pixels_beyond_the_fold_see_nothing() -> None:
 
 def test_a_lens_that_folds_within_the_picture_is_refused() -> None:
     corner = np.hypot(320, 240)
-    barrel(1.001 * corner / FOLD_IMAGE).require_rays_everywhere("left")
+    require_rays_everywhere("left", barrel(1.001 * corner / FOLD_IMAGE))
     with pytest.raises(InputError, match=r"camera 'left' \(brown5\) folds within its picture: pixel"):
-        barrel(0.999 * corner / FOLD_IMAGE).require_rays_everywhere("left")
+        require_rays_everywhere("left", barrel(0.999 * corner / FOLD_IMAGE))
 
 
 def test_the_picture_reaches_half_a_pixel_beyond_the_outer_centres() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labcal.cameras.blind_pixels import require_rays_everywhere
 from labcal.cameras.camera import Camera
 from labcal.cameras.prescription import Prescription, load_prescription, paraxial, prescription_names
 from labcal.cameras.record import CameraRecord
@@ -192,7 +193,7 @@ def test_beyond_its_field_a_prescription_sees_nothing_and_says_so() -> None:
     rays = camera.rays(np.array([[322.4, 237.1], [639.0, 479.0]]))
     np.testing.assert_array_equal(rays.ok, [True, False])
     with pytest.raises(InputError, match=r"pixel .* sees no direction. Raise focal_px"):
-        camera.require_rays_everywhere("left")
+        require_rays_everywhere("left", camera)
 
 
 def test_points_before_the_window_are_not_imaged() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from labcal.cameras.blind_pixels import require_rays_everywhere
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import read_rig_files, write_rig_files
@@ -81,7 +82,7 @@ def test_long_lenses_have_large_coefficients_and_wide_ones_fold_in_the_corners(t
     wide = np.array([[300.0, 0.0, 320.0], [0.0, 300.0, 240.0], [0.0, 0.0, 1.0]])
     folding = Camera(wide, "brown-k1k2", np.array([-0.25, 0.0, 0.0, 0.0, 0.0]), np.eye(4), (640, 480))
     with pytest.raises(InputError, match="folds within its picture"):
-        folding.require_rays_everywhere("wide")
+        require_rays_everywhere("wide", folding)
     write_rig(tmp_path / "rig.json", Rig.of({"long": long, "wide": folding}))
     assert list(read_rig(tmp_path / "rig.json").cameras) == ["long", "wide"]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from labcal.cameras.blind_pixels import require_rays_everywhere
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.exchange import SourceText
 from labcal.cameras.interop.registry import FORMATS
@@ -260,4 +261,4 @@ def test_coefficients_that_make_no_sense_are_refused(
 
 def test_a_picture_that_reaches_beyond_its_field_is_told_what_helps() -> None:
     with pytest.raises(InputError, match=r"\(eucm\) folds within its picture.*Raise the focal length"):
-        camera("eucm", 0.9, 0.6, focal_px=150.0).require_rays_everywhere("left")
+        require_rays_everywhere("left", camera("eucm", 0.9, 0.6, focal_px=150.0))

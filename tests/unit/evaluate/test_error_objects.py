@@ -13,7 +13,20 @@ from labcal.run.json_text import to_json
 PART = ScoredPart(2, ("a", "b"), None)
 ERROR = np.array([[0.3, 0.0, 0.4], [0.0, 0.0, 0.2]])
 TRUTH = TruthErrors(
-    2, (0.15, 0.0, 0.3), 0.35, 0.381, 0.485, 0.5, float("nan"), 0.5, "none", "all points", 3, PART, ERROR
+    2,
+    (0.15, 0.0, 0.3),
+    0.35,
+    0.381,
+    0.485,
+    0.5,
+    float("nan"),
+    0.5,
+    "none",
+    "all points",
+    3,
+    PART,
+    ERROR,
+    examples.points().where([0, 100]),
 )
 
 

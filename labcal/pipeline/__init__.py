@@ -1,0 +1,95 @@
+"""The chain from pictures to errors in millimetres: the work of every command as one function.
+
+::
+
+    render ─► SHOOT ─► detect ─► fit, or calibrate ─► reconstruct ─► evaluate
+
+A command line parses, calls the function of its verb's name, and prints; a notebook calls the same functions.
+Paths are text or :class:`os.PathLike`; where a shoot, a table, cameras or points are wanted, their path does,
+too. Nothing is printed: what a person should not miss is in the `warnings` of what is returned, and
+`progress` is told how far the work has come.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from labcal.pipeline.calibration import calibrate, fit
+from labcal.pipeline.detection import detect, inspect, measure
+from labcal.pipeline.other_programs import convert, undistort
+from labcal.pipeline.reconstruction import evaluate, reconstruct
+from labcal.pipeline.rendering import render
+from labcal.pipeline.studies import bench, reproduce
+
+if TYPE_CHECKING:
+    from labcal.bench.settings import BenchSettings
+    from labcal.calibrate.epipolar_residual import epipolar_rms
+    from labcal.calibrate.handheld import HandheldSettings
+    from labcal.cameras.interop.conversion import ConvertSettings
+    from labcal.correspond.measure import detections_of
+    from labcal.correspond.picture_set import open_pictures
+    from labcal.correspond.undistortion import UndistortSettings
+    from labcal.detect.settings import DetectSettings, detect_settings
+    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.paper.reproduce import ReproduceSettings
+    from labcal.render.shoot import RenderSettings
+
+__all__ = [
+    "BenchSettings",
+    "ConvertSettings",
+    "DetectSettings",
+    "FitSettings",
+    "HandheldSettings",
+    "RenderSettings",
+    "ReproduceSettings",
+    "UndistortSettings",
+    "bench",
+    "calibrate",
+    "convert",
+    "detect",
+    "detect_settings",
+    "detections_of",
+    "epipolar_rms",
+    "estimators_of",
+    "evaluate",
+    "fit",
+    "fit_methods",
+    "inspect",
+    "measure",
+    "open_pictures",
+    "reconstruct",
+    "render",
+    "reproduce",
+    "training_of",
+    "undistort",
+]
+
+_HOMES = {
+    "BenchSettings": "labcal.bench.settings",
+    "ConvertSettings": "labcal.cameras.interop.conversion",
+    "DetectSettings": "labcal.detect.settings",
+    "FitSettings": "labcal.estimators.fitting",
+    "HandheldSettings": "labcal.calibrate.handheld",
+    "RenderSettings": "labcal.render.shoot",
+    "ReproduceSettings": "labcal.paper.reproduce",
+    "UndistortSettings": "labcal.correspond.undistortion",
+    "detect_settings": "labcal.detect.settings",
+    "detections_of": "labcal.correspond.measure",
+    "epipolar_rms": "labcal.calibrate.epipolar_residual",
+    "estimators_of": "labcal.estimators.fitting",
+    "open_pictures": "labcal.correspond.picture_set",
+    "fit_methods": "labcal.estimators.fitting",
+    "training_of": "labcal.estimators.fitting",
+}
+"""Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""
+
+
+def __getattr__(name: str) -> object:
+    """Return what is at home elsewhere."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted({*globals(), *_HOMES})

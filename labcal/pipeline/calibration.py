@@ -1,0 +1,99 @@
+"""Cameras and methods from dots."""
+
+from typing import TYPE_CHECKING
+
+from labcal.correspond.detections import Detections
+from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.errors import InputError
+from labcal.estimators.model import Model
+from labcal.paths import AnyPath
+from labcal.pipeline.given import dots_of, shown_by
+from labcal.run.progress import Progress
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+from labcal.targets.catalogue import AnyTarget
+
+if TYPE_CHECKING:
+    from labcal.calibrate.calibration import Calibration
+    from labcal.calibrate.handheld import HandheldSettings
+    from labcal.estimators.fitting import FitSettings
+
+
+def calibrate(
+    source: Shoot | AnyTarget | AnyPath,
+    detections: Detections | AnyPath | None = None,
+    lens: str | None = None,
+    settings: "HandheldSettings | None" = None,
+    hold_out: HoldOut = (),
+    progress: Progress | None = None,
+) -> "Calibration":
+    """Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.
+
+    Parameters
+    ----------
+    source : Shoot, AnyTarget, path or str
+        A shoot or its folder, whose test views do not enter; or the target that the dots are of, or its name.
+    detections : Detections or path, optional
+        Dots, or the table of them; those of the shoot are found in its pictures where left out.
+    lens : str, optional
+        A lens model; ``"auto"``: views held out choose it. That of the rig to start from, or
+        ``brown5``, where left out.
+    settings : HandheldSettings, optional
+    hold_out : int, str or sequence of str
+        Views that do not enter, so that the result can be scored on them: how many, or which.
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        As of :func:`~labcal.calibrate.calibration.calibrated`; or no dots are given of a target.
+    """
+    from labcal.calibrate.calibration import calibrated
+
+    shown = shown_by(source)
+    dots = dots_of(detections, shown)
+    if not isinstance(shown, Shoot):
+        return calibrated(dots, shown, lens, settings, hold_out, progress)
+    tested = {view.name for view in shown.views(Role.TEST)}
+    rest = [view for view in dots.views if view not in tested]
+    kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
+    return calibrated(dots, shown.target, lens, settings, kept_back, progress)
+
+
+def fit(
+    source: Shoot | AnyTarget | AnyPath,
+    detections: Detections | AnyPath | None = None,
+    method: object = "hybrid",
+    settings: "FitSettings | None" = None,
+    progress: Progress | None = None,
+) -> Model:
+    """Fit a method to the dots of a target; :func:`fit_methods` fits several to the same :func:`training_of`.
+
+    Parameters
+    ----------
+    source : Shoot, AnyTarget, path or str
+        A shoot or its folder, of which training views are used; or the target, held in the hand in all views,
+        or its name.
+    detections : Detections or path, optional
+        Dots, or the table of them; those of the shoot are found in its pictures where left out.
+    method : str, type or object
+        Its name; ``package.module:Class`` of a method of one's own; or an estimator or a class, of labcal's
+        or with fit and predict as those of scikit-learn. What is given stays as it was: a copy learns.
+    settings : FitSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such method, it cannot learn from these dots, or no dots are given of a target.
+    """
+    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+
+    settings = settings or FitSettings()
+    shown = shown_by(source)
+    estimators = estimators_of([method], settings)
+    training = training_of(shown, dots_of(detections, shown), settings, progress)
+    (model,) = fit_methods(training, estimators, settings, progress)
+    if isinstance(model, InputError):
+        raise model
+    return model

@@ -1,0 +1,110 @@
+"""Dots from pictures, and pictures at a glance."""
+
+from typing import TYPE_CHECKING
+
+from labcal.correspond.detections import Detections
+from labcal.paths import AnyPath
+from labcal.run.progress import NoProgress, Progress
+from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, find_tone_curve
+from labcal.targets.catalogue import AnyTarget
+
+if TYPE_CHECKING:
+    from labcal.correspond.measure import Measurement
+    from labcal.correspond.picture_set import AnyPictures
+    from labcal.detect.settings import DetectSettings
+    from labcal.report.inspection import Inspection
+
+
+def measure(
+    pictures: "AnyPictures",
+    target: AnyTarget | AnyPath | None = None,
+    settings: "DetectSettings | None" = None,
+    tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> "list[Measurement]":
+    """Find the dots in pictures, and tell of each picture what came of it.
+
+    Parameters
+    ----------
+    pictures : PictureSet, Shoot, path or sequence of paths
+        As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
+    target : AnyTarget, str or path, optional
+        What the pictures show; a shoot brings its own.
+    settings : DetectSettings, optional
+        Thresholds, sizes and counts of the detector; the defaults where left out.
+    tone_curve : str or AnyToneCurve
+        The camera's, which is undone first.
+    workers : int
+        Processes at work; the results are the same for any number.
+    progress : Progress, optional
+
+    Returns
+    -------
+    list of Measurement
+        In the order of the pictures; one that cannot be used is a result with a reason.
+
+    Raises
+    ------
+    InputError
+        There are no such pictures, or the target is not known.
+    """
+    from labcal.correspond.measure import measure_pictures
+    from labcal.correspond.picture_set import open_pictures
+    from labcal.run.executor import open_executor
+
+    curve = find_tone_curve(tone_curve) if isinstance(tone_curve, str) else tone_curve
+    opened = open_pictures(pictures)
+    shown = opened.target(target)
+    with open_executor(workers) as executor:
+        return measure_pictures(opened.sources, shown, executor, progress or NoProgress(), curve, settings)
+
+
+def detect(
+    pictures: "AnyPictures",
+    target: AnyTarget | AnyPath | None = None,
+    settings: "DetectSettings | None" = None,
+    tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> Detections:
+    """Find the dots in pictures, and return the table of them.
+
+    Parameters and errors are those of :func:`measure`, which tells of each picture by itself.
+
+    Raises
+    ------
+    InputError
+        No picture could be read at all.
+    """
+    from labcal.correspond.measure import detections_of
+
+    return detections_of(measure(pictures, target, settings, tone_curve, workers, progress))
+
+
+def inspect(
+    pictures: "AnyPictures",
+    target: AnyTarget | AnyPath | None = None,
+    settings: "DetectSettings | None" = None,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> "Inspection":
+    """Return pictures at a glance: exposure, sharpness and dots of each, and a contact sheet of all.
+
+    Parameters
+    ----------
+    pictures, target, settings, workers, progress
+        As of :func:`measure`.
+
+    Raises
+    ------
+    InputError
+        There are no such pictures, the target is not known, or no picture could be read at all.
+    """
+    from labcal.correspond.picture_set import open_pictures
+    from labcal.report.inspection import inspection
+
+    opened, progress = open_pictures(pictures), progress or NoProgress()
+    shown = opened.target(target)
+    measurements = measure(opened, shown, settings, workers=workers, progress=progress)
+    return inspection(opened, measurements, shown, progress)

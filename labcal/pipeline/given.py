@@ -1,0 +1,27 @@
+"""Arguments of the functions of the chain: objects, or the files of them."""
+
+from labcal.correspond.detections import Detections, read_detections
+from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
+from labcal.pipeline.detection import detect
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
+from labcal.targets.catalogue import AnyTarget, load_target
+from labcal.targets.target import Target
+
+
+def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
+    """Return what dots are of: a shoot, by its folder, too, or a target, by its name, too."""
+    if isinstance(source, Shoot | Target):
+        return source
+    return open_shoot(as_path(source)) if is_shoot(as_path(source)) else load_target(source)
+
+
+def dots_of(detections: Detections | AnyPath | None, shown: Shoot | AnyTarget | None) -> Detections:
+    """Return dots that are given, by the table's path, too, or those of a shoot."""
+    if isinstance(detections, Detections):
+        return detections
+    if detections is not None:
+        return read_detections(as_path(detections))
+    if isinstance(shown, Shoot):
+        return detect(shown)
+    raise InputError("No dots are given. Give `detections`, or a shoot, in whose pictures they are found.")

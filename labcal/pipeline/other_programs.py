@@ -1,0 +1,88 @@
+"""Files for other programs: cameras and dots converted, pictures undistorted."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from labcal.cameras.rig import Rig
+from labcal.paths import AnyPath, as_path
+from labcal.run.progress import NoProgress, Progress
+
+if TYPE_CHECKING:
+    from labcal.cameras.interop.conversion import Conversion, ConvertSettings
+    from labcal.correspond.picture_set import AnyPictures
+    from labcal.correspond.undistortion import Undistorted, UndistortSettings
+
+
+def convert(
+    inputs: AnyPath | Sequence[AnyPath],
+    output: AnyPath,
+    settings: "ConvertSettings | None" = None,
+    *,
+    force: bool = False,
+) -> "Conversion":
+    """Convert cameras, or detections, from and to the files of other systems.
+
+    Parameters
+    ----------
+    inputs : path or sequence of paths
+        A file, one a camera, or a folder.
+    output : path
+        File to write; of COLMAP, a folder. Its ending tells cameras from detections (``.csv``, ``.vnl``).
+    settings : ConvertSettings, optional
+    force : bool
+        Replace what labcal wrote there.
+
+    Raises
+    ------
+    InputError
+        The files cannot be read, or what is in them cannot be held by the other format.
+    OutputError
+        The output may not be written.
+    """
+    from labcal.cameras.interop.conversion import ConvertSettings, convert_cameras
+    from labcal.correspond.interop.conversion import convert_detections, is_of_detections
+    from labcal.correspond.paths_read import paths_read
+
+    given = [inputs] if isinstance(inputs, str) or not isinstance(inputs, Sequence) else inputs
+    paths, place, settings = [as_path(one) for one in given], as_path(output), settings or ConvertSettings()
+    converted = convert_detections if is_of_detections([*paths, place]) else convert_cameras
+    return converted(paths, place, settings, paths_read([*paths, settings.target]), force=force)
+
+
+def undistort(
+    model: Rig | AnyPath,
+    pictures: "AnyPictures",
+    folder: AnyPath,
+    settings: "UndistortSettings | None" = None,
+    progress: Progress | None = None,
+) -> "Undistorted":
+    """Make pictures as pinhole cameras in the same places would have taken them, with maps and cameras.
+
+    Parameters
+    ----------
+    model : Rig or path
+        The cameras.
+    pictures : PictureSet, Shoot, path or sequence of paths
+        As for :func:`~labcal.correspond.picture_set.open_pictures`.
+    folder : path
+        The folder to appear.
+    settings : UndistortSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    InputError, OutputError
+        As of :func:`~labcal.correspond.undistortion.undistort_pictures`.
+    """
+    from labcal.cameras.rig import read_rig
+    from labcal.correspond.paths_read import paths_read
+    from labcal.correspond.picture_set import open_pictures
+    from labcal.correspond.undistortion import UndistortSettings, undistort_pictures
+
+    rig = model if isinstance(model, Rig) else read_rig(as_path(model))
+    opened = open_pictures(pictures)
+    given = [None if isinstance(model, Rig) else model, *opened.given]
+    read, place = paths_read(given, opened.sources), as_path(folder)
+    return undistort_pictures(
+        rig, opened, place, settings or UndistortSettings(), read, progress or NoProgress()
+    )

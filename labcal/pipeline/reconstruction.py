@@ -1,0 +1,116 @@
+"""Points from dots, and how far off they are."""
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
+from labcal.correspond.points import Points
+from labcal.errors import InputError
+from labcal.estimators.model import Model
+from labcal.paths import AnyPath, as_path
+from labcal.pipeline.given import dots_of, shown_by
+from labcal.shoot.dataset import Shoot
+from labcal.targets.catalogue import AnyTarget, load_target
+from labcal.targets.places import DotPlaces
+from labcal.targets.target import Target
+
+if TYPE_CHECKING:
+    from labcal.evaluate.against_truth import Alignment, TruthErrors
+    from labcal.evaluate.own_lengths import LengthErrors
+    from labcal.reconstruct.reconstruction import Reconstruction
+
+
+def reconstruct(
+    model: Model | Rig | AnyPath,
+    detections: Detections | AnyPath,
+    target: Target | AnyPath | None = None,
+) -> "Reconstruction":
+    """Return the points of all dots that every camera measured.
+
+    Parameters
+    ----------
+    model : Model, Rig or path
+        A fitted method or cameras, or the file of them.
+    detections : Detections or path
+        Dots, or the table of them.
+    target : Target, str or path, optional
+        What the dots are of, so that centroids give centres.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`.
+    """
+    from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres
+    from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
+
+    used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
+    shown = target if target is None or isinstance(target, Target) else load_target(target)
+    dots = dots_of(detections, None)
+    found = reconstruct_centres(used, dots, shown)
+    known = None if shown is None else shown.name
+    return replace(found, warnings=reconstruction_warnings(used, dots, found, known))
+
+
+def evaluate(
+    points: Points | AnyPath,
+    source: Shoot | AnyTarget | DotPlaces | AnyPath,
+    detections: Detections | AnyPath | None = None,
+    alignment: "Alignment | None" = None,
+    rig: Rig | Model | Collection[str] | AnyPath | None = None,
+) -> "TruthErrors | LengthErrors":
+    """Return the errors of points in mm, against the truth where a shoot has one, else against lengths.
+
+    Parameters
+    ----------
+    points : Points or path
+    source : Shoot, AnyTarget, DotPlaces, path or str
+        The shoot that the points are of, or its folder; or, to compare with the target's own lengths, the
+        target or its name, or the places of its dots (``RIG-dots.json``).
+    detections : Detections or path, optional
+        What the points came from; gives the limit of triangulation.
+    alignment : {"none", "rigid"}, optional
+        How the points are brought onto the truth; rigid for a target in the hand, else none.
+    rig : Rig, Model, path or collection of str, optional
+        What the points were reconstructed with, or the views that it was calibrated from: these are not
+        scored, or are said to be.
+
+    Raises
+    ------
+    InputError
+        The points are not of that target or shoot, or something is given that needs a truth.
+    """
+    from labcal.cameras.rig import Rig
+    from labcal.correspond.points import read_points
+    from labcal.evaluate.against_truth import errors_against_truth
+    from labcal.evaluate.own_lengths import errors_of_lengths
+    from labcal.evaluate.scored_views import ScoredViews
+    from labcal.reconstruct.reconstruction import calibration_views
+    from labcal.shoot.truth import has_truth
+
+    shown = source if isinstance(source, DotPlaces) else shown_by(source)
+    if not (isinstance(shown, Shoot) and has_truth(shown.folder)):
+        for name, given in (("detections", detections), ("alignment", alignment)):
+            if given is not None:
+                raise InputError(
+                    f"`{name}` goes with the truth of a rendered shoot, which is not given here. "
+                    "Leave it out."
+                )
+    found = points if isinstance(points, Points) else read_points(as_path(points))
+    learned: Collection[str] | None
+    if isinstance(rig, Rig | Model):
+        learned = rig.calibrated_on or None
+    elif rig is None or (isinstance(rig, Collection) and not isinstance(rig, str)):
+        learned = rig
+    else:
+        learned = calibration_views(as_path(rig)) or None
+    if not isinstance(shown, Shoot):
+        return errors_of_lengths(found, shown, learned)
+    if has_truth(shown.folder):
+        dots = None if detections is None else dots_of(detections, None)
+        return errors_against_truth(found, shown, dots, alignment, learned)
+    if learned is None:
+        found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
+    return errors_of_lengths(found, shown.target, learned)

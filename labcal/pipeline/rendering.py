@@ -1,0 +1,47 @@
+"""Pictures from the rendered laboratory."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from labcal.paths import AnyPath, as_path
+from labcal.run.progress import NoProgress, Progress
+from labcal.shoot.dataset import Shoot
+
+if TYPE_CHECKING:
+    from labcal.render.shoot import RenderSettings
+
+
+def render(
+    scene: AnyPath,
+    folder: AnyPath,
+    settings: "RenderSettings | None" = None,
+    overrides: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> Shoot:
+    """Render a scene into a new shoot: pictures, a manifest, and the truth in a folder apart.
+
+    Parameters
+    ----------
+    scene : str or path
+        The name of a scene that labcal ships, or the path of a YAML file.
+    folder : path
+        The folder to appear. What an interrupted run left is gone on with.
+    settings : RenderSettings, optional
+    overrides : sequence of str
+        Values of the scene to change, as in ``"cameras.left.focal_px=800"``.
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such scene, or something in it is not allowed.
+    OutputError
+        The folder exists already, or may not be made.
+    DeviceError
+        The renderer does not work on this machine.
+    """
+    from labcal.render.shoot import RenderSettings, render_shoot
+    from labcal.scene.catalogue import load_scene
+
+    loaded = load_scene(scene, tuple(overrides))
+    return render_shoot(loaded, as_path(folder), settings or RenderSettings(), progress or NoProgress())

@@ -1,0 +1,66 @@
+"""Studies of labcal itself: the experiments of the paper, and benchmarks."""
+
+from typing import TYPE_CHECKING
+
+from labcal.paths import AnyPath, as_path
+from labcal.run.progress import NoProgress, Progress
+
+if TYPE_CHECKING:
+    from labcal.bench.settings import BenchSettings
+    from labcal.paper.reproduce import ReproduceSettings
+    from labcal.report.bench import BenchResult
+    from labcal.report.reproduction import Reproduction
+
+
+def reproduce(
+    folder: AnyPath, settings: "ReproduceSettings | None" = None, progress: Progress | None = None
+) -> "Reproduction":
+    """Reproduce the experiments of the paper, all 22 rows or some, and write the results and a page.
+
+    Parameters
+    ----------
+    folder : path
+        The folder to appear. What an interrupted run left is gone on with.
+    settings : ReproduceSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    OutputError, DeviceError
+        As of :func:`labcal.paper.reproduce.reproduce`.
+    """
+    from labcal.paper.reproduce import ReproduceSettings, reproduce
+    from labcal.run.claims import FolderOutput, claim_outputs
+
+    place, settings = as_path(folder), settings or ReproduceSettings()
+    claim_outputs([FolderOutput(place)], (), force=settings.force)
+    return reproduce(place, settings, progress or NoProgress())
+
+
+def bench(
+    what: str,
+    folder: AnyPath,
+    settings: "BenchSettings | None" = None,
+    progress: Progress | None = None,
+) -> "BenchResult":
+    """Measure how good labcal is, every figure against its limit, and write the results.
+
+    Parameters
+    ----------
+    what : {"render", "detect", "solve"}
+    folder : path
+        The folder to appear.
+    settings : BenchSettings, optional
+    progress : Progress, optional
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such benchmark, or a setting does not apply to it.
+    OutputError
+        The folder may not be made.
+    """
+    from labcal.bench.benchmarks import run_benchmark
+    from labcal.bench.settings import BenchSettings
+
+    return run_benchmark(what, as_path(folder), settings or BenchSettings(), progress or NoProgress())
