@@ -1,4 +1,4 @@
-"""How far dots lie from the epipolar curves that cameras say they are on."""
+"""Distances of dots from the epipolar curves that cameras predict."""
 
 import numpy as np
 

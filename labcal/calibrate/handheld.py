@@ -28,7 +28,7 @@ from labcal.calibrate.lone_calibration import (
 )
 from labcal.calibrate.one_lens import two_lenses
 from labcal.calibrate.outlying_dots import OutlyingDots
-from labcal.calibrate.parallel_rig import told_by_each_other
+from labcal.calibrate.parallel_rig import with_determined_poses
 from labcal.calibrate.resection.resected import MOST_OFF
 from labcal.calibrate.rig_start import rig_start
 from labcal.calibrate.triangulation_check import calibration_record
@@ -80,7 +80,7 @@ def calibrate_handheld(
     if settings.free_dots and lens_by_name(lens).parallel:
         raise InputError(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not told apart there. Leave --free-dots out."
+            "tilt are not distinguishable there. Leave --free-dots out."
         )
     usable = usable_dots(detections, target)
     cameras = _require_all(usable, detections)
@@ -122,7 +122,9 @@ def _whole(
     """Adjust the rig; raise where that fails, or ends in what is no rig."""
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
-    start = rig_start(told_by_each_other([camera.lone for camera in found], settings.start), target.points())
+    start = rig_start(
+        with_determined_poses([camera.lone for camera in found], settings.start), target.points()
+    )
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
     Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # raises beyond bounds of sense

@@ -114,11 +114,11 @@ class Rig(PublicObject, BaseModel):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Rig":
-        """Read ``rig.json``; as :func:`read_rig`, where errors are told."""
+        """Read ``rig.json``; as :func:`read_rig`, which lists its errors."""
         return read_rig(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``rig.json``; as :func:`write_rig`, where errors are told.
+        """Write ``rig.json``; as :func:`write_rig`, which lists its errors.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""Pictures as they are given, told once what they are: those of a shoot, or loose ones."""
+"""Pictures as a user gives them, resolved once: those of a shoot, or loose ones."""
 
 import os.path
 from collections.abc import Mapping, Sequence

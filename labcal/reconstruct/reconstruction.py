@@ -81,10 +81,10 @@ class Reconstruction(PublicObject):
     """Warnings in words."""
 
     def _summary(self) -> Mapping[str, object]:
-        told: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
+        summary: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
         if self.miss_px is not None:
-            told["median_residual"] = f"{self.miss_px:.3g} px"
-        return {**told, "warnings": len(self.warnings)}
+            summary["median_residual"] = f"{self.miss_px:.3g} px"
+        return {**summary, "warnings": len(self.warnings)}
 
 
 def reconstruct_points(model: Model | Rig, detections: Detections, target: Target | None = None) -> Points:

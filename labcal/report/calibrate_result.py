@@ -1,4 +1,4 @@
-"""What ``labcal calibrate`` tells: the JSON document, and the same for people."""
+"""Result of ``labcal calibrate``: the JSON document, and the same for people."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ class CameraResult:
     undetermined: list[str]
     """Lens coefficients that the views leave open."""
     open_lens: bool
-    """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
+    """True if the dots do not determine the lens towards the picture's border, where a prior decides."""
     share_without_rays: float
     """Of the picture, where the lens folds."""
     two_lenses: TwoLenses | None
@@ -110,9 +110,9 @@ class CalibrateResult:
     calibrated_on: list[str]
     """Views that the cameras come from."""
     triangulation_rms_px: float | None
-    """By how much rays of the dots miss each other; null for one camera."""
+    """RMS triangulation residual; null for one camera."""
     inconsistent: InconsistentResult | None
-    """Why the cameras do not agree on where the target was; null where they do."""
+    """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
 
 def calibrate_result(made: Calibration, detections: Detections, target: AnyTarget) -> CalibrateResult:
@@ -184,7 +184,7 @@ def calibrate_table(result: CalibrateResult) -> object:
     if len(result.cameras) > 1:
         caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
     bias = result.centre_bias_px
-    caption += f"\ntaken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
+    caption += f"\ncorrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
     columns = ("RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
     table = Table(name_column("camera"), *columns)
     table.caption = caption
