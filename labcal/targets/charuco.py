@@ -194,7 +194,7 @@ class CharucoBoard(BaseModel):
         """Return zeros: a corner has no extent, and its image no bias."""
         return np.zeros(self.count)
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:  # noqa: ARG002 -- as of every target
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:  # noqa: ARG002 -- as of every target
         """Return nothing: the markers tell every way up from all others."""
         return ()
 

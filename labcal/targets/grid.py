@@ -256,7 +256,7 @@ class DotGrid(BaseModel):
             diameters[row * self.cols + col] = self.ring_outer_diameter_mm
         return diameters
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return what dots would be called if the whole target were turned so that it looks the same.
 
         With rings it never does. All dots alike, a symmetric grid looks the same after half a turn, and a

@@ -49,7 +49,7 @@ class Target(Protocol):
         Where it is 0, the centre of the image is the image of the centre, and there is no bias to correct.
         """
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return (col, row) of dots under every turn after which the target looks the same; often nothing."""
 
 

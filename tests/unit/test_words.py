@@ -14,7 +14,6 @@ GLOSSARY = PACKAGE.parent / "docs" / "glossary.md"
 NOT_YET = {
     "cameras",
     "cli",
-    "detect",
     "pipeline",
     "targets",
 }

@@ -62,7 +62,7 @@ def adjust_dots(
         Too few dots are in enough pictures, or more are than can be free at once, or the target looks the
         same when turned.
     """
-    if target.lookalikes(target.indices()[:1]):
+    if target.symmetric_indices(target.indices()[:1]):
         raise InputError(
             f"The target '{target.name}' looks the same when turned, so views may number its dots "
             "differently. Free the dots of a target with rings, or leave `free_dots` out."

@@ -1,4 +1,4 @@
-"""Where a grid may begin: a spot with neighbours one step along both axes."""
+"""Seeds of a grid: spots with neighbours one step along both axes."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ def seed_at(
 ) -> Seed | None:
     """Return the smallest cross around spot i whose arms are square to each other on the board.
 
-    The dots' own ellipses say how the board is foreshortened there, so the angle and the ratio of the steps
+    The dots' own ellipses show how the board is foreshortened there, so the angle and the ratio of the steps
     are known without the pose. A step is measured by the geometric mean of the ellipses at its ends, which
     is right for any perspective along the step.
 
@@ -51,13 +51,13 @@ def seed_at(
     steps = outlines.centre[near] - outlines.centre[i]
     present = np.einsum("nij,nj->ni", geometric_mean(flatten[:-1], flatten[-1]), steps)
     length = np.linalg.norm(present, axis=1)
-    balanced = _nearest_miss(-present, present) < settings.seed_miss_steps * length
+    balanced = _nearest_miss(-present, present) < settings.seed_residual_steps * length
     arms = present[balanced]
     if len(arms) < 2:  # noqa: PLR2004 - an arm and its opposite
         return None
     expected = abs(float(np.log(target.cell_mm[0] / target.cell_mm[1])))
     pair = _full_cross(arms, present, expected, settings) or _half_cross(arms, present, expected, settings)
-    miss = settings.seed_miss_steps
+    miss = settings.seed_residual_steps
     if pair is None or _is_coarse(pair.first, pair.second, present, miss):
         return None
     u, v = np.linalg.solve(flatten[-1], np.stack([pair.first, pair.second], axis=-1)).T
@@ -114,7 +114,7 @@ def _smallest(
     cosine = np.abs(first @ second.T) / (length[0] * length[1])
     ratio = np.abs(np.log(length[0] / length[1]))
     skew = np.maximum(cosine, np.abs(ratio - expected))
-    fits = (skew < settings.seed_shape_log) & (misfit < settings.seed_miss_steps)
+    fits = (skew < settings.seed_shape_log) & (misfit < settings.seed_residual_steps)
     if not fits.any():
         return None
     area = np.where(fits, length[0] * length[1], np.inf)

@@ -231,7 +231,7 @@ def test_mrgingham_numbers_the_dots_that_labcal_finds(tmp_path: Path, roll_deg: 
     ours = detections_of([measure_picture(source, target)])
     assert theirs.ok.all()
     assert ours.ok.all()
-    numberings = (ours.index, *target.lookalikes(ours.index))
+    numberings = (ours.index, *target.symmetric_indices(ours.index))
     misses = []
     for index in numberings:
         number = index[:, 1] * target.cols + index[:, 0]
