@@ -110,8 +110,8 @@ def target_residuals(
     """Return the residuals of the target of another camera in the pictures of this camera, RMS, px."""
     misses = []
     for T_other_target, T_camera_target in zip(shared.first, shared.second, strict=True):
-        expected = camera.camera.image(transform(T_camera_other @ T_other_target, dots)).q
-        seen = camera.camera.image(transform(T_camera_target, dots)).q
+        expected = camera.camera.project_in_camera(transform(T_camera_other @ T_other_target, dots)).q
+        seen = camera.camera.project_in_camera(transform(T_camera_target, dots)).q
         square = ((expected - seen) ** 2).sum(axis=1)
         known = square[np.isfinite(square)]
         misses.append(float(np.sqrt(known.mean())) if len(known) else float("inf"))

@@ -1,4 +1,4 @@
-"""Pixels that see no direction, told for people."""
+"""Notes on pixels that see no direction."""
 
 from labcal.cameras.camera import Camera
 

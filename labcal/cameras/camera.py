@@ -37,7 +37,7 @@ _LATTICE = 65
 
 @dataclass(frozen=True)
 class Rays:
-    """Where pixels look: a point on each ray, its unit direction, and whether there is a ray at all."""
+    """Rays of pixels: a point on each, its unit direction, and whether there is one at all."""
 
     origin: Vectors3
     direction: Vectors3
@@ -46,7 +46,7 @@ class Rays:
 
 @dataclass(frozen=True)
 class Projection:
-    """Where points are imaged; NaN and not ok for what the camera cannot image."""
+    """Images of points; NaN and not ok for what the camera cannot image."""
 
     q: Pixels
     ok: Mask
@@ -231,18 +231,18 @@ class Camera(PublicObject):
 
     @property
     def optics(self) -> Optics:
-        """Lens and window, to which :attr:`numbers` belong."""
+        """Lens and window, to which :attr:`parameters` belong."""
         return Optics(self.model, self.window)
 
     @cached_property
-    def numbers(self) -> tuple[float, ...]:
-        """All numbers of the camera: fx fy cx cy, then the window's and the lens model's own."""
-        return (*self.intrinsics, *self._window_numbers, *self._lens_numbers)
+    def parameters(self) -> tuple[float, ...]:
+        """All parameters of the camera: fx fy cx cy, then the window's and the lens model's own."""
+        return (*self.intrinsics, *self._window_parameters, *self._lens_parameters)
 
     @cached_property
-    def forward_numbers(self) -> tuple[float, ...]:
-        """The leading :attr:`numbers`: all that the way from points to pixels takes."""
-        return (*self.intrinsics, *self._window_numbers, *self._forward_lens_numbers)
+    def forward_parameters(self) -> tuple[float, ...]:
+        """The leading :attr:`parameters`: all that the way from points to pixels takes."""
+        return (*self.intrinsics, *self._window_parameters, *self._forward_lens_parameters)
 
     @property
     def reach(self) -> float:
@@ -258,11 +258,11 @@ class Camera(PublicObject):
         """Newton steps after which the inverse of the lens is found everywhere in the picture."""
         q = self._lattice()
         with np.errstate(invalid="ignore", over="ignore"):
-            there = self.optics.trace(NUMPY, self.numbers, *q).ok
+            there = self.optics.trace(NUMPY, self.parameters, *q).ok
             for steps in range(1, NUMPY.newton_steps):
                 # Well short of what is asked for, since between the nodes it may be worse.
                 m = NumpyMathematics(steps, settled=5e-5)
-                if not np.any(there & ~self.optics.trace(m, self.numbers, *q).ok):
+                if not np.any(there & ~self.optics.trace(m, self.parameters, *q).ok):
                     return steps
         return NUMPY.newton_steps
 
@@ -293,7 +293,7 @@ class Camera(PublicObject):
         """
         q = float_array(q, (..., 2), "q")
         with np.errstate(invalid="ignore", over="ignore"):
-            traced = self.optics.trace(NUMPY, self.numbers, q[..., 0], q[..., 1])
+            traced = self.optics.trace(NUMPY, self.parameters, q[..., 0], q[..., 1])
             T_world_cam = inverse(self.T_cam_world)
             origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
             direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
@@ -301,7 +301,7 @@ class Camera(PublicObject):
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
     def project(self, p: AnyArray) -> Projection:
-        """Return where world points are imaged.
+        """Return the pixels of world points.
 
         Parameters
         ----------
@@ -312,7 +312,7 @@ class Camera(PublicObject):
         -------
         Projection
             Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
-            tell no depth), beyond the fold of the lens model and for NaN.
+            determine no depth), beyond the fold of the lens model and for NaN.
 
         Raises
         ------
@@ -327,10 +327,10 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        return self.image(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+        return self.project_in_camera(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
 
-    def image(self, p_cam: AnyArray) -> Projection:
-        """Return where points of the camera's frame are imaged, as :meth:`project` does.
+    def project_in_camera(self, p_cam: AnyArray) -> Projection:
+        """Return the pixels of points of the camera's frame, as :meth:`project` does.
 
         Parameters
         ----------
@@ -339,17 +339,17 @@ class Camera(PublicObject):
         """
         X, Y, Z = np.moveaxis(float_array(p_cam, (..., 3), "p_cam"), -1, 0)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = self.optics.project(NUMPY, self.forward_numbers, (X, Y, Z))
+            found = self.optics.project(NUMPY, self.forward_parameters, (X, Y, Z))
         ok = np.asarray(found.ok)
         return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
     def point_jacobian(self, p: AnyArray) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
         X, Y, Z = np.moveaxis(transform(self.T_cam_world, float_array(p, (..., 3), "p")), -1, 0)
-        numbers = constants(self.forward_numbers, 3)
+        parameters = constants(self.forward_parameters, 3)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x, y, z = variables(X, Y, Z)
-            found = self.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
+            found = self.optics.project(DualMathematics(NUMPY), parameters, (x, y, z))
         local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
         jacobian: np.ndarray = local @ self.T_cam_world[:3, :3]
         return jacobian
@@ -362,20 +362,20 @@ class Camera(PublicObject):
         directions = INTRINSICS + free
         fixed = constants(self.padded_dist[free:], directions)
         m = DualMathematics(NUMPY)
-        numbers = self.dual_numbers(m, varied[:INTRINSICS], (*varied[INTRINSICS:], *fixed))
+        parameters = self.dual_parameters(m, varied[:INTRINSICS], (*varied[INTRINSICS:], *fixed))
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x, y, z = constants((X, Y, Z), directions)
-            found = self.optics.project(m, numbers, (x, y, z))
+            found = self.optics.project(m, parameters, (x, y, z))
         return slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
 
-    def dual_numbers(
+    def dual_parameters(
         self, m: DualMathematics, intrinsics: tuple[Dual, ...], dist: tuple[Dual, ...]
     ) -> tuple[Dual, ...]:
-        """Return :attr:`forward_numbers` for derivatives by intrinsics and all of :attr:`padded_dist`."""
+        """Return :attr:`forward_parameters` for derivatives by intrinsics and all of :attr:`padded_dist`."""
         directions = len(intrinsics[0].slopes)
         formula = self.model.formula(m, dist) if self.model.coefficients else ()
-        rest = constants(self._forward_lens_numbers[len(formula) :], directions)
-        return (*intrinsics, *constants(self._window_numbers, directions), *formula, *rest)
+        rest = constants(self._forward_lens_parameters[len(formula) :], directions)
+        return (*intrinsics, *constants(self._window_parameters, directions), *formula, *rest)
 
     def in_picture(self, q: AnyArray) -> Mask:
         """Return whether pixels lie on the picture, which reaches half a pixel beyond the outer centres."""
@@ -408,7 +408,7 @@ class Camera(PublicObject):
 
     @property
     def _mend(self) -> str:
-        """What helps where the picture reaches beyond the lens's field."""
+        """Advice for a picture that reaches beyond the lens's field of view."""
         if self.prescription is not None:
             return "Raise focal_px, lessen the picture's size, or give the prescription wider surfaces."
         if self.model.ranges is not None:
@@ -421,16 +421,16 @@ class Camera(PublicObject):
         return (*(float(k) for k in self.dist), *(0.0,) * max(0, MOST_COEFFICIENTS - len(self.dist)))
 
     @cached_property
-    def _window_numbers(self) -> tuple[float, ...]:
-        return () if self.window is None else self.window.numbers
+    def _window_parameters(self) -> tuple[float, ...]:
+        return () if self.window is None else self.window.parameters
 
     @cached_property
-    def _forward_lens_numbers(self) -> tuple[float, ...]:
-        return self.model.forward_numbers(NUMPY, self.padded_dist)
+    def _forward_lens_parameters(self) -> tuple[float, ...]:
+        return self.model.forward_parameters(NUMPY, self.padded_dist)
 
     @cached_property
-    def _lens_numbers(self) -> tuple[float, ...]:
-        return self.model.numbers(NUMPY, self.padded_dist, self.reach)
+    def _lens_parameters(self) -> tuple[float, ...]:
+        return self.model.parameters(NUMPY, self.padded_dist, self.reach)
 
     def _lattice(self) -> tuple[np.ndarray, np.ndarray]:
         """Return u and v of a lattice over the picture up to its very edges."""

@@ -18,7 +18,7 @@ _TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
 class Bundle(CameraEstimator):
     """The method ``bundle``: each camera from the points' known places, with any lens model.
 
-    All numbers of a camera are adjusted together from a linear start (Brown 1971); points are triangulated
+    All parameters of a camera are adjusted together from a linear start (Brown 1971); points are triangulated
     optimally. For volumes only: of a single plane a camera's focal length and distance look alike.
 
     Parameters

@@ -35,7 +35,7 @@ class LearnedArrays:
     middle : float64 array, (3,)
     figures : float64 array, (cameras, FIGURES)
     covariance : float64 array, (cameras, free, free)
-        Padded with zeros to the camera with most free numbers.
+        Padded with zeros to the camera with most free parameters.
     inputs : float64 array, (cameras, n, 3)
     residuals : float64 array, (cameras, n, 2)
     """
@@ -49,7 +49,7 @@ class LearnedArrays:
 
 
 def free_count(text: str) -> tuple[int, int]:
-    """Return the number of cameras, and the most free numbers that one has, of a text of `LearnedArrays`.
+    """Return the number of cameras, and the most free parameters that one has, of a text of `LearnedArrays`.
 
     Raises
     ------

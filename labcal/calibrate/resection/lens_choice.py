@@ -60,7 +60,7 @@ def chosen_camera(method: str, q: Pixels, p: Vectors3, size: tuple[int, int]) ->
 
 
 def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) -> Camera:
-    """Return a camera of some kind, whose other numbers do not matter.
+    """Return a camera of some kind, whose other parameters do not matter.
 
     Parameters
     ----------

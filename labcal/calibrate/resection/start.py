@@ -32,7 +32,7 @@ def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Ca
     p : ndarray, shape (n, 3)
         World points, mm, not all on one plane.
     kinds : sequence of Camera
-        Of each the size, lens, prescription and window; other numbers do not matter.
+        Of each the size, lens, prescription and window; other parameters do not matter.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def camera_with_field(kind: Camera, field: float) -> Camera:
     Parameters
     ----------
     kind : Camera
-        Size, lens, prescription and window; its other numbers do not matter.
+        Size, lens, prescription and window; its other parameters do not matter.
     field : float
         Below a right angle for a rectilinear lens.
     """

@@ -49,7 +49,7 @@ class LearnedCamera:
     ----------
     placed : PlacedCamera
     covariance : float64 array, (free, free)
-        Of its pose and free numbers.
+        Of its pose and free parameters.
     noise_px : float
         What measured pixels scatter along each axis.
     learned : LearnedField, optional
@@ -105,7 +105,7 @@ class LearnedCamera:
         Notes
         -----
         With what was learned as a linear model with correlated errors, this is universal kriging (Cressie
-        1993, section 3.4): the field's own variance, and that of the camera's numbers as far as the field
+        1993, section 3.4): the field's own variance, and that of the camera's parameters as far as the field
         does not take up their errors.
         """
         seen = self.placed.seen(p).by_camera

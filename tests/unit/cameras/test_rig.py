@@ -80,7 +80,7 @@ def test_what_is_no_rig_is_refused(tmp_path: Path, key: str, value: object, said
 def test_a_damaged_rig_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "rig.json"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=r"rig\.json (is not a rig|is no JSON|cannot be read)"):
+    with pytest.raises(InputError, match=r"rig\.json (is not a rig|is not valid JSON|cannot be read)"):
         read_rig(path)
 
 
