@@ -27,7 +27,7 @@ class TargetKind:
     Attributes
     ----------
     name : str
-        What the key `kind` of its descriptions says.
+        Value of the key `kind` of its descriptions.
     model : type
         The description: a pydantic model that is a :class:`~labcal.targets.target.PrintableTarget`.
     detector : callable or str
