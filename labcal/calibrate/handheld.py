@@ -2,7 +2,7 @@
 
 OpenCV starts (Zhang 2000). Each camera is then adjusted alone with all views that it measured, and the rig
 with all views of all cameras. The first camera's frame is the world. Dots weigh by their covariances, and by
-what they scatter beyond them; what a centroid of area is off the image of the centre is taken off.
+what they scatter beyond them; the eccentricity of dots is subtracted.
 """
 
 from dataclasses import replace
@@ -14,7 +14,7 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreeing_views import LoneCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
-from labcal.calibrate.centre_bias import CentreBias, centred
+from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
 from labcal.calibrate.lens_start import require_adjustable
@@ -232,7 +232,7 @@ def _assemble(
         outliers=OutlyingDots.of(adjusted, whole.observations, target, (names, views)),
         views=views,
         T_world_target=adjusted.state.T_world_target,
-        bias=CentreBias.of(adjusted.shift),
+        eccentricity=CorrectedEccentricity.of(adjusted.eccentricity),
         freed=whole.freed,
         reason=adjusted.reason,
     )

@@ -8,7 +8,7 @@ from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
-from labcal.calibrate.centre_bias import ROUNDS
+from labcal.calibrate.eccentricity import ROUNDS
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.lens_start import (
     LensStart,

@@ -148,7 +148,7 @@ def _with_larger_lens(
 
 def apart(adjusted: Adjusted, observations: Observations, views: tuple[str, ...]) -> TwoLenses | None:
     """Return the two groups of views that differ most; None where that is no more than chance makes them."""
-    dots = observations.moved(-adjusted.shift).scattered(adjusted.scatter_px**2)
+    dots = observations.moved(-adjusted.eccentricity).scattered(adjusted.scatter_px**2)
     votes = _votes(adjusted.state, dots.where(~adjusted.outlier), len(views))
     if votes is None or len(views) < 2 * FEWEST:
         return None

@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from labcal.calibrate.calibration import Calibration
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.epipolar_residual import epipolar_rms
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld_calibration import HandheldCalibration
@@ -100,7 +100,7 @@ class CalibrateResult:
     outlier_count: int
     outliers: list[OutlierResult]
     """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
-    centre_bias_px: CentreBias
+    centre_bias_px: CorrectedEccentricity
     stop_reason: str
     free_dots: FreeDotsResult | None
     lens_choice: LensChoice | None
@@ -127,7 +127,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         skipped=list(found.skipped),
         outlier_count=len(found.outliers),
         outliers=_outliers(found.outliers),
-        centre_bias_px=found.bias,
+        centre_bias_px=found.eccentricity,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=made.choice,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
@@ -45,7 +45,7 @@ class FitResult:
     """The JSON document of ``labcal fit``."""
 
     models: list[MethodResult]
-    centre_bias_px: CentreBias | None
+    centre_bias_px: CorrectedEccentricity | None
     """Eccentricity that was corrected in the training dots; null if none was."""
     centre_bias_kept: str | None
     """Reason why it was not corrected."""
@@ -79,7 +79,7 @@ def fit_result(training: Training, outcomes: Sequence[FitOutcome]) -> FitResult:
     ]
     return FitResult(
         models=models,
-        centre_bias_px=centred.bias,
+        centre_bias_px=centred.eccentricity,
         centre_bias_kept=centred.reason,
         handheld=handheld_result(training),
         warnings=list(training.warnings),

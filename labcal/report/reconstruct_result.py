@@ -4,7 +4,7 @@ from collections import Counter
 from dataclasses import dataclass
 from math import isfinite
 
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
@@ -29,7 +29,7 @@ class ReconstructResult:
     file: str
     n: int
     flags: dict[str, int]
-    centre_bias_px: CentreBias | None
+    centre_bias_px: CorrectedEccentricity | None
     """Eccentricity that was corrected; null if none was."""
     miss_px: float | None
     """Median triangulation residual of a dot; null if the model has no cameras."""
@@ -52,7 +52,7 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         file=str(file),
         n=len(found.points),
         flags=dict(sorted(Counter(found.points.flag.tolist()).items())),
-        centre_bias_px=found.bias,
+        centre_bias_px=found.eccentricity,
         miss_px=found.miss_px if found.miss_px is None or isfinite(found.miss_px) else None,  # no ray meets
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,

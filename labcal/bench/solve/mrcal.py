@@ -26,7 +26,7 @@ from labcal.bench.solve.mrcal_programs import (
     reprojected,
 )
 from labcal.calibrate.adjustment.state import Lenses
-from labcal.calibrate.centre_bias import ROUNDS
+from labcal.calibrate.eccentricity import ROUNDS
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.mrcal import write_mrcal
