@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Matrix3, Pose
-from labcal.calibrate.rig_start import LoneCamera, SharedViews
+from labcal.calibrate.rig_start import SharedViews, SingleCamera
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.geometry.parallel_pose import mirrored
@@ -54,12 +54,12 @@ def parallel_notes(rig: Rig, *, started: bool) -> list[str]:
     return notes
 
 
-def with_determined_poses(cameras: Sequence[LoneCamera], start: Rig | None) -> list[LoneCamera]:
+def with_determined_poses(cameras: Sequence[SingleCamera], start: Rig | None) -> list[SingleCamera]:
     """Return cameras whose poses of the target agree, as far as parallel rays left them open.
 
     Parameters
     ----------
-    cameras : sequence of LoneCamera
+    cameras : sequence of SingleCamera
     start : Rig or None
         Where cameras stand, more or less, if that is known.
     """
@@ -96,7 +96,7 @@ def _rotation(camera: Camera) -> Matrix3:
     return np.asarray(camera.T_cam_world[:3, :3])
 
 
-def _with(one: LoneCamera, shared: SharedViews, poses: Float64[np.ndarray, "n 4 4"]) -> LoneCamera:
+def _with(one: SingleCamera, shared: SharedViews, poses: Float64[np.ndarray, "n 4 4"]) -> SingleCamera:
     """Return a camera with other poses of the target in shared views."""
     T_cam_target = one.T_cam_target.copy()
     T_cam_target[np.searchsorted(one.views, shared.views)] = poses

@@ -24,7 +24,7 @@ _NAME = "resection"
 _NO_NOISE = 1e-12 * np.eye(2)
 """Covariance of training pixels, which is not known: all of the triangulation residual counts as scatter."""
 _ON_ONE_PLANE = (
-    "all trained dots are on one plane, where no camera is needed: what they are off is learned with the rest"
+    "all trained dots are on one plane, where no camera is needed: what they are off is fitted with the rest"
 )
 
 

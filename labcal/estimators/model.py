@@ -153,8 +153,8 @@ class Model(PublicObject):
         arrays = {one.attribute: getattr(estimator, one.attribute) for one in estimator.stored_arrays()}
         facts = {name: getattr(estimator, name) for name in estimator.fitted_facts}
         kept = (self.cameras, self.image_sizes, self.box, self.resected, self.rehearsed)
-        learned = (self.calibration, self.calibrated_on, self.held_out)
-        return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, learned)
+        fitted = (self.calibration, self.calibrated_on, self.held_out)
+        return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, fitted)
 
     def __post_init__(self) -> None:
         """Refuse parts that do not belong together."""

@@ -13,10 +13,16 @@ PACKAGE = Path(labcal.__file__).parent
 GLOSSARY = PACKAGE.parent / "docs" / "glossary.md"
 RIDDLES = {"How", "If", "What", "When", "Where", "Whether", "Which", "Who", "Whose", "Why"}
 UNUSED = {
+    "centre bias": r"\bcentre bias\b(?! px| kept)",
     "descent": r"\bdescents?\b",
     "duel": r"\bduels?\b|\bfought\b",
+    "field_at": r"^(in field|field at)$",
+    "learned views": r"\blearned (arrays|cameras?|fields?|views?)\b",
+    "lone camera": r"\blone\b|\b(calibrate|camera) alone$",
     "lookalikes": r"lookalike",
     "majority_outliers": r"\boutvoted?\b",
+    "numbers (of a lens": r"\b(forward|free|lens) numbers\b",
+    "pane": r"\bpanes?\b",
     "pushed noise": r"pushed.noise",
     "race": r"\braces?\b|\bracing\b|\braced\b",
     "outrun": r"\boutruns?\b",

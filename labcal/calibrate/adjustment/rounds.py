@@ -81,7 +81,7 @@ def adjust_in_rounds(
     observations: Observations,
     freedom: Freedom,
     radii: Float64[np.ndarray, " dots"],
-    bias_rounds: int,
+    eccentricity_rounds: int,
 ) -> Adjusted:
     """Adjust, and repeat with eccentricity, variance component and outliers of the previous round.
 
@@ -96,7 +96,7 @@ def adjust_in_rounds(
     freedom : Freedom
     radii : ndarray, shape (dots,)
         Of the dots' outer outlines, mm.
-    bias_rounds : int
+    eccentricity_rounds : int
         Number of times that the eccentricity is predicted and subtracted; 0 takes the pixels for images of
         centres.
 
@@ -110,7 +110,7 @@ def adjust_in_rounds(
             "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
             "is the one in the pictures, choose a lens model that suits the lens, or give a rig with `start`."
         )
-    rounds = _Rounds(start, observations, freedom, radii, bias_rounds)
+    rounds = _Rounds(start, observations, freedom, radii, eccentricity_rounds)
     wide = rounds.adjusted(PriorWidth.WIDE)
     if freedom.lenses is Lenses.FIXED or not any(found.is_open for found in wide.lenses):
         return wide
@@ -127,19 +127,19 @@ class _Rounds:
     observations: Observations
     freedom: Freedom
     radii: Float64[np.ndarray, " dots"]
-    bias_rounds: int
+    eccentricity_rounds: int
 
     def adjusted(self, width: PriorWidth) -> Adjusted:
         """Adjust in rounds with a prior of the lenses' coefficients."""
-        observations, freedom, bias_rounds = self.observations, self.freedom, self.bias_rounds
+        observations, freedom, eccentricity_rounds = self.observations, self.freedom, self.eccentricity_rounds
         prior = LensPrior.of(self.start, observations, freedom.lenses, width)
         now = _Standing.of(self.start, observations, np.zeros_like(observations.q), freedom)
         # The start may be drawn towards outliers: at first they are only held back.
         loss: Loss = Huber() if now.aside.any() else SQUARES
         entering = np.full(len(observations), fill_value=True)
         reasons: list[StopReason] = []
-        for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
-            if 0 < number <= bias_rounds:
+        for number in range(max(eccentricity_rounds, 1) + 1 + _MORE_ROUNDS):
+            if 0 < number <= eccentricity_rounds:
                 now = now.recentred(predicted_eccentricities(now.state, observations, self.radii))
             dots = now.measured.where(entering).scattered(now.extra)
             problem = AdjustmentProblem(dots, freedom, loss, prior)
@@ -150,7 +150,7 @@ class _Rounds:
             # What does not come near an end is not worth more rounds; photographs did in the third.
             reasons.append(solution.reason)
             hopeless = reasons[-3:] == [StopReason.EPOCHS] * 3
-            if hopeless or (settled and number >= max(bias_rounds, 1)):
+            if hopeless or (settled and number >= max(eccentricity_rounds, 1)):
                 break
         dots = now.measured.where(entering).scattered(now.extra)
         end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)

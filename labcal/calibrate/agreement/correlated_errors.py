@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.rows import linearised_rows
 from labcal.calibrate.adjustment.state import POSE
-from labcal.calibrate.lone_calibration import AdjustedDots
+from labcal.calibrate.single_calibration import AdjustedDots
 from labcal.optim.robust import SQUARES
 
 _DEGREE = 2

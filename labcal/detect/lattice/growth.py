@@ -188,25 +188,25 @@ def drop_inconsistent(
     """
     rows, columns = grid.shape
     near, prediction = limits[1].windows_nodes[1], np.empty(PREDICTION)
-    misses = np.full(grid.shape, -np.inf)
+    residuals = np.full(grid.shape, -np.inf)
     for a in range(rows):
         for b in range(columns):
             if grid[a, b] >= 0:
-                misses[a, b] = _node_miss(grid, centre, (a, b), limits[1], prediction)
+                residuals[a, b] = _node_residual(grid, centre, (a, b), limits[1], prediction)
     while True:
-        worst = int(np.argmax(misses))
+        worst = int(np.argmax(residuals))
         a, b = worst // columns, worst % columns
-        if misses[a, b] <= limits[0].keep_residual_steps:
+        if residuals[a, b] <= limits[0].keep_residual_steps:
             return
-        grid[a, b], misses[a, b] = -1, -np.inf
+        grid[a, b], residuals[a, b] = -1, -np.inf
         for i in range(max(a - near, 0), min(a + near + 1, rows)):
             for j in range(max(b - near, 0), min(b + near + 1, columns)):
                 if grid[i, j] >= 0:
-                    misses[i, j] = _node_miss(grid, centre, (i, j), limits[1], prediction)
+                    residuals[i, j] = _node_residual(grid, centre, (i, j), limits[1], prediction)
 
 
 @compiled
-def _node_miss(
+def _node_residual(
     grid: np.ndarray,
     centre: np.ndarray,
     node: tuple[int, int],

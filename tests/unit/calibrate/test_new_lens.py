@@ -150,7 +150,7 @@ def test_both_are_calibrated(
             name: replace(camera, lens="brown-k1k2", dist=np.array([*camera.dist[:2], 0.0, 0.0, 0.0]))
             for name, camera in pair.items()
         }
-    found = calibrate_handheld(see(pair, grid, poses), grid, lens, HandheldSettings(bias_rounds=0))
+    found = calibrate_handheld(see(pair, grid, poses), grid, lens, HandheldSettings(eccentricity_rounds=0))
     for name, camera in pair.items():
         record = found.rig.camera(name)
         np.testing.assert_allclose(record.K, camera.K, atol=0.02)

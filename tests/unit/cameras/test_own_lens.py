@@ -131,7 +131,7 @@ def test_a_rig_with_it_is_calibrated_from_dots_within_what_it_states(
         covariance=np.tile(0.02**2 * np.eye(2), (count, 1, 1)),
         flag=np.full(count, "ok", dtype="<U16"),
     )
-    made = pipeline.calibrate(grid, dots, division, HandheldSettings(bias_rounds=0))
+    made = pipeline.calibrate(grid, dots, division, HandheldSettings(eccentricity_rounds=0))
     assert made.found.rms_px == pytest.approx(0.02 * np.sqrt(2.0), rel=0.2)
     for name in ("left", "right"):
         found, sigma = made.rig.camera(name), made.found.fits[name].sigma

@@ -13,7 +13,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.free_parameters import FreeParameters
 from labcal.cameras.window import WATER, FlatWindow
 from labcal.errors import InputError, UnknownNameError
-from labcal.estimators.gp_field.learned_camera import LearnedCamera
+from labcal.estimators.gp_field.fitted_camera import FittedCamera
 
 SIZE = (640, 480)
 K = np.array([[600.0, 0.0, 322.0], [0.0, 603.0, 237.0], [0.0, 0.0, 1.0]])
@@ -75,7 +75,7 @@ def test_stated_covariances_are_those_of_repeated_resections() -> None:
         )
         assert found.sigma_px == pytest.approx(sigma, rel=0.15)
         error = found.camera.project(asked).q - truth
-        learned = LearnedCamera(found.placed, found.covariance, found.sigma_px)
+        learned = FittedCamera(found.placed, found.covariance, found.sigma_px)
         stated = learned.pixel_covariance(truth, asked, nothing)
         statistic += np.einsum("ni,nij,nj->", error, np.linalg.inv(stated), error)
     assert 0.001 < chi2(4 * runs).cdf(statistic) < 0.999

@@ -178,7 +178,7 @@ def test_a_file_of_mrcal_calibrates_to_the_cameras_that_saw_it(
         }
     )
     found = read_corners(path, points, SIDES, size_of).detections
-    rig = calibrate_handheld(found, points, "brown5", HandheldSettings(bias_rounds=0)).rig
+    rig = calibrate_handheld(found, points, "brown5", HandheldSettings(eccentricity_rounds=0)).rig
     for name, camera in pair.items():
         np.testing.assert_allclose(rig.camera(name).K, camera.K, atol=0.01)
         np.testing.assert_allclose(rig.camera(name).T_cam_world, camera.T_cam_world, atol=0.01)
