@@ -70,7 +70,7 @@ def reconstruct_words(result: ReconstructResult) -> str:
         words += "at most some" if result.expected_assumed else "expected"
         words += f" {result.expected_px:.4f} px"
         if result.expected_assumed:
-            words += " by assumption, since these cameras do not say what their calibration left"
+            words += " by assumption, since these cameras do not state their calibration's residuals"
     if result.centre_bias_px is not None:
         words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
     return f"{result.file}: {words}."

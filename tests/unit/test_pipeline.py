@@ -240,7 +240,7 @@ def test_every_verb_that_takes_loose_pictures_asks_which_cameras_took_them(
         assert "--cameras '*=camera'" in told["error"]["message"]
         assert not (tmp_path / "out").exists()
         status, told, _ = command(*words, "--cameras", "*=camera", "-o", tmp_path / "out")
-        assert "names tell" not in json.dumps(told)
+        assert "names are those of" not in json.dumps(told)
 
 
 def _target(shoot: Shoot, folder: Path) -> Path:

@@ -160,7 +160,7 @@ class QualitySettings(StageSettings):
         gt=0,
         le=2,
         description="Median blur over minor semi-axis above which the refusal of a picture without a grid "
-        "says blurred. Larger: rarer.",
+        "is blurred. Larger: rarer.",
     )
     soft_px: float = Field(
         1.5, ge=0, le=100, description="And the median blur must be above this. Larger: rarer."

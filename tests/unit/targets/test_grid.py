@@ -104,7 +104,7 @@ def test_rows_with_an_odd_number_are_shifted_as_by_opencv() -> None:
 @pytest.mark.parametrize("cols", [2, 3, 4, 5])
 @pytest.mark.parametrize("rows", [2, 3, 4, 5, 8, 10])
 @pytest.mark.parametrize("make", [asymmetric, lambda cols, rows: without_rings(cols=cols, rows=rows)])
-def test_lookalikes_are_all_turns_after_which_a_grid_looks_the_same(
+def test_symmetric_indices_are_of_all_turns_after_which_a_grid_looks_the_same(
     make: Callable[[int, int], DotGrid], cols: int, rows: int
 ) -> None:
     target = make(cols, rows)

@@ -289,7 +289,7 @@ def test_images_that_pair_up_are_not_taken_for_one_camera(
 ) -> None:
     path = tmp_path / "corners.vnl"
     path.write_text(corners_text(seen, square).text)
-    with pytest.raises(InputError, match=r"names tell of 2 cameras .*`cameras="):
+    with pytest.raises(InputError, match=r"names are those of 2 cameras .*`cameras="):
         read_corners(path, square, {}, lambda _: (640, 480))
 
 
