@@ -14,7 +14,7 @@ def rounds(*fields: tuple[float, float]) -> list[SimpleNamespace]:
     return [
         SimpleNamespace(
             restricted=likelihood,
-            learned=SimpleNamespace(field=SimpleNamespace(smoothed=lambda size=size: np.full((4, 2), size))),
+            fitted=SimpleNamespace(field=SimpleNamespace(smoothed=lambda size=size: np.full((4, 2), size))),
         )
         for size, likelihood in fields
     ]
