@@ -140,6 +140,13 @@ def render(
         The folder exists already, or may not be made.
     DeviceError
         The renderer does not work on this machine.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> quick = pipeline.RenderSettings(spp=16, views=2)
+    >>> pipeline.render("webcam-plane", "shoot", quick, ["cameras.left.focal_px=800"])  # doctest: +SKIP
+    Shoot(folder=shoot, target=paper-13x10, cameras=['left', 'right'], train=1, test=1)
     """
     from labcal.render.shoot import RenderSettings, render_shoot
     from labcal.scene.catalogue import load_scene
@@ -181,6 +188,14 @@ def measure(
     ------
     InputError
         There are no such pictures, or the target is not known.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot")
+    >>> first, *others = pipeline.measure(shoot)
+    >>> first.indexed, first.source.view, first.source.camera, first.dots.flag.count("ok")
+    (True, 'hand-0', 'left', 88)
     """
     from labcal.correspond.measure import measure_pictures
     from labcal.correspond.picture_set import open_pictures
@@ -209,6 +224,16 @@ def detect(
     ------
     InputError
         No picture could be read at all.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot")
+    >>> pipeline.detect(shoot)
+    Detections(views=2, cameras=['left', 'right'], dots=352, ok=352)
+    >>> pictures = pipeline.open_pictures("shoot/images", cameras="_left=a,_right=b")
+    >>> pipeline.detect(pictures, target=examples.TARGET).cameras
+    ('a', 'b')
     """
     from labcal.correspond.measure import detections_of
 
@@ -233,6 +258,16 @@ def inspect(
     ------
     InputError
         There are no such pictures, the target is not known, or no picture could be read at all.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.inspect(examples.shoot("shoot"))
+    >>> found.pictures[0].dots, found.pictures[0].saturated_share
+    (88, 0.0)
+    >>> round(found.cameras["left"].coverage, 2)
+    0.52
+    >>> found.save("sheet.png")
     """
     from labcal.correspond.picture_set import open_pictures
     from labcal.report.inspection import inspection
@@ -271,6 +306,12 @@ def calibrate(
     ------
     UnknownNameError, InputError
         As of :func:`~labcal.calibrate.calibration.calibrated`; or no dots are given of a target.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> pipeline.calibrate(examples.TARGET, examples.detections(), "brown5", hold_out=2)
+    Calibration(cameras=['left', 'right'], lens=brown5, views=6, rms=0.0275 px, warnings=0)
     """
     from labcal.calibrate.calibration import calibrated
 
@@ -310,6 +351,13 @@ def fit(
     ------
     UnknownNameError, InputError
         There is no such method, it cannot learn from these dots, or no dots are given of a target.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> quick = pipeline.FitSettings(lens="brown5", rehearsal=False)
+    >>> pipeline.fit(examples.TARGET, examples.detections(), "dlt", quick)
+    Model(method=dlt, cameras=['left', 'right'], outputs=3, calibrated_on=8 views)
     """
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 
@@ -343,6 +391,15 @@ def reconstruct(
     ------
     InputError
         As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.reconstruct(examples.rig(), examples.detections(), examples.TARGET)
+    >>> found.points
+    Points(views=8, points=704, ok=704, median_sigma=0.076 mm)
+    >>> found.warnings
+    ()
     """
     from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
@@ -382,6 +439,12 @@ def evaluate(
     ------
     InputError
         The points are not of that target or shoot, or something is given that needs a truth.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> pipeline.evaluate(examples.points(), examples.TARGET)
+    LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
     """
     from labcal.cameras.rig import Rig
     from labcal.correspond.points import read_points
@@ -442,6 +505,16 @@ def convert(
         The files cannot be read, or what is in them cannot be held by the other format.
     OutputError
         The output may not be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> examples.rig().save("rig.json")
+    >>> done = pipeline.convert("rig.json", "cameras.yaml", pipeline.ConvertSettings(to_format="opencv"))
+    >>> done.files, done.cameras
+    (['cameras.yaml'], ['left', 'right'])
+    >>> round(pipeline.convert("cameras.yaml", "again.json").baseline_mm, 3)
+    200.0
     """
     from labcal.cameras.interop.conversion import ConvertSettings, convert_cameras
     from labcal.correspond.interop.conversion import convert_detections, is_of_detections
@@ -477,6 +550,14 @@ def undistort(
     ------
     InputError, OutputError
         As of :func:`~labcal.correspond.undistortion.undistort_pictures`.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot")
+    >>> done = pipeline.undistort(examples.rig(), shoot, "new", pipeline.UndistortSettings(rectify=True))
+    >>> done.images[:2]
+    ['images/hand-0_left.png', 'images/hand-0_right.png']
     """
     from labcal.cameras.rig import read_rig
     from labcal.correspond.paths_read import paths_read
@@ -508,6 +589,13 @@ def reproduce(
     ------
     OutputError, DeviceError
         As of :func:`labcal.paper.reproduce.reproduce`.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> found = pipeline.reproduce("out", pipeline.ReproduceSettings(quick=True))  # doctest: +SKIP
+    >>> len(found.rows)  # doctest: +SKIP
+    22
     """
     from labcal.paper.reproduce import ReproduceSettings, reproduce
     from labcal.run.claims import FolderOutput, claim_outputs
@@ -539,6 +627,13 @@ def bench(
         There is no such benchmark, or a setting does not apply to it.
     OutputError
         The folder may not be made.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> found = pipeline.bench("detect", "out", pipeline.BenchSettings(quick=True))  # doctest: +SKIP
+    >>> [check.name for check in found.checks if not check.ok]  # doctest: +SKIP
+    []
     """
     from labcal.bench.benchmarks import run_benchmark
     from labcal.bench.settings import BenchSettings

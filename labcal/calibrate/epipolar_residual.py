@@ -13,7 +13,25 @@ from labcal.targets.catalogue import AnyTarget
 def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:
     """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
 
-    The bias of centroids is taken off first where the target is given.
+    Parameters
+    ----------
+    rig : Rig
+    detections : Detections
+        Centroids.
+    target : AnyTarget, optional
+        What the dots are of; where it is given, the eccentricity of centroids is corrected first.
+
+    Raises
+    ------
+    InputError
+        A dot is listed twice for a picture, is flagged ``ok`` without a position, or is not on the target.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> target = load_target(examples.TARGET)
+    >>> round(pipeline.epipolar_rms(examples.rig(), examples.detections(), target), 3)
+    0.027
     """
     first, *others = rig.cameras
     distances = [np.empty(0)]

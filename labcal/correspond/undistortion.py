@@ -27,7 +27,14 @@ _PAIR = 2
 
 @dataclass(frozen=True)
 class UndistortSettings:
-    """What the new pictures shall be."""
+    """What the new pictures shall be.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import UndistortSettings
+    >>> UndistortSettings(rectify=True).whole
+    False
+    """
 
     rectify: bool = False
     """A pair is turned so that a point has the same row in both pictures."""

@@ -139,6 +139,12 @@ def detect_settings(words: Iterable[str]) -> DetectSettings:
         There is no such setting; the nearest one is offered.
     InputError
         A word has no equals sign; a value is no number, or out of bounds, or contradicts another one.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import detect_settings
+    >>> detect_settings(["detect.edge.max_iterations=20"]).edge.max_iterations
+    20
     """
     known = {setting.name: setting for setting in describe_settings()}
     given: dict[str, dict[str, object]] = {}

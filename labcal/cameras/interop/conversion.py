@@ -22,7 +22,14 @@ from labcal.run.claims import claim_outputs
 
 @dataclass(frozen=True)
 class ConvertSettings:
-    """What the files to convert do not say themselves, and what is wanted of them."""
+    """What the files to convert do not say themselves, and what is wanted of them.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import ConvertSettings
+    >>> ConvertSettings(from_format="kalibr", size=(640, 480)).unit is None
+    True
+    """
 
     from_format: str | None = None
     """Told by the content where left out."""
