@@ -29,6 +29,7 @@ extensions = [
     "column_table",
     "command_pages",
     "decision_table",
+    "detector_settings",
     "member_table",
     "registry_table",
     "settings_table",
