@@ -34,7 +34,7 @@ extensions = [
     "registry_table",
     "settings_table",
 ]
-exclude_patterns = ["_build", "_ext", "tutorials", "gallery/.labcal-made"]
+exclude_patterns = ["_build", "_ext", "tutorials", "gallery/.labcal-made", "**sg_execution_times.rst"]
 suppress_warnings = ["config.cache"]  # the configuration of sphinx-gallery is not kept between builds
 
 smartquotes = False  # an option begins with two hyphens and not with a dash
