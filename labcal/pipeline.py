@@ -132,6 +132,11 @@ def render(
         Values of the scene to change, as in ``"cameras.left.focal_px=800"``.
     progress : Progress, optional
 
+    Returns
+    -------
+    Shoot
+        The folder, opened.
+
     Raises
     ------
     UnknownNameError, InputError
@@ -218,12 +223,20 @@ def detect(
 ) -> Detections:
     """Find the dots in pictures, and return the table of them.
 
-    Parameters and errors are those of :func:`measure`, which tells of each picture by itself.
+    Parameters
+    ----------
+    pictures, target, settings, tone_curve, workers, progress
+        As of :func:`measure`, which tells of each picture by itself.
+
+    Returns
+    -------
+    Detections
+        The dots of all pictures that could be read; positions in px.
 
     Raises
     ------
     InputError
-        No picture could be read at all.
+        As of :func:`measure`; or no picture could be read at all.
 
     Examples
     --------
@@ -253,6 +266,11 @@ def inspect(
     ----------
     pictures, target, settings, workers, progress
         As of :func:`measure`.
+
+    Returns
+    -------
+    Inspection
+        Figures of every picture and camera, and the contact sheet, which its `save` writes.
 
     Raises
     ------
@@ -302,6 +320,11 @@ def calibrate(
         Views that do not enter, so that the result can be scored on them: how many, or which.
     progress : Progress, optional
 
+    Returns
+    -------
+    Calibration
+        The rig, in mm and px, with standard deviations, residuals and warnings.
+
     Raises
     ------
     UnknownNameError, InputError
@@ -347,6 +370,11 @@ def fit(
     settings : FitSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Model
+        It takes pixels to points in mm: in the world of the stage, or in that of the first camera.
+
     Raises
     ------
     UnknownNameError, InputError
@@ -386,6 +414,11 @@ def reconstruct(
         Dots, or the table of them.
     target : Target or str, optional
         What the dots are of, so that centroids give centres.
+
+    Returns
+    -------
+    Reconstruction
+        Points in mm with covariances and flags, and warnings.
 
     Raises
     ------
@@ -434,6 +467,11 @@ def evaluate(
     rig : Rig, Model, path or collection of str, optional
         What the points were reconstructed with, or the views that it was calibrated from: these are not
         scored, or are said to be.
+
+    Returns
+    -------
+    TruthErrors or LengthErrors
+        Errors in mm: of points where the shoot has a truth, else of lengths.
 
     Raises
     ------
@@ -499,6 +537,11 @@ def convert(
     force : bool
         Replace what labcal wrote there.
 
+    Returns
+    -------
+    Conversion
+        The files that were written, the unit that was read, and notes.
+
     Raises
     ------
     InputError
@@ -546,6 +589,11 @@ def undistort(
     settings : UndistortSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Undistorted
+        The pictures that were written, and those that could not be used.
+
     Raises
     ------
     InputError, OutputError
@@ -585,6 +633,11 @@ def reproduce(
     settings : ReproduceSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Reproduction
+        The rows with their verdicts; errors in mm, and in m where the paper prints them.
+
     Raises
     ------
     OutputError, DeviceError
@@ -620,6 +673,11 @@ def bench(
         The folder to appear.
     settings : BenchSettings, optional
     progress : Progress, optional
+
+    Returns
+    -------
+    BenchResult
+        Every figure as a check, with its limit.
 
     Raises
     ------

@@ -21,6 +21,11 @@ def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = No
     target : AnyTarget, optional
         What the dots are of; where it is given, the eccentricity of centroids is corrected first.
 
+    Returns
+    -------
+    float
+        Px, over the dots that the first camera and another one measured in the same view.
+
     Raises
     ------
     InputError

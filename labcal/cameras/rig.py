@@ -218,6 +218,15 @@ def contradiction_note(rig: Rig) -> str | None:
 def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
     """Write ``rig.json``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    rig : Rig
+        What to write.
+    force : bool
+        Replace a rig.json of labcal's that exists.
+
     Raises
     ------
     OutputError
@@ -235,6 +244,15 @@ def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
 
 def read_rig(path: AnyPath) -> Rig:
     """Read ``rig.json``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Rig
 
     Raises
     ------

@@ -331,6 +331,15 @@ def detections_csv(table: Detections) -> str:
 def read_detections(path: AnyPath) -> Detections:
     """Read ``detections.csv``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Detections
+
     Raises
     ------
     InputError
@@ -349,6 +358,15 @@ def read_detections(path: AnyPath) -> Detections:
 
 def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -> None:
     """Write ``detections.csv``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    table : Detections
+        What to write.
+    force : bool
+        Replace a table of detections that exists.
 
     Raises
     ------

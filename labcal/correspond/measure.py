@@ -126,6 +126,11 @@ def detections_of(measurements: Sequence[Measurement]) -> Detections:
     measurements : sequence of Measurement
         As :func:`labcal.pipeline.measure` returns them.
 
+    Returns
+    -------
+    Detections
+        In the order of the pictures; positions in px.
+
     Raises
     ------
     InputError

@@ -70,6 +70,11 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
         Cameras of loose pictures by the end of the name, or by a pattern: ``"_0=left,_1=right"``; see
         :func:`~labcal.correspond.sources.parse_camera_endings`.
 
+    Returns
+    -------
+    PictureSet
+        Each picture with its view and camera.
+
     Raises
     ------
     InputError

@@ -207,6 +207,15 @@ def points_csv(points: Points) -> str:
 def read_points(path: AnyPath) -> Points:
     """Read ``points.csv``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Points
+
     Raises
     ------
     InputError
@@ -225,6 +234,15 @@ def read_points(path: AnyPath) -> Points:
 
 def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
     """Write ``points.csv``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    points : Points
+        What to write.
+    force : bool
+        Replace a table of points that exists.
 
     Raises
     ------

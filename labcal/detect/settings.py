@@ -133,6 +133,10 @@ def detect_settings(words: Iterable[str]) -> DetectSettings:
         For example ``["detect.edge.max_iterations=20", "detect.grid.fisheye_fields_deg=120,160"]``. Of two
         words about one setting the later one holds.
 
+    Returns
+    -------
+    DetectSettings
+
     Raises
     ------
     UnknownNameError

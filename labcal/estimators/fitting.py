@@ -102,6 +102,11 @@ def training_of(
     settings : FitSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Training
+        Pixels and points (mm), and how the target was placed.
+
     Raises
     ------
     InputError
@@ -159,6 +164,11 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
         As for :func:`~labcal.estimators.method_choice.estimator_of`. An estimator of labcal's that is given
         ready keeps its own parameters.
     settings : FitSettings
+
+    Returns
+    -------
+    list of PointEstimator
+        In the order of `methods`, not yet fitted.
 
     Raises
     ------

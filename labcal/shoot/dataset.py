@@ -98,6 +98,15 @@ def is_shoot(folder: AnyPath) -> bool:
 def open_shoot(folder: AnyPath) -> Shoot:
     """Open a shoot.
 
+    Parameters
+    ----------
+    folder : str or os.PathLike
+        The folder with ``shoot.json``.
+
+    Returns
+    -------
+    Shoot
+
     Raises
     ------
     InputError

@@ -51,6 +51,11 @@ def load_target(name: str) -> AnyTarget:
     name : str
         The name of a shipped target, or the path of a YAML file.
 
+    Returns
+    -------
+    AnyTarget
+        Its description: places of the dots, and sizes, in mm.
+
     Raises
     ------
     UnknownNameError

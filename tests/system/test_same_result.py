@@ -109,7 +109,5 @@ def test_the_example_of_the_readme_is_what_the_commands_give(
     told = labcal("evaluate", "points.csv", shoot, "--detections", dots).document
     assert told["rmse_mm"] == named["errors"].rmse_mm
     assert repr(named["errors"]) in printed
-    assert (
-        python_output().splitlines()[:3] == printed.splitlines()[:3]
-    )  # the next ones hold a network's figures
+    assert python_output().splitlines()[:3] == printed.splitlines()[:3]  # then a network's figures
     assert load_model(Path("model")).rehearsed == named["model"].rehearsed

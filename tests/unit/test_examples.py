@@ -2,6 +2,7 @@
 
 import doctest
 import inspect
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -70,6 +71,25 @@ def test_an_example_of_a_public_name_is_right(test: doctest.DocTest) -> None:
         if test.name.endswith(f".to_{package}"):
             pytest.importorskip(package)
     assert _failures(test) == ""
+
+
+FUNCTIONS = sorted(name for name, one in PUBLIC.items() if inspect.isfunction(one))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_public_function_says_what_it_takes_returns_and_raises(name: str) -> None:
+    sections = _sections(inspect.getdoc(PUBLIC[name]) or "")
+    signature = inspect.signature(PUBLIC[name])
+    described = re.findall(r"^(\w[\w, ]*)(?: :|$)", sections.get("Parameters", ""), flags=re.MULTILINE)
+    assert set(", ".join(described).split(", ")) == set(signature.parameters)
+    assert ("Returns" in sections) == (signature.return_annotation is not None)
+    assert "Raises" in sections or name == "labcal.pipeline.fit_methods"  # it returns its errors
+
+
+def _sections(text: str) -> dict[str, str]:
+    """Return the sections of a docstring by their titles."""
+    parts = re.split(r"^(\w+)\n-+\n", text, flags=re.MULTILINE)
+    return dict(zip(parts[1::2], parts[2::2], strict=True))
 
 
 def test_only_functions_that_render_have_an_example_that_is_not_run() -> None:
