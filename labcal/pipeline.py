@@ -244,8 +244,8 @@ def detect(
     >>> shoot = examples.shoot("shoot")
     >>> pipeline.detect(shoot)
     Detections(views=2, cameras=['left', 'right'], dots=352, ok=352)
-    >>> pictures = pipeline.open_pictures("shoot/images", cameras="_left=a,_right=b")
-    >>> pipeline.detect(pictures, target=examples.TARGET).cameras
+    >>> loose = pipeline.open_pictures("shoot/images", "_left=a,_right=b")
+    >>> pipeline.detect(loose, examples.TARGET).cameras
     ('a', 'b')
     """
     from labcal.correspond.measure import detections_of

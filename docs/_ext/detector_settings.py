@@ -20,9 +20,13 @@ class DetectorSettings(SphinxDirective):
         if not found:
             raise self.error(f"{self.arguments[0]} is no stage of detection.")
         rows = [
-            [code(one.name), code(_text(one.default)), one.unit, one.bounds, one.description] for one in found
+            [code(one.name), f"{_text(one.default)} {one.unit}", one.bounds, one.description] for one in found
         ]
-        return self.parse_text_to_nodes(table(["name", "default", "unit", "bounds", "meaning"], rows))
+        made = self.parse_text_to_nodes(table(["name", "default", "bounds", "meaning"], rows))
+        for node in made:
+            if isinstance(node, nodes.table):
+                node["classes"].append("long-names")
+        return made
 
 
 def _text(value: SettingValue) -> str:
