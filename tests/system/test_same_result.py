@@ -26,6 +26,11 @@ def python_block() -> str:
     return str(block)
 
 
+def python_output() -> str:
+    (block,) = re.findall(r"It prints.*?```\n(.*?)```", README.read_text(), flags=re.DOTALL)
+    return str(block)
+
+
 def same_as_the_command(labcal: Run, shoot: Path, dots: Path, method: str, home: Path) -> None:
     """Compare model, points and errors of one method."""
     opened, detections = open_shoot(shoot), read_detections(dots)
@@ -103,5 +108,7 @@ def test_the_example_of_the_readme_is_what_the_commands_give(
     words = ("--target", "paper-13x10", "-o", "points.csv")
     assert labcal("reconstruct", "model", dots, *words).status in (0, 1)
     told = labcal("evaluate", "points.csv", shoot, "--detections", dots).document
-    assert f"rmse_mm={told['rmse_mm']!r}" in printed
+    assert told["rmse_mm"] == named["errors"].rmse_mm
+    assert repr(named["errors"]) in printed
+    assert python_output().splitlines()[:3] == printed.splitlines()[:3]  # then a network's figures
     assert load_model(Path("model")).rehearsed == named["model"].rehearsed
