@@ -8,6 +8,7 @@ from labcal.cli.options import add_output, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.wording import listed
 
 if TYPE_CHECKING:
     from labcal.targets.catalogue import AnyTarget
@@ -22,7 +23,12 @@ def add_parser(commands: CommandGroup) -> None:
         "List, show and print targets of dots.",
         example="labcal target export rings-10x8 -o rings-10x8.pdf",
     )
-    target.add("list", run_list, "List the targets that labcal ships.", example="labcal target list")
+    target.add(
+        "list",
+        run_list,
+        "List the targets that labcal ships, and the kinds of targets.",
+        example="labcal target list",
+    )
     show = target.add(
         "show", run_show, "Show the dimensions of a target.", example="labcal target show rings-10x8 --json"
     )
@@ -45,6 +51,8 @@ class TargetList:
     """The JSON document of ``labcal target list``."""
 
     targets: "list[AnyTarget]"
+    kinds: tuple[str, ...]
+    """Of which a description can be; without the key `kind` it is of the first one."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +72,16 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
 
     from labcal.report.columns import name_column
     from labcal.targets.catalogue import load_target, target_names
+    from labcal.targets.registry import kind_of, target_kinds
 
     targets = [load_target(name) for name in target_names()]
-    table = Table(name_column("target"), "dots", "pitch [mm]", "dot [mm]", "what it is")
+    kinds = target_kinds()
+    table = Table(name_column("target"), "kind", "dots", "pitch [mm]", "dot [mm]", "what it is")
+    table.caption = f"Kinds that a description can be of: {listed(kinds)}"
     for target in targets:
-        table.add_row(target.name, f"{target.cols} x {target.rows}", *target.sizes, target.description)
-    session.emit(TargetList(targets), table)
+        count = f"{target.cols} x {target.rows}"
+        table.add_row(target.name, kind_of(target).name, count, *target.sizes, target.description)
+    session.emit(TargetList(targets, kinds), table)
     return ExitStatus.DONE
 
 

@@ -9,10 +9,12 @@ from labcal.targets.catalogue import load_target, target_names
 
 def test_list_names_every_target(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["target", "list", "--json"]) == 0
-    assert [entry["name"] for entry in json.loads(capsys.readouterr().out)["targets"]] == target_names()
+    told = json.loads(capsys.readouterr().out)
+    assert [entry["name"] for entry in told["targets"]] == target_names()
+    assert told["kinds"] == ["dots", "charuco"]
     assert main(["target", "list"]) == 0
     table = capsys.readouterr().out
-    assert all(name in table for name in target_names())
+    assert all(name in table for name in (*target_names(), "dots, charuco"))
 
 
 def test_show_gives_the_description_itself(capsys: pytest.CaptureFixture[str]) -> None:

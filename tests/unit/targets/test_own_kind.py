@@ -1,8 +1,10 @@
 """A kind of target from outside: a plain chessboard, registered without touching a file of the package."""
 
-from collections.abc import Iterator
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -11,6 +13,11 @@ from matplotlib.path import Path as Outline
 from pydantic import BaseModel, ConfigDict
 
 from labcal.arrays import DotIndices, Lengths, Vectors3
+from labcal.calibrate.handheld import calibrate_handheld
+from labcal.cameras.camera import Camera
+from labcal.cameras.rig import Rig, read_rig
+from labcal.cli import main
+from labcal.correspond.detections import Detections
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -24,6 +31,7 @@ from labcal.targets.grid import Polarity
 from labcal.targets.places import DotPlaces
 from labcal.targets.registry import TargetKind, register_target
 
+See = Callable[..., Detections]
 DESCRIPTION = "kind: chessboard\nname: chess-7x5\ncols: 7\nrows: 5\nsquare_mm: 12.0\n"
 
 
@@ -92,6 +100,8 @@ def detect(grey: np.ndarray, board: Chessboard, _settings: DetectSettings) -> Pi
     scaled = np.clip(255.0 * grey / max(float(grey.max()), 1e-9), 0, 255).astype(np.uint8)
     found, corners = cv2.findChessboardCornersSB(scaled, (board.cols, board.rows))
     q = np.asarray(corners, dtype=np.float64).reshape(-1, 2) if found else np.zeros((0, 2))
+    if len(q) and q[0, 0] > q[board.cols - 1, 0]:  # turned by 180 degrees it looks the same
+        q = q[::-1]
     if len(q) and q[0, 1] < q[-1, 1]:  # OpenCV counts from the upper left
         q = q.reshape(board.rows, board.cols, 2)[::-1].reshape(-1, 2)
     n = len(q)
@@ -144,6 +154,73 @@ def test_it_is_read_printed_and_detected(board: Chessboard, tmp_path: Path) -> N
     assert dots.indexed
     np.testing.assert_array_equal(dots.index, board.indices())
     np.testing.assert_allclose(dots.position, expected, rtol=0, atol=0.6)  # at 150 dpi the print has steps
+
+
+K = np.array([[900.0, 0.0, 318.0], [0.0, 905.0, 243.0], [0.0, 0.0, 1.0]])
+SIZE = (640, 480)
+
+
+def held(board: Chessboard, count: int) -> dict[str, np.ndarray]:
+    """Return poses of the board 240 mm in front of a camera, tilted by half a radian every way."""
+    found, middle = {}, board.points().mean(axis=0)
+    for number in range(count):
+        azimuth = 2.0 * np.pi * number / count
+        T = np.eye(4)
+        tilt, _ = cv2.Rodrigues(np.array([0.5 * np.cos(azimuth), 0.5 * np.sin(azimuth), 0.05 * number]))
+        T[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ tilt
+        T[:3, 3] = [3.0 * number - 8.0, 4.0 - 2.0 * number, 240.0 + 5.0 * number] - T[:3, :3] @ middle
+        found[f"pose-{number}"] = T
+    return found
+
+
+def require_focal_lengths(found: Rig, sigma: np.ndarray) -> None:
+    """Raise unless the focal lengths are within three standard deviations, px, of the true ones."""
+    fx, fy = found.camera("camera").intrinsics[:2]
+    assert (np.abs([fx - K[0, 0], fy - K[1, 1]]) < 3.0 * sigma).all()
+    assert (sigma < 3.0).all()
+
+
+def test_it_is_calibrated_from_its_corners(see: See, board: Chessboard) -> None:
+    camera = Camera(K, "pinhole", np.zeros(5), np.eye(4), SIZE)
+    exact = see({"camera": camera}, board, held(board, 7))
+    noise = 0.1 * np.random.default_rng(6).standard_normal(exact.position.shape)
+    found = calibrate_handheld(replace(exact, position=exact.position + noise), board, "pinhole")
+    fit = found.fits["camera"]
+    require_focal_lengths(found.rig, fit.sigma.intrinsics[:2])
+    assert fit.rms_px == pytest.approx(0.1 * np.sqrt(2.0), rel=0.15)
+
+
+def test_the_commands_carry_it_from_the_print_to_the_camera(
+    board: Chessboard, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def told(*words: object) -> dict[str, Any]:
+        assert main([*map(str, words), "--json"]) == 0
+        document: dict[str, Any] = json.loads(capsys.readouterr().out)
+        return document
+
+    description, paper = tmp_path / "chess.yaml", tmp_path / "chess.png"
+    assert "chessboard" in told("target", "list")["kinds"]
+    size = told("target", "export", description, "-o", paper, "--dpi", 200)
+    print_ = cv2.imread(str(paper), cv2.IMREAD_GRAYSCALE)
+    assert print_ is not None
+    # From pixels of the print to millimetres of the board, as the ruler's neighbour in `picture` has it.
+    mm = 25.4 / 200
+    left = 0.5 * (board.extent_mm[0] + board.extent_mm[2]) - 0.5 * size["width_mm"]
+    top = board.extent_mm[3] + 10.0
+    to_board = np.array([[mm, 0.0, left + 0.5 * mm], [0.0, -mm, top - 0.5 * mm], [0.0, 0.0, 1.0]])
+    pictures = tmp_path / "pictures"
+    pictures.mkdir()
+    for view, T in held(board, 7).items():
+        H = K @ T[:3, [0, 1, 3]] @ to_board
+        seen = cv2.warpPerspective(print_, H, SIZE, flags=cv2.INTER_AREA, borderValue=255)
+        cv2.imwrite(str(pictures / f"{view}.png"), cv2.GaussianBlur(seen, (0, 0), 0.8))
+    dots, rig = tmp_path / "dots.csv", tmp_path / "rig.json"
+    found = told("detect", pictures, "--target", description, "-o", dots, "--workers", 1)
+    assert found["indexed"] == 7
+    fit = told("calibrate", dots, "--target", description, "--lens", "pinhole", "-o", rig)
+    assert fit["rms_px"] < 0.3
+    sigma = fit["cameras"]["camera"]["sigma"]
+    require_focal_lengths(read_rig(rig), np.array([sigma["fx"], sigma["fy"]]))
 
 
 def test_shoots_and_places_hold_it(board: Chessboard) -> None:
