@@ -15,14 +15,12 @@ def returned_figures(_block: object, block_vars: dict[str, Any], gallery_conf: d
     """Save the figures that a block of a tutorial has bound to names, and return what shows them."""
     names = block_vars["example_globals"]
     shown = names.setdefault(_SHOWN, [])
-    fresh = [
-        one
-        for one in names.values()
-        if isinstance(one, Figure) and one.canvas.manager is None and not any(one is old for old in shown)
-    ]
-    shown.extend(fresh)
+    figures = [one for one in names.values() if isinstance(one, Figure)]
+    new = [one for one in figures if not any(one is old for old in shown)]
+    shown.extend(new)
     paths = []
-    for figure, path in zip(fresh, block_vars["image_path_iterator"], strict=False):
+    returned = [one for one in new if one.canvas.manager is None]  # those of pyplot have a manager
+    for figure, path in zip(returned, block_vars["image_path_iterator"], strict=False):
         figure.savefig(path)
         paths.append(path)
     return str(figure_rst(paths, gallery_conf["src_dir"]))
