@@ -64,6 +64,8 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "abort_on_example_error": True,
     "capture_repr": (),  # a page shows what its script prints and draws
+    # In this order: the scraper of matplotlib closes the figures of pyplot.
+    "image_scrapers": ("returned_figures.returned_figures", "matplotlib"),
     "show_memory": False,
     "min_reported_time": 1,
     "plot_gallery": True,

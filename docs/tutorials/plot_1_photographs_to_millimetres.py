@@ -93,11 +93,10 @@ for warning in calibration.warnings:
 for name, fit in calibration.found.fits.items():
     fx, fy, cx, cy = fit.sigma.intrinsics
     K = calibration.rig.camera(name).K
-    print(
-        f"{name}: fx = {K[0, 0]:.2f} px (sigma {fx:.2f}), cx = {K[0, 2]:.2f} px (sigma {cx:.2f}), "
-        f"RMS {fit.rms_in_rig_px:.3f} px"
-    )
-print(calibration.rig)
+    print(f"{name}: fx = {K[0, 0]:.2f} px (sigma {fx:.2f}), cx = {K[0, 2]:.2f} px (sigma {cx:.2f})")
+print(calibration)
+print(f"baseline {calibration.rig.baseline_mm('left', 'right'):.2f} mm")
+figure = calibration.rig.plot()
 
 # %%
 # The trials show how well each lens model predicts views that it was not fitted to. A model that is too

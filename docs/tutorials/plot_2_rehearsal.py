@@ -35,14 +35,9 @@ for view in shoot.views():
     print(f"{view.name:16} {view.role:6} height {view.T_world_target_nominal[2][3]:7.1f} mm")
 
 # %%
-# The highest place, which is nearest to the cameras, and the lowest one:
+# The pictures at a glance. The highest place is the nearest to the cameras.
 
-figure, axes = plt.subplots(1, 2, figsize=(9, 4.0), layout="constrained")
-trained = [view for view in shoot.views() if view.role == "train"]
-for view, axis in zip((trained[-1], trained[0]), axes, strict=True):
-    axis.imshow(plt.imread(shoot.folder / view.images["left"]))
-    axis.set(title=f"{view.name}, camera left")
-    axis.axis("off")
+figure = shoot.plot()
 
 # %%
 # Detect
@@ -51,7 +46,7 @@ for view, axis in zip((trained[-1], trained[0]), axes, strict=True):
 # ``detect`` looks at the pictures alone, never at the truth. Each dot has a position and a covariance.
 
 detections = pipeline.detect(shoot)
-print(f"{int(detections.ok.sum())} dots measured")
+print(detections)
 sigma = np.sqrt(np.trace(detections.covariance[detections.ok], axis1=1, axis2=2) / 2)
 print(f"stated standard deviation along one axis: {np.median(sigma):.3f} px in the median")
 
