@@ -141,18 +141,18 @@ def _checked(given: AnyArray, shape: Shape, name: str, kinds: str, what: str) ->
         array = np.asarray(given)
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"{name} must be an array of {what} of shape {_told(shape)}, but is ragged: {error}."
+            f"{name} must be an array of {what} of shape {_written(shape)}, but is ragged: {error}."
         ) from error
     if array.size == 0 and array.dtype.kind not in kinds:
         array = array.astype({"b": np.bool_, "U": np.str_}.get(kinds[0], np.float64))
     if array.dtype.kind not in kinds:
         raise InputTypeError(
-            f"{name} must be an array of {what} of shape {_told(shape)}, but what was given is of type "
+            f"{name} must be an array of {what} of shape {_written(shape)}, but what was given is of type "
             f"{type(given).__name__} and holds {array.dtype}."
         )
     if not _fits(array.shape, shape):
         raise InputError(
-            f"{name} must have the shape {_told(shape)}, but has the shape {_told(array.shape)}."
+            f"{name} must have the shape {_written(shape)}, but has the shape {_written(array.shape)}."
         )
     return array
 
@@ -169,7 +169,7 @@ def _fits(found: tuple[int, ...], expected: Shape) -> bool:
     )
 
 
-def _told(shape: Shape) -> str:
+def _written(shape: Shape) -> str:
     """Return a shape as NumPy writes it, free lengths by their names."""
-    told = ", ".join("..." if length is Ellipsis else str(length) for length in shape)
-    return f"({told},)" if len(shape) == 1 else f"({told})"
+    lengths = ", ".join("..." if length is Ellipsis else str(length) for length in shape)
+    return f"({lengths},)" if len(shape) == 1 else f"({lengths})"

@@ -20,7 +20,7 @@ MOST_PIXELS = 400_000_000
 FOCAL_SIDES = (0.01, 1000.0)
 """The focal length over the picture's longer side: fields of less than a degree to all around."""
 FIELD_MM = (1e-3, 1e6)
-"""What the picture's longer side shows through a lens with parallel rays."""
+"""Length of the object plane along the picture's longer side through a lens with parallel rays."""
 FOCAL_RATIO = 10.0
 """Between the two focal lengths of a camera."""
 PRINCIPAL_SIDES = 20.0

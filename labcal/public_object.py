@@ -1,4 +1,4 @@
-"""What the public objects have in common: equality by value, and how they show themselves."""
+"""Equality by value and display, common to the public objects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -34,15 +34,15 @@ class PublicObject:
     __hash__ = None  # type: ignore[assignment] # equal objects of arrays have no common hash
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}={_told(value)}" for name, value in self._summary().items())
-        return printable(f"{type(self).__name__}({' '.join(told.splitlines())})")
+        summary = ", ".join(f"{name}={_text(value)}" for name, value in self._summary().items())
+        return printable(f"{type(self).__name__}({' '.join(summary.splitlines())})")
 
     def __str__(self) -> str:
         return repr(self)
 
     def _repr_html_(self) -> str:
         """Return a table for notebooks."""
-        summary = [[name.replace("_", " "), _told(value)] for name, value in self._summary().items()]
+        summary = [[name.replace("_", " "), _text(value)] for name, value in self._summary().items()]
         tables = [_html(HtmlTable((type(self).__name__, ""), summary)), *map(_html, self._html_tables())]
         return "<div>" + "".join(tables) + "</div>"
 
@@ -91,7 +91,7 @@ def same_value(one: object, other: object) -> bool:
     return bool(same)
 
 
-def _told(value: object) -> str:
+def _text(value: object) -> str:
     """Return a value in few letters."""
     if isinstance(value, float):
         return f"{value:.4g}"

@@ -8,25 +8,25 @@ import numpy as np
 
 from labcal.calibrate.agreement.hypotheses import MOST_ODD
 from labcal.calibrate.agreement.slight import slight_contradictions
-from labcal.calibrate.lone_calibration import CameraAlone
+from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.calibrate.view_agreement import InconsistentPicture, contradictions, seen_from_behind
 from labcal.correspond.detections import Detections
 from labcal.targets.catalogue import AnyTarget
 
-CalibrateAlone = Callable[[str, Detections], CameraAlone]
+CalibrateSingle = Callable[[str, Detections], SingleCalibration]
 """Calibrates one camera, by its name, from all its pictures."""
 
 
 @dataclass(frozen=True)
-class LoneCameras:
+class SingleCameras:
     """Single-camera calibrations, and their pictures."""
 
-    cameras: list[CameraAlone]
+    cameras: list[SingleCalibration]
     entering: Detections
     left_out: tuple[str, ...]
     """Pictures that are not among it, and why, for people."""
 
-    def without(self, odd: Sequence[InconsistentPicture], again: CalibrateAlone) -> "LoneCameras":
+    def without(self, odd: Sequence[InconsistentPicture], again: CalibrateSingle) -> "SingleCameras":
         """Leave out pictures, and repeat the calibrations of their cameras."""
         enters, reasons = np.full(len(self.entering), fill_value=True), []
         for picture in odd:
@@ -38,9 +38,9 @@ class LoneCameras:
             again(camera.name, entering) if camera.name in touched else camera.among(entering.views)
             for camera in self.cameras
         ]
-        return LoneCameras(cameras, entering, (*self.left_out, *reasons))
+        return SingleCameras(cameras, entering, (*self.left_out, *reasons))
 
-    def too_many(self, odd: Sequence[InconsistentPicture], before: "LoneCameras") -> bool:
+    def too_many(self, odd: Sequence[InconsistentPicture], before: "SingleCameras") -> bool:
         """Tell whether so many pictures of a camera are inconsistent that none is an exception."""
         for camera in self.cameras:
             all_ = next(len(one.dots.views) for one in before.cameras if one.name == camera.name)
@@ -51,8 +51,8 @@ class LoneCameras:
 
 
 def of_agreeing_views(
-    found: LoneCameras, target: AnyTarget, again: CalibrateAlone, *, free_dots: bool
-) -> LoneCameras:
+    found: SingleCameras, target: AnyTarget, again: CalibrateSingle, *, free_dots: bool
+) -> SingleCameras:
     """Leave out inconsistent pictures.
 
     Those that show the target's back; and those of a few views in which cameras contradict each other. Where
@@ -61,7 +61,7 @@ def of_agreeing_views(
 
     Parameters
     ----------
-    found : LoneCameras
+    found : SingleCameras
     target : AnyTarget
     again : callable
         Calibrates a camera from the pictures that are left.
@@ -73,7 +73,7 @@ def of_agreeing_views(
     InputError
         A camera sees the target's back in all its pictures, has too few others, or shares none with the rest.
     """
-    while mirrored := list(chain.from_iterable(seen_from_behind(one.lone) for one in found.cameras)):
+    while mirrored := list(chain.from_iterable(seen_from_behind(one.single) for one in found.cameras)):
         found = found.without(mirrored, again)
     rest = found
     while odd := _contradictions(rest.cameras, target, free_dots=free_dots):
@@ -84,10 +84,10 @@ def of_agreeing_views(
 
 
 def _contradictions(
-    cameras: list[CameraAlone], target: AnyTarget, *, free_dots: bool
+    cameras: list[SingleCalibration], target: AnyTarget, *, free_dots: bool
 ) -> list[InconsistentPicture]:
     """Return the pictures of views in which cameras contradict each other."""
-    if len(cameras) == 1 or any(one.lone.camera.model.parallel for one in cameras):
+    if len(cameras) == 1 or any(one.single.camera.model.parallel for one in cameras):
         return []  # parallel rays alone tell neither depth nor the sign of a tilt
-    gross = contradictions([one.lone for one in cameras], target.points())
+    gross = contradictions([one.single for one in cameras], target.points())
     return gross if gross or free_dots else slight_contradictions(cameras)

@@ -1,8 +1,8 @@
-"""How far dots lie from the epipolar curves that cameras say they are on."""
+"""Distances of dots from the epipolar curves that cameras predict."""
 
 import numpy as np
 
-from labcal.calibrate.centre_bias import centred
+from labcal.calibrate.eccentricity import centred
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
 from labcal.correspond.detections import Detections
@@ -13,7 +13,7 @@ from labcal.targets.catalogue import AnyTarget
 def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:
     """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
 
-    The bias of centroids is taken off first where the target is given.
+    The eccentricity is subtracted first if the target is given.
     """
     first, *others = rig.cameras
     distances = [np.empty(0)]

@@ -2,7 +2,7 @@
 
 OpenCV starts (Zhang 2000). Each camera is then adjusted alone with all views that it measured, and the rig
 with all views of all cameras. The first camera's frame is the world. Dots weigh by their covariances, and by
-what they scatter beyond them; what a centroid of area is off the image of the centre is taken off.
+what they scatter beyond them; the eccentricity of dots is subtracted.
 """
 
 from dataclasses import replace
@@ -11,27 +11,27 @@ import numpy as np
 
 from labcal.calibrate.adjustment.observations import observations_of
 from labcal.calibrate.adjustment.state import Lenses
-from labcal.calibrate.agreeing_views import LoneCameras, of_agreeing_views
+from labcal.calibrate.agreeing_views import SingleCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
-from labcal.calibrate.centre_bias import CentreBias, centred
+from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
 from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.lens_support import undetermined
-from labcal.calibrate.lone_calibration import (
-    AdjustedDots,
-    CameraAlone,
-    HandheldSettings,
-    adjusted,
-    calibrate_alone,
-)
 from labcal.calibrate.one_lens import two_lenses
 from labcal.calibrate.outlying_dots import OutlyingDots
-from labcal.calibrate.parallel_rig import told_by_each_other
+from labcal.calibrate.parallel_rig import with_determined_poses
 from labcal.calibrate.resection.resected import MOST_OFF
 from labcal.calibrate.rig_residuals import RigResiduals
 from labcal.calibrate.rig_start import rig_start
+from labcal.calibrate.single_calibration import (
+    AdjustedDots,
+    HandheldSettings,
+    SingleCalibration,
+    adjusted,
+    calibrate_single,
+)
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.cameras.lens import lens_by_name
@@ -81,23 +81,23 @@ def calibrate_handheld(
     if settings.free_dots and lens_by_name(lens).parallel:
         raise InputError(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not told apart there. Leave --free-dots out."
+            "tilt are not distinguishable there. Leave --free-dots out."
         )
     usable = usable_dots(detections, target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
 
-    def alone(name: str, dots: Detections) -> CameraAlone:
-        return calibrate_alone(name, dots, target, lens, settings)
+    def single(name: str, dots: Detections) -> SingleCalibration:
+        return calibrate_single(name, dots, target, lens, settings)
 
-    def flat(name: str, dots: Detections) -> CameraAlone:
-        return calibrate_alone(name, dots, target, lens, replace(settings, free_dots=False))
+    def flat(name: str, dots: Detections) -> SingleCalibration:
+        return calibrate_single(name, dots, target, lens, replace(settings, free_dots=False))
 
-    lone = LoneCameras([alone(name, entering) for name in cameras], entering, skipped)
-    lone = of_agreeing_views(lone, target, alone, free_dots=settings.free_dots)
-    entering, skipped = lone.entering, lone.left_out
-    found = _with_lens_groups(lone.cameras, target, settings)
+    agreeing = SingleCameras([single(name, entering) for name in cameras], entering, skipped)
+    agreeing = of_agreeing_views(agreeing, target, single, free_dots=settings.free_dots)
+    entering, skipped = agreeing.entering, agreeing.left_out
+    found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
         return _assemble(found, found[0].result, target, entering.views, skipped)
     try:
@@ -112,25 +112,27 @@ def calibrate_handheld(
         found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
-        doubt = disagreement(Calibrated(found, entering, alone))
+        doubt = disagreement(Calibrated(found, entering, single))
     rig_found = _assemble(found, whole, target, entering.views, skipped)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
 def _whole(
-    found: list[CameraAlone], entering: Detections, target: AnyTarget, settings: HandheldSettings
+    found: list[SingleCalibration], entering: Detections, target: AnyTarget, settings: HandheldSettings
 ) -> AdjustedDots:
     """Adjust the rig; raise where that fails, or ends in what is no rig."""
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
-    start = rig_start(told_by_each_other([camera.lone for camera in found], settings.start), target.points())
+    start = rig_start(
+        with_determined_poses([camera.single for camera in found], settings.start), target.points()
+    )
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
     Rig.of(dict(zip(cameras, whole.adjusted.state.cameras, strict=True)))  # raises beyond bounds of sense
     return whole
 
 
-def _rms_alone(found: list[CameraAlone]) -> float:
+def _rms_alone(found: list[SingleCalibration]) -> float:
     """Return OpenCV's RMS over cameras that were calibrated alone, px."""
     residuals = [one.result.adjusted.residual[~one.result.adjusted.outlier] for one in found]
     return float(np.sqrt((np.concatenate(residuals) ** 2).sum(axis=1).mean()))
@@ -175,28 +177,28 @@ def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) ->
 
 
 def _with_lens_groups(
-    found: list[CameraAlone], target: AnyTarget, settings: HandheldSettings
-) -> list[CameraAlone]:
+    found: list[SingleCalibration], target: AnyTarget, settings: HandheldSettings
+) -> list[SingleCalibration]:
     """Return the cameras with the groups of their views that were taken through different lenses."""
-    if settings.lenses is Lenses.FIXED or any(one.lone.camera.model.parallel for one in found):
+    if settings.lenses is Lenses.FIXED or any(one.single.camera.model.parallel for one in found):
         return found
     return [
         replace(
-            alone,
+            one,
             two_lenses=two_lenses(
-                alone.result.adjusted,
-                alone.result.observations,
-                alone.dots.views,
+                one.result.adjusted,
+                one.result.observations,
+                one.dots.views,
                 target,
-                settings.bias_rounds,
+                settings.eccentricity_rounds,
             ),
         )
-        for alone in found
+        for one in found
     ]
 
 
 def _assemble(
-    found: list[CameraAlone],
+    found: list[SingleCalibration],
     whole: AdjustedDots,
     target: AnyTarget,
     views: tuple[str, ...],
@@ -206,22 +208,22 @@ def _assemble(
     adjusted = whole.adjusted
     in_rig = adjusted.rms_px(whole.observations)
     fits = {}
-    for number, alone in enumerate(found):
-        result = alone.result
-        fits[alone.name] = CameraFit(
+    for number, one in enumerate(found):
+        result = one.result
+        fits[one.name] = CameraFit(
             rms_px=float(result.adjusted.rms_px(result.observations)[0]),
             rms_in_rig_px=float(in_rig[number]),
-            views=alone.dots.views,
+            views=one.dots.views,
             dots=int((~result.adjusted.outlier).sum()),
             sigma=CameraSigma.of(adjusted, number),
             scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
             undetermined=undetermined(result.adjusted, result.observations),
             open_lens=result.adjusted.prior_width is PriorWidth.NARROW,
-            noise_px=float(np.sqrt(np.median(np.trace(alone.dots.covariance, axis1=1, axis2=2)) / 2.0)),
-            two_lenses=alone.two_lenses,
+            noise_px=float(np.sqrt(np.median(np.trace(one.dots.covariance, axis1=1, axis2=2)) / 2.0)),
+            two_lenses=one.two_lenses,
         )
-    names = tuple(alone.name for alone in found)
+    names = tuple(one.name for one in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)
     return HandheldCalibration(
         rig=Rig.of(dict(cameras)),
@@ -231,7 +233,7 @@ def _assemble(
         outliers=OutlyingDots.of(adjusted, whole.observations, target, (names, views)),
         views=views,
         T_world_target=adjusted.state.T_world_target,
-        bias=CentreBias.of(adjusted.shift),
+        eccentricity=CorrectedEccentricity.of(adjusted.eccentricity),
         freed=whole.freed,
         reason=adjusted.reason,
         residuals=RigResiduals.of(adjusted, whole.observations),

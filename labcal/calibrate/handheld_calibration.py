@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.finding import Disagreement
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.outlying_dots import OutlyingDots
@@ -91,7 +91,7 @@ class HandheldCalibration:
     views: tuple[str, ...]
     T_world_target: Float64[np.ndarray, "views 4 4"]
     """Of every view, mm."""
-    bias: CentreBias
+    eccentricity: CorrectedEccentricity
     freed: FreedDots | None
     """The dots as all cameras together find them."""
     reason: StopReason

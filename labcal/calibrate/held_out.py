@@ -11,7 +11,7 @@ _SLABS = 4
 _EDGE = 0.04
 """Share of the points, those nearest to an edge of all in the picture, that are held out together."""
 _SURE = 1.0
-"""Standard errors by which a model must be better than one with fewer numbers."""
+"""Standard errors by which a model must be better than one with fewer parameters."""
 
 Fold = Bool[np.ndarray, " n"]
 """Mask of held-out points."""
@@ -47,7 +47,7 @@ def simplest(squares: Sequence[Float64[np.ndarray, " tests"]]) -> int:
     Parameters
     ----------
     squares : sequence of ndarray, shape (tests,)
-        By model, the one with fewest numbers first: squared errors at the same held-out points; infinite
+        By model, the one with fewest parameters first: squared errors at the same held-out points; infinite
         where there is no prediction, or no model.
     """
     means = [float(np.mean(square)) for square in squares]

@@ -135,7 +135,7 @@ def _held_out(
     InputError
         The other views determine no camera, leave coefficients of the lens open, or cannot free the dots.
     """
-    squares, rounds = [], settings.bias_rounds
+    squares, rounds = [], settings.eccentricity_rounds
     for fold in range(FOLDS):
         held = list(pictures[fold::FOLDS])
         others = [picture for number, picture in enumerate(pictures) if number % FOLDS != fold]
@@ -182,12 +182,12 @@ class _Problem:
             raise InputError("Views that are held out show too few dots that the others do.")
         return _Problem(observations, self.target, freed.place)
 
-    def adjusted(self, start: LensStart, lenses: Lenses, bias_rounds: int) -> Adjusted:
+    def adjusted(self, start: LensStart, lenses: Lenses, eccentricity_rounds: int) -> Adjusted:
         """Adjust from a start."""
         state = RigState((start.camera,), start.T_cam_target, self.dots)
         freedom = Freedom(lenses, np.zeros((3 * self.target.count, 0)))
         radii = 0.5 * self.target.outer_diameters_mm()
-        return adjust_in_rounds(state, self.observations, freedom, radii, bias_rounds)
+        return adjust_in_rounds(state, self.observations, freedom, radii, eccentricity_rounds)
 
     def squares(self, adjusted: Adjusted) -> Float64[np.ndarray, " pictures"]:
         """Return the mean square of each picture's residuals that are no outliers, px squared."""

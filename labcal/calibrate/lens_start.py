@@ -196,16 +196,16 @@ def _by_scan(pictures: list[Detections], target: Target, lens: str) -> LensStart
     widest = _WIDEST_FLAT_DEG if kind.model.rectilinear else 180.0
     half_fields = np.radians([field for field in _HALF_FIELDS_DEG if field < widest])
     candidates = [camera_with_field(kind, half_field) for half_field in half_fields]
-    misses = [_miss(camera, scanned, target) for camera in candidates]
-    if not np.isfinite(misses).any():
+    residuals = [_residual(camera, scanned, target) for camera in candidates]
+    if not np.isfinite(residuals).any():
         raise InputError(
             f"The dots of camera '{pictures[0].cameras[0]}' determine no camera. Every view needs dots of "
             "several rows and columns, and the views different tilts."
         )
-    return start_from_camera(pictures, target, candidates[int(np.nanargmin(misses))])
+    return start_from_camera(pictures, target, candidates[int(np.nanargmin(residuals))])
 
 
-def _miss(camera: Camera, pictures: list[Detections], target: Target) -> float:
+def _residual(camera: Camera, pictures: list[Detections], target: Target) -> float:
     """Return the RMS reprojection error over pictures in px, relative to their size there; NaN for none."""
     try:
         poses = _poses(camera, pictures, target)

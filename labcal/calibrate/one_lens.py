@@ -95,7 +95,7 @@ def two_lenses(
     observations: Observations,
     views: tuple[str, ...],
     target: AnyTarget,
-    bias_rounds: int,
+    eccentricity_rounds: int,
 ) -> TwoLenses | None:
     """Return two groups of one camera's views that were taken through different lenses, or None.
 
@@ -111,7 +111,7 @@ def two_lenses(
     views : tuple of str
         Names, in the order of their numbers.
     target : AnyTarget
-    bias_rounds : int
+    eccentricity_rounds : int
         As in :func:`~labcal.calibrate.adjustment.rounds.adjust_in_rounds`.
     """
     if adjusted.reason is StopReason.EPOCHS:  # views differ in what is left of the way, too
@@ -126,8 +126,10 @@ def two_lenses(
     narrow = suspect and adjusted.state.cameras[0].lens in _NARROW
     if narrow or not adjusted.layout.freedom.dots.shape[1]:
         try:
-            flat = _with_larger_lens(adjusted, observations, target, bias_rounds) if narrow else adjusted
-            free = adjust_dots(flat, observations, target, Lenses.FREE, bias_rounds)
+            flat = (
+                _with_larger_lens(adjusted, observations, target, eccentricity_rounds) if narrow else adjusted
+            )
+            free = adjust_dots(flat, observations, target, Lenses.FREE, eccentricity_rounds)
             adjusted, observations = free.adjusted, free.observations
         except InputError:
             least = SURE_RATIO  # the dots cannot be freed, and the print may be what makes views differ
@@ -136,19 +138,21 @@ def two_lenses(
 
 
 def _with_larger_lens(
-    adjusted: Adjusted, observations: Observations, target: AnyTarget, bias_rounds: int
+    adjusted: Adjusted, observations: Observations, target: AnyTarget, eccentricity_rounds: int
 ) -> Adjusted:
     """Return the adjustment with a lens model that is not too simple, and the dots as declared."""
     (camera,) = adjusted.state.cameras
     lens = "brown5" if camera.lens in _NARROW else camera.lens
     state = RigState((replace(camera, lens=lens),), adjusted.state.T_world_target, target.points())
     freedom = Freedom(Lenses.FREE, np.zeros((state.dots.size, 0)))
-    return adjust_in_rounds(state, observations, freedom, 0.5 * target.outer_diameters_mm(), bias_rounds)
+    return adjust_in_rounds(
+        state, observations, freedom, 0.5 * target.outer_diameters_mm(), eccentricity_rounds
+    )
 
 
 def apart(adjusted: Adjusted, observations: Observations, views: tuple[str, ...]) -> TwoLenses | None:
     """Return the two groups of views that differ most; None where that is no more than chance makes them."""
-    dots = observations.moved(-adjusted.shift).scattered(adjusted.scatter_px**2)
+    dots = observations.moved(-adjusted.eccentricity).scattered(adjusted.scatter_px**2)
     votes = _votes(adjusted.state, dots.where(~adjusted.outlier), len(views))
     if votes is None or len(views) < 2 * FEWEST:
         return None

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Matrix3, Pose
-from labcal.calibrate.rig_start import LoneCamera, SharedViews
+from labcal.calibrate.rig_start import SharedViews, SingleCamera
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.geometry.parallel_pose import mirrored
@@ -54,47 +54,49 @@ def parallel_notes(rig: Rig, *, started: bool) -> list[str]:
     return notes
 
 
-def told_by_each_other(cameras: Sequence[LoneCamera], start: Rig | None) -> list[LoneCamera]:
+def with_determined_poses(cameras: Sequence[SingleCamera], start: Rig | None) -> list[SingleCamera]:
     """Return cameras whose poses of the target agree, as far as parallel rays left them open.
 
     Parameters
     ----------
-    cameras : sequence of LoneCamera
+    cameras : sequence of SingleCamera
     start : Rig or None
         Where cameras stand, more or less, if that is known.
     """
-    told = list(cameras)
-    if not any(one.camera.model.parallel for one in told):
-        return told
-    settled = {number: np.zeros(0, dtype=np.int64) for number in range(len(told))}
-    for number, one in enumerate(told):
+    result = list(cameras)
+    if not any(one.camera.model.parallel for one in result):
+        return result
+    settled = {number: np.zeros(0, dtype=np.int64) for number in range(len(result))}
+    for number, one in enumerate(result):
         if not one.camera.model.parallel:
             settled[number] = one.views
     placed = {0}
-    while len(placed) < len(told):
-        pairs = [(old, new) for old in placed for new in range(len(told)) if new not in placed]
-        old, new = max(pairs, key=lambda pair: len(np.intersect1d(told[pair[0]].views, told[pair[1]].views)))
+    while len(placed) < len(result):
+        pairs = [(old, new) for old in placed for new in range(len(result)) if new not in placed]
+        old, new = max(
+            pairs, key=lambda pair: len(np.intersect1d(result[pair[0]].views, result[pair[1]].views))
+        )
         placed.add(new)
-        shared = SharedViews.of(told[old], told[new])
+        shared = SharedViews.of(result[old], result[new])
         if len(shared.views) == 0:
             continue  # which the rig's start refuses
         known = np.isin(shared.views, settled[old])
         wanted = None
-        if start is not None and {told[old].name, told[new].name} <= set(start.cameras):
-            wanted = _rotation(start.camera(told[new].name)) @ _rotation(start.camera(told[old].name)).T
-        pair = (told[old].camera, told[new].camera)
+        if start is not None and {result[old].name, result[new].name} <= set(start.cameras):
+            wanted = _rotation(start.camera(result[new].name)) @ _rotation(start.camera(result[old].name)).T
+        pair = (result[old].camera, result[new].camera)
         first, second = _deep(pair, *_unmirrored(pair, shared, known, wanted), known)
-        told[old], told[new] = _with(told[old], shared, first), _with(told[new], shared, second)
+        result[old], result[new] = _with(result[old], shared, first), _with(result[new], shared, second)
         settled[old] = np.union1d(settled[old], shared.views)
         settled[new] = np.union1d(settled[new], shared.views)
-    return told
+    return result
 
 
 def _rotation(camera: Camera) -> Matrix3:
     return np.asarray(camera.T_cam_world[:3, :3])
 
 
-def _with(one: LoneCamera, shared: SharedViews, poses: Float64[np.ndarray, "n 4 4"]) -> LoneCamera:
+def _with(one: SingleCamera, shared: SharedViews, poses: Float64[np.ndarray, "n 4 4"]) -> SingleCamera:
     """Return a camera with other poses of the target in shared views."""
     T_cam_target = one.T_cam_target.copy()
     T_cam_target[np.searchsorted(one.views, shared.views)] = poses

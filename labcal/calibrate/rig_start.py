@@ -16,7 +16,7 @@ _CANDIDATES = 100
 
 
 @dataclass(frozen=True)
-class LoneCamera:
+class SingleCamera:
     """A camera in its own frame, and its poses of the target."""
 
     name: str
@@ -36,18 +36,18 @@ class SharedViews:
     second: Float64[np.ndarray, "n 4 4"]
 
     @classmethod
-    def of(cls, one: LoneCamera, other: LoneCamera) -> "SharedViews":
+    def of(cls, one: SingleCamera, other: SingleCamera) -> "SharedViews":
         """Return those of two cameras; there may be none."""
         views, here, there = np.intersect1d(one.views, other.views, return_indices=True)
         return cls(views, one.T_cam_target[here], other.T_cam_target[there])
 
 
-def rig_start(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dots 3"]) -> RigState:
+def rig_start(cameras: Sequence[SingleCamera], dots: Float64[np.ndarray, "dots 3"]) -> RigState:
     """Return cameras and target poses in the first camera's frame.
 
     Parameters
     ----------
-    cameras : sequence of LoneCamera
+    cameras : sequence of SingleCamera
         Every view is seen by at least one.
     dots : ndarray, shape (dots, 3)
         Places in the target's frame, mm.
@@ -57,17 +57,17 @@ def rig_start(cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dots 3"]
     InputError
         A camera shares no view with the first one, not even through others.
     """
-    views = 1 + max(int(lone.views.max()) for lone in cameras)
+    views = 1 + max(int(single.views.max()) for single in cameras)
     T_world_target = np.full((views, 4, 4), np.nan)
     placed = placed_cameras(cameras)
-    for lone, T_cam_world in zip(cameras, placed, strict=True):
-        new = np.isnan(T_world_target[lone.views, 0, 0])
-        T_world_target[lone.views[new]] = inverse(T_cam_world) @ lone.T_cam_target[new]
+    for single, T_cam_world in zip(cameras, placed, strict=True):
+        new = np.isnan(T_world_target[single.views, 0, 0])
+        T_world_target[single.views[new]] = inverse(T_cam_world) @ single.T_cam_target[new]
     pairs = zip(cameras, placed, strict=True)
-    return RigState(tuple(replace(lone.camera, T_cam_world=T) for lone, T in pairs), T_world_target, dots)
+    return RigState(tuple(replace(single.camera, T_cam_world=T) for single, T in pairs), T_world_target, dots)
 
 
-def placed_cameras(cameras: Sequence[LoneCamera]) -> list[Pose]:
+def placed_cameras(cameras: Sequence[SingleCamera]) -> list[Pose]:
     """Return ``T_cam_world`` of every camera; the first one is the world.
 
     A camera is placed by the placed one with which it shares most views: the tree of cameras that hangs

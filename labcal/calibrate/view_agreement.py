@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pose
-from labcal.calibrate.rig_start import LoneCamera, SharedViews, placed_cameras
+from labcal.calibrate.rig_start import SharedViews, SingleCamera, placed_cameras
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse, transform
 
@@ -32,7 +32,7 @@ class InconsistentPicture:
     """For people."""
 
 
-def seen_from_behind(lone: LoneCamera) -> list[InconsistentPicture]:
+def seen_from_behind(single: SingleCamera) -> list[InconsistentPicture]:
     """Return the pictures of one camera that show the target's back, which has no dots.
 
     Raises
@@ -40,19 +40,19 @@ def seen_from_behind(lone: LoneCamera) -> list[InconsistentPicture]:
     InputError
         All of them do.
     """
-    normal, middle = lone.T_cam_target[:, :3, 2], lone.T_cam_target[:, :3, 3]
+    normal, middle = single.T_cam_target[:, :3, 2], single.T_cam_target[:, :3, 3]
     behind = (normal * middle).sum(axis=1) > 0.0
     if behind.all():
         raise InputError(
-            f"All pictures of camera '{lone.name}' show the target mirrored. Take pictures as the sensor has "
-            "them, not as a mirror shows them, and number columns to the right and rows upwards."
+            f"All pictures of camera '{single.name}' show the target mirrored. Take pictures as the sensor "
+            "has them, not as a mirror shows them, and number columns to the right and rows upwards."
         )
     reason = "it shows the target mirrored, or its dots are numbered in a mirror image"
-    return [InconsistentPicture(lone.name, int(view), reason) for view in lone.views[behind]]
+    return [InconsistentPicture(single.name, int(view), reason) for view in single.views[behind]]
 
 
 def contradictions(
-    cameras: Sequence[LoneCamera], dots: Float64[np.ndarray, "dots 3"]
+    cameras: Sequence[SingleCamera], dots: Float64[np.ndarray, "dots 3"]
 ) -> list[InconsistentPicture]:
     """Return the pictures of views in which cameras do not agree on where the target is.
 
@@ -60,7 +60,7 @@ def contradictions(
 
     Parameters
     ----------
-    cameras : sequence of LoneCamera
+    cameras : sequence of SingleCamera
     dots : ndarray, shape (dots, 3)
         Places in the target's frame, mm.
 
@@ -75,17 +75,17 @@ def contradictions(
     for one, other in combinations(range(len(cameras)), 2):
         shared = SharedViews.of(cameras[one], cameras[other])
         T_other_one = placed[other] @ inverse(placed[one])
-        misses = target_residuals(cameras[other], T_other_one, shared, dots)
-        if len(misses) < _FEWEST:
+        residuals = target_residuals(cameras[other], T_other_one, shared, dots)
+        if len(residuals) < _FEWEST:
             continue
-        usual = float(np.median(misses))
-        for at in np.flatnonzero(misses > max(_TIMES * usual, _LEAST_PX)):
+        usual = float(np.median(residuals))
+        for at in np.flatnonzero(residuals > max(_TIMES * usual, _LEAST_PX)):
             view = int(shared.views[at])
             against.setdefault(view, []).append((one, other))
             alone = SharedViews(shared.views[[at]], shared.first[[at]], shared.second[[at]])
             if (
                 target_residuals(cameras[other], inverse(T_other_one), alone, dots)[0]
-                < _EXCHANGED * misses[at]
+                < _EXCHANGED * residuals[at]
             ):
                 cause = "their pictures seem to be exchanged"
             else:
@@ -95,27 +95,29 @@ def contradictions(
                 )
             reasons[view] = (
                 f"cameras '{cameras[one].name}' and '{cameras[other].name}' disagree on the dots by "
-                f"{misses[at]:.1f} px, in the median view by {usual:.1f} px: {cause}"
+                f"{residuals[at]:.1f} px, in the median view by {usual:.1f} px: {cause}"
             )
     return [
         InconsistentPicture(cameras[number].name, view, reasons[view])
         for view, pairs in sorted(against.items())
-        for number in majority_outliers(pairs, [n for n, lone in enumerate(cameras) if view in lone.views])
+        for number in majority_outliers(
+            pairs, [n for n, single in enumerate(cameras) if view in single.views]
+        )
     ]
 
 
 def target_residuals(
-    camera: LoneCamera, T_camera_other: Pose, shared: SharedViews, dots: Float64[np.ndarray, "dots 3"]
+    camera: SingleCamera, T_camera_other: Pose, shared: SharedViews, dots: Float64[np.ndarray, "dots 3"]
 ) -> Float64[np.ndarray, " n"]:
     """Return the residuals of the target of another camera in the pictures of this camera, RMS, px."""
-    misses = []
+    residuals = []
     for T_other_target, T_camera_target in zip(shared.first, shared.second, strict=True):
-        expected = camera.camera.image(transform(T_camera_other @ T_other_target, dots)).q
-        seen = camera.camera.image(transform(T_camera_target, dots)).q
+        expected = camera.camera.project_in_camera(transform(T_camera_other @ T_other_target, dots)).q
+        seen = camera.camera.project_in_camera(transform(T_camera_target, dots)).q
         square = ((expected - seen) ** 2).sum(axis=1)
         known = square[np.isfinite(square)]
-        misses.append(float(np.sqrt(known.mean())) if len(known) else float("inf"))
-    return np.array(misses)
+        residuals.append(float(np.sqrt(known.mean())) if len(known) else float("inf"))
+    return np.array(residuals)
 
 
 def majority_outliers(against: list[tuple[int, int]], cameras: list[int]) -> list[int]:

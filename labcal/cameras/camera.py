@@ -159,18 +159,18 @@ class Camera(PublicObject):
 
     @property
     def optics(self) -> Optics:
-        """Lens and window, to which :attr:`numbers` belong."""
+        """Lens and window, to which :attr:`parameters` belong."""
         return Optics(self.model, self.window)
 
     @cached_property
-    def numbers(self) -> tuple[float, ...]:
-        """All numbers of the camera: fx fy cx cy, then the window's and the lens model's own."""
-        return (*self.intrinsics, *self._window_numbers, *self._lens_numbers)
+    def parameters(self) -> tuple[float, ...]:
+        """All parameters of the camera: fx fy cx cy, then the window's and the lens model's own."""
+        return (*self.intrinsics, *self._window_parameters, *self._lens_parameters)
 
     @cached_property
-    def forward_numbers(self) -> tuple[float, ...]:
-        """The leading :attr:`numbers`: all that the way from points to pixels takes."""
-        return (*self.intrinsics, *self._window_numbers, *self._forward_lens_numbers)
+    def forward_parameters(self) -> tuple[float, ...]:
+        """The leading :attr:`parameters`: all that the way from points to pixels takes."""
+        return (*self.intrinsics, *self._window_parameters, *self._forward_lens_parameters)
 
     @property
     def reach(self) -> float:
@@ -208,7 +208,7 @@ class Camera(PublicObject):
         """
         q = float_array(q, (..., 2), "q")
         with np.errstate(invalid="ignore", over="ignore"):
-            traced = self.optics.trace(NUMPY, self.numbers, q[..., 0], q[..., 1])
+            traced = self.optics.trace(NUMPY, self.parameters, q[..., 0], q[..., 1])
             T_world_cam = inverse(self.T_cam_world)
             origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
             direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
@@ -216,7 +216,7 @@ class Camera(PublicObject):
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
     def project(self, p: AnyArray) -> Projection:
-        """Return where world points are imaged.
+        """Return the pixels of world points.
 
         Parameters
         ----------
@@ -227,7 +227,7 @@ class Camera(PublicObject):
         -------
         Projection
             Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
-            tell no depth), beyond the fold of the lens model and for NaN.
+            determine no depth), beyond the fold of the lens model and for NaN.
 
         Raises
         ------
@@ -242,10 +242,10 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        return self.image(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+        return self.project_in_camera(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
 
-    def image(self, p_cam: AnyArray) -> Projection:
-        """Return where points of the camera's frame are imaged, as :meth:`project` does.
+    def project_in_camera(self, p_cam: AnyArray) -> Projection:
+        """Return the pixels of points of the camera's frame, as :meth:`project` does.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class Camera(PublicObject):
         """
         X, Y, Z = np.moveaxis(float_array(p_cam, (..., 3), "p_cam"), -1, 0)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = self.optics.project(NUMPY, self.forward_numbers, (X, Y, Z))
+            found = self.optics.project(NUMPY, self.forward_parameters, (X, Y, Z))
         ok = np.asarray(found.ok)
         return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
 
@@ -284,16 +284,16 @@ class Camera(PublicObject):
         return (*(float(k) for k in self.dist), *(0.0,) * max(0, MOST_COEFFICIENTS - len(self.dist)))
 
     @cached_property
-    def _window_numbers(self) -> tuple[float, ...]:
-        return () if self.window is None else self.window.numbers
+    def _window_parameters(self) -> tuple[float, ...]:
+        return () if self.window is None else self.window.parameters
 
     @cached_property
-    def _forward_lens_numbers(self) -> tuple[float, ...]:
-        return self.model.forward_numbers(NUMPY, self.padded_dist)
+    def _forward_lens_parameters(self) -> tuple[float, ...]:
+        return self.model.forward_parameters(NUMPY, self.padded_dist)
 
     @cached_property
-    def _lens_numbers(self) -> tuple[float, ...]:
-        return self.model.numbers(NUMPY, self.padded_dist, self.reach)
+    def _lens_parameters(self) -> tuple[float, ...]:
+        return self.model.parameters(NUMPY, self.padded_dist, self.reach)
 
     def lattice(self) -> tuple[np.ndarray, np.ndarray]:
         """Return u and v of a lattice over the picture up to its very edges."""

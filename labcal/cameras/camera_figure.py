@@ -63,5 +63,5 @@ def _straight_lines(camera: Camera) -> list[np.ndarray]:
             q[:, free] = np.linspace(low[free], high[free], _SAMPLES)
             fx, fy, cx, cy = camera.intrinsics
             p_cam = np.column_stack([(q - [cx, cy]) / [fx, fy], np.ones(len(q))])
-            lines.append(camera.image(p_cam).q)
+            lines.append(camera.project_in_camera(p_cam).q)
     return lines

@@ -1,4 +1,4 @@
-"""Pixels with their derivatives by the point and by the camera's own numbers, in one pass over all points.
+"""Pixels with their derivatives by the point and by the camera's own parameters, in one pass over all points.
 
 Whoever has many points hands over some :data:`RUN` at a time: arrays that stay in the processor's cache are
 several times faster.
@@ -12,22 +12,22 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, Pixels, PointJacobians, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
-from labcal.cameras.jacobians import dual_numbers
+from labcal.cameras.jacobians import dual_parameters
 from labcal.cameras.mathematics import NUMPY, Number
 from labcal.cameras.optics import INTRINSICS
 from labcal.geometry.poses import transform
 
 RUN = 4096
-"""Points that outweigh the time NumPy takes for a call, and whose numbers the processor still has at hand."""
+"""Points that outweigh the time NumPy takes for a call, and that the processor still has at hand."""
 POINT = 3
-"""Directions of a point come first; the camera's numbers follow."""
+"""Directions of a point come first; the camera's parameters follow."""
 FIELD = 2
 """Directions of a field point."""
 
 
 @dataclass(frozen=True)
 class ProjectionDerivatives:
-    """Where n points are imaged, and how that changes; in memory, points run fastest."""
+    """Images of n points, and their derivatives; in memory, points run fastest."""
 
     q: Pixels
     """(n, 2), px; the lens formula's value even beyond the lens's fold."""
@@ -41,7 +41,7 @@ class ProjectionDerivatives:
 
 @dataclass(frozen=True)
 class Imaged:
-    """Where world points are imaged, and how that changes with them; NaN where they are not."""
+    """Images of world points, and their derivatives; NaN for points that are not imaged."""
 
     q: Pixels
     """(n, 2), px."""
@@ -77,13 +77,13 @@ def projection_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivat
     if has_field(camera):
         directions = FIELD + free
         coefficients = _varied(dist, free)
-        rest = constants(camera.forward_numbers, directions)
+        rest = constants(camera.forward_parameters, directions)
         formula = camera.model.formula(m, coefficients)
         return _through_field(camera, p_cam, (*formula, *rest[INTRINSICS + len(formula) :]), width)
     varied = variables(*np.moveaxis(p_cam, -1, 0), *camera.intrinsics, *dist[:free])
     intrinsics, coefficients = varied[POINT : POINT + INTRINSICS], varied[POINT + INTRINSICS :]
     lens = (*coefficients, *constants(dist[free:], width))
-    return _at_once(camera, dual_numbers(camera, m, intrinsics, lens), varied[:POINT])
+    return _at_once(camera, dual_parameters(camera, m, intrinsics, lens), varied[:POINT])
 
 
 def point_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivatives:
@@ -96,9 +96,9 @@ def point_derivatives(camera: Camera, p_cam: Vectors3) -> ProjectionDerivatives:
         Points in the camera's frame, mm.
     """
     if has_field(camera):
-        return _through_field(camera, p_cam, camera.forward_numbers[INTRINSICS:], POINT)
-    numbers = constants(camera.forward_numbers, POINT)
-    return _at_once(camera, numbers, variables(*np.moveaxis(p_cam, -1, 0)))
+        return _through_field(camera, p_cam, camera.forward_parameters[INTRINSICS:], POINT)
+    parameters = constants(camera.forward_parameters, POINT)
+    return _at_once(camera, parameters, variables(*np.moveaxis(p_cam, -1, 0)))
 
 
 def has_field(camera: Camera) -> bool:
@@ -119,19 +119,19 @@ def _through_field(
     """Return derivatives by the chain rule from the point to its field point and on to the pixel.
 
     Two directions of the field in the place of three of the point, and none for the intrinsics, leave the
-    lens formula half as much to carry. `lens` are its numbers, varying along the two and its coefficients.
+    lens formula half as much to carry. `lens` are its parameters, varying along the two and its coefficients.
     """
     fx, fy, cx, cy = camera.intrinsics
-    m, plain = DualMathematics(NUMPY), camera.forward_numbers[INTRINSICS:]
+    m, plain = DualMathematics(NUMPY), camera.forward_parameters[INTRINSICS:]
     J = np.zeros((width, 2, len(p_cam)))
     q = np.empty(J.shape[1:])
     more = (0.0,) * (width - POINT - INTRINSICS)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         X, Y, Z = variables(*np.moveaxis(p_cam, -1, 0))
-        field = camera.model.field(m, plain, (X, Y, Z))
+        field = camera.model.field_point(m, plain, (X, Y, Z))
         a, b = Dual(field.a.value, (1.0, 0.0, *more)), Dual(field.b.value, (0.0, 1.0, *more))
         for axis, at, (f, c) in zip(
-            (0, 1), camera.model.image(m, lens, a, b), ((fx, cx), (fy, cy)), strict=True
+            (0, 1), camera.model.distort(m, lens, a, b), ((fx, cx), (fy, cy)), strict=True
         ):
             q[axis] = f * at.value + c
             by_a, by_b = f * at.slopes[0], f * at.slopes[1]
@@ -144,10 +144,10 @@ def _through_field(
     return ProjectionDerivatives(q.T, np.asarray(field.ok), J[:POINT].T, J[POINT:].T)
 
 
-def _at_once(camera: Camera, numbers: tuple[Dual, ...], p: tuple[Dual, ...]) -> ProjectionDerivatives:
+def _at_once(camera: Camera, parameters: tuple[Dual, ...], p: tuple[Dual, ...]) -> ProjectionDerivatives:
     """Return derivatives with all directions carried all the way."""
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        found = camera.optics.project(DualMathematics(NUMPY), numbers, (p[0], p[1], p[2]))
+        found = camera.optics.project(DualMathematics(NUMPY), parameters, (p[0], p[1], p[2]))
     J = np.empty((len(found.u.slopes), 2, len(p[0].value)))
     for row, of_u, of_v in zip(J, found.u.slopes, found.v.slopes, strict=True):
         row[0], row[1] = of_u, of_v

@@ -47,40 +47,40 @@ class DoubleSphere(StereographicField):
 
     def undistorted_radius(self, angle: float) -> float:
         """Return the image radius of an angle (rad)."""
-        radius, _ = self.image(NUMPY, self.undistorted, float(np.tan(0.5 * angle)), 0.0)
+        radius, _ = self.distort(NUMPY, self.undistorted, float(np.tan(0.5 * angle)), 0.0)
         return float(radius)
 
     def formula(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return what :meth:`image` takes: xi and alpha."""
+        """Return what :meth:`distort` takes: xi and alpha."""
         return dist[: self.coefficients]
 
-    def forward_numbers(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return all numbers: xi, alpha, and where the field ends."""
+    def forward_parameters(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all parameters: xi, alpha, and where the field ends."""
         xi, alpha = dist[: self.coefficients]
         return (xi, alpha, field_limit(double_sphere_end(xi, alpha)))
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], _reach: float) -> tuple[float, ...]:
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], _reach: float) -> tuple[float, ...]:
         """Return the same: the way back needs no guess."""
-        return self.forward_numbers(m, dist)
+        return self.forward_parameters(m, dist)
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        """Return where a field point is imaged, at unit focal length."""
-        xi, alpha, *_ = numbers
+        """Return the normalised image coordinates (x, y) of a field point."""
+        xi, alpha, *_ = parameters
         s = a * a + b * b
         z = (1.0 - s) + xi * (1.0 + s)
         along = alpha * m.sqrt(4.0 * s + z * z) + (1.0 - alpha) * z
         share = 2.0 / along
         return a * share, b * share
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by the closed formula."""
-        xi, alpha, *_ = numbers
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of (x, y), by the closed formula."""
+        xi, alpha, *_ = parameters
         r2 = x * x + y * y
         root2 = 1.0 - (2.0 * alpha - 1.0) * r2
         z = (1.0 - alpha * alpha * r2) / (alpha * m.sqrt(m.where(root2 > 0.0, root2, 0.0)) + 1.0 - alpha)
         back2 = z * z + (1.0 - xi * xi) * r2
         stretch = (z * xi + m.sqrt(m.where(back2 > 0.0, back2, 0.0))) / (z * z + r2)
         a, b = stereographic(m, (stretch * x, stretch * y, stretch * z - xi))
-        return FieldPoint(a, b, (root2 >= 0.0) & (back2 >= 0.0) & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, (root2 >= 0.0) & (back2 >= 0.0) & self.is_imaged(parameters, a, b))

@@ -42,34 +42,34 @@ class EnhancedUnified(StereographicField):
         return float(2.0 * np.tan(0.5 * angle))
 
     def formula(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return what :meth:`image` takes: alpha and beta."""
+        """Return what :meth:`distort` takes: alpha and beta."""
         return dist[: self.coefficients]
 
-    def forward_numbers(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return all numbers: alpha, beta, and where the field ends."""
+    def forward_parameters(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all parameters: alpha, beta, and where the field ends."""
         alpha, beta = dist[: self.coefficients]
         return (alpha, beta, field_limit(enhanced_unified_end(alpha, beta)))
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], _reach: float) -> tuple[float, ...]:
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], _reach: float) -> tuple[float, ...]:
         """Return the same: the way back needs no guess."""
-        return self.forward_numbers(m, dist)
+        return self.forward_parameters(m, dist)
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        """Return where a field point is imaged, at unit focal length."""
-        alpha, beta, *_ = numbers
+        """Return the normalised image coordinates (x, y) of a field point."""
+        alpha, beta, *_ = parameters
         s = a * a + b * b
         z = 1.0 - s
         along = alpha * m.sqrt(4.0 * beta * s + z * z) + (1.0 - alpha) * z
         share = 2.0 / along
         return a * share, b * share
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by the closed formula."""
-        alpha, beta, *_ = numbers
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of (x, y), by the closed formula."""
+        alpha, beta, *_ = parameters
         r2 = beta * (x * x + y * y)
         root2 = 1.0 - (2.0 * alpha - 1.0) * r2
         z = (1.0 - alpha * alpha * r2) / (alpha * m.sqrt(m.where(root2 > 0.0, root2, 0.0)) + 1.0 - alpha)
         a, b = stereographic(m, (x, y, z))
-        return FieldPoint(a, b, (root2 >= 0.0) & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, (root2 >= 0.0) & self.is_imaged(parameters, a, b))

@@ -1,4 +1,4 @@
-"""Where the field of a lens lies, and the rays that leave it: what all lens models speak in.
+"""Field points of a lens and its rays in the scene, in terms of which all lens models are written.
 
 A lens maps a *field point* (a, b), two coordinates of its own that grow from its axis, to the picture and to
 a ray in the scene. Both maps are closed formulas; the ways back are found by Newton's method.
@@ -32,8 +32,8 @@ class SceneRay:
 
 
 class FallOff(Enum):
-    """How the light that a lens lets through falls off towards the rim of the picture."""
+    """Fall-off of a lens's light towards the rim of the picture."""
 
     COS4 = "cos^4 of the angle to the axis"
     EVEN = "not at all"
-    TRACED = "as the rays through its stop tell"
+    TRACED = "as traced through its stop"

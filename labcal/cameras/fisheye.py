@@ -21,9 +21,9 @@ _ON_AXIS = 1e-16
 """Squared radius below which a direction counts as the axis itself."""
 
 
-def _stretch(m: Mathematics, numbers: tuple[Number, ...], theta2: Number) -> Number:
+def _stretch(m: Mathematics, parameters: tuple[Number, ...], theta2: Number) -> Number:
     """Return theta_d / theta."""
-    return m.polynomial(theta2, (1.0, *numbers[:_POWERS]))
+    return m.polynomial(theta2, (1.0, *parameters[:_POWERS]))
 
 
 def fold_angle(dist: tuple[float, ...]) -> float:
@@ -53,27 +53,27 @@ class KannalaBrandt:
         return angle
 
     def formula(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return what :meth:`image` takes: k1 to k4."""
+        """Return what :meth:`distort` takes: k1 to k4."""
         return dist[:_POWERS]
 
-    def forward_numbers(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return all numbers but the guess's."""
+    def forward_parameters(self, _m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all parameters but the guess's."""
         return (*dist[:_POWERS], fold_angle(dist))
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
-        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
-        forward = self.forward_numbers(m, dist)
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all parameters of both directions; `reach` is the picture's largest radius (unit focal)."""
+        forward = self.forward_parameters(m, dist)
         start = inverse_guess(lambda t: np.asarray(t * _stretch(m, dist, t * t)), forward[_FOLD], reach)
         return (*forward, *start)
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        """Return where a field point is imaged, at unit focal length."""
-        stretch = _stretch(m, numbers, a * a + b * b)
+        """Return the normalised image coordinates (x, y) of a field point."""
+        stretch = _stretch(m, parameters, a * a + b * b)
         return a * stretch, b * stretch
 
-    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(self, m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> FieldPoint:
         """Return the field point of a direction; not ok beyond the fold."""
         X, Y, Z = direction
         across = X * X + Y * Y
@@ -82,22 +82,22 @@ class KannalaBrandt:
         theta = m.atan2(radius, Z)
         front = Z > 0.0
         ratio = m.where(on_axis, 1.0 / m.where(front, Z, 1.0), theta / radius)
-        ok = m.where(on_axis, front, theta < numbers[_FOLD])
+        ok = m.where(on_axis, front, theta < parameters[_FOLD])
         return FieldPoint(X * ratio, Y * ratio, ok)
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by Newton's method."""
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of (x, y), by Newton's method."""
         r2 = x * x + y * y
-        lifted = constants(numbers[:_POWERS], 1)
-        found = field_over_image(m, lambda d, theta2: _stretch(d, lifted, theta2), numbers[_GUESS], r2)
+        lifted = constants(parameters[:_POWERS], 1)
+        found = field_over_image(m, lambda d, theta2: _stretch(d, lifted, theta2), parameters[_GUESS], r2)
         a, b = x * found.t, y * found.t
-        return FieldPoint(a, b, found.ok & (found.t > 0.0) & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, found.ok & (found.t > 0.0) & self.is_imaged(parameters, a, b))
 
-    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+    def is_imaged(self, parameters: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether a field point lies short of the fold."""
-        return a * a + b * b < numbers[_FOLD] * numbers[_FOLD]
+        return a * a + b * b < parameters[_FOLD] * parameters[_FOLD]
 
-    def ray(self, m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+    def chief_ray(self, m: Mathematics, _parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the lens out into the scene."""
         theta2 = a * a + b * b
         cosine, sinc = cosine_and_sinc(m, theta2)

@@ -15,7 +15,7 @@ from labcal.errors import InputError
 from labcal.geometry.poses import pose
 
 WIDEST_DEG = 60.0
-"""What lies farther off an ideal camera's axis is cut: at 60 degrees its picture is stretched fourfold."""
+"""Largest angle to an ideal camera's axis; the rest is cut: at 60 degrees the stretch is fourfold."""
 _LATTICE = 129
 _MOST_PIXELS = 2**26
 _LENS = "pinhole"
@@ -23,7 +23,7 @@ _LENS = "pinhole"
 
 @dataclass(frozen=True)
 class _Field:
-    """What a camera sees on the plane at unit distance of an ideal one: least and greatest x and y."""
+    """Field of view of a camera on the plane at unit distance of an ideal one: least and greatest x and y."""
 
     least: np.ndarray
     greatest: np.ndarray

@@ -1,4 +1,4 @@
-"""Derivatives of pixels by world points and by a camera's own numbers, for any shape of points."""
+"""Derivatives of pixels by world points and by a camera's own parameters, for any shape of points."""
 
 from typing import TYPE_CHECKING
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 def point_jacobian(camera: "Camera", p: Vectors3) -> PointJacobians:
     """Return dq / dp at world points, shape (..., 2, 3), px/mm."""
     X, Y, Z = np.moveaxis(transform(camera.T_cam_world, p), -1, 0)
-    numbers = constants(camera.forward_numbers, 3)
+    parameters = constants(camera.forward_parameters, 3)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         x, y, z = variables(X, Y, Z)
-        found = camera.optics.project(DualMathematics(NUMPY), numbers, (x, y, z))
+        found = camera.optics.project(DualMathematics(NUMPY), parameters, (x, y, z))
     local = slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
     jacobian: np.ndarray = local @ camera.T_cam_world[:3, :3]
     return jacobian
@@ -34,22 +34,22 @@ def intrinsic_jacobian(camera: "Camera", p: Vectors3) -> np.ndarray:
     directions = INTRINSICS + free
     fixed = constants(camera.padded_dist[free:], directions)
     m = DualMathematics(NUMPY)
-    numbers = dual_numbers(camera, m, varied[:INTRINSICS], (*varied[INTRINSICS:], *fixed))
+    parameters = dual_parameters(camera, m, varied[:INTRINSICS], (*varied[INTRINSICS:], *fixed))
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         x, y, z = constants((X, Y, Z), directions)
-        found = camera.optics.project(m, numbers, (x, y, z))
+        found = camera.optics.project(m, parameters, (x, y, z))
     return slopes_of(found.u.slopes, found.v.slopes, np.shape(X))
 
 
-def dual_numbers(
+def dual_parameters(
     camera: "Camera", m: DualMathematics, intrinsics: tuple[Dual, ...], dist: tuple[Dual, ...]
 ) -> tuple[Dual, ...]:
-    """Return ``Camera.forward_numbers`` for derivatives by intrinsics and all of ``Camera.padded_dist``."""
+    """Return ``forward_parameters`` for derivatives by intrinsics and all of ``padded_dist``."""
     directions = len(intrinsics[0].slopes)
     lens_at = camera.optics.lens_at
     formula = camera.model.formula(m, dist) if camera.model.coefficients else ()
-    window = constants(camera.forward_numbers[INTRINSICS:lens_at], directions)
-    rest = constants(camera.forward_numbers[lens_at + len(formula) :], directions)
+    window = constants(camera.forward_parameters[INTRINSICS:lens_at], directions)
+    rest = constants(camera.forward_parameters[lens_at + len(formula) :], directions)
     return (*intrinsics, *window, *formula, *rest)
 
 

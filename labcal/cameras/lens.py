@@ -1,4 +1,4 @@
-"""What a lens model is, and the models by name."""
+"""The protocol of lens models, and the models by name."""
 
 from typing import Protocol, runtime_checkable
 
@@ -35,10 +35,10 @@ _TAKEN = (PRESCRIPTION, "auto")
 
 @runtime_checkable  # so that tests can check annotations
 class Lens(Protocol):
-    """A lens model: closed formulas from a field point to the picture and to a ray, and the ways back.
+    """A lens model: closed formulas from a field point to the picture and to a ray, and their inverses.
 
-    Formulas are written on separate components with plain operators. Every method takes the lens's numbers,
-    because the renderer passes its own kind of number, and derivatives pass dual ones.
+    Formulas are written on separate components with plain operators. Every method takes the lens's
+    parameters, because the renderer passes its own kind of number, and derivatives pass dual ones.
 
     What others need to know of it, file formats, the renderer and initial values, a lens declares; where it
     has no answer they refuse it by name and never take it for another one.
@@ -50,7 +50,7 @@ class Lens(Protocol):
 
     @property
     def coefficients(self) -> int:
-        """How many coefficients are free."""
+        """Number of free coefficients."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,7 +62,7 @@ class Lens(Protocol):
 
     @property
     def undistorted(self) -> tuple[float, ...]:
-        """Where estimates of the coefficients begin, and priors hold: at no distortion, or a typical one."""
+        """Initial values and prior means of the coefficients: those of no distortion, or typical ones."""
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...] | None:
@@ -73,55 +73,55 @@ class Lens(Protocol):
 
     @property
     def fall_off(self) -> FallOff | None:
-        """How its light falls off; None where that is not known."""
+        """Fall-off of its light; None if it is not known."""
 
     @property
     def rectilinear(self) -> bool:
-        """Whether it images straight lines straight without distortion, hence less than 180 degrees."""
+        """True if it images straight lines straight without distortion, hence less than 180 degrees."""
 
     @property
     def central(self) -> bool:
-        """Whether all rays pass the origin of the camera's frame."""
+        """True if all rays pass the origin of the camera's frame."""
 
     @property
     def parallel(self) -> bool:
-        """Whether all rays are parallel to the axis.
+        """True if all rays are parallel to the axis.
 
-        Then :meth:`field` takes a point in mm, `fx` and `fy` are px/mm, and depth is not to be seen. The
-        principal point is only where distortion is counted from, and is not estimated.
+        Then :meth:`field_point` takes a point in mm, `fx` and `fy` are px/mm, and depth is not to be seen.
+        The principal point is only where distortion is counted from, and is not estimated.
         """
 
     def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return the leading :meth:`numbers`, all that :meth:`image` takes, from the coefficients."""
+        """Return the leading :meth:`parameters`, all that :meth:`distort` takes, from the coefficients."""
 
-    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return the leading :meth:`numbers`, without what only :meth:`field_at` takes.
+    def forward_parameters(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the leading :meth:`parameters`, without what only :meth:`undistort` takes.
 
         They cost a hundredth: the guess of an inverse is fitted.
         """
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
-        """Return all numbers; `reach` is the largest radius of the picture at unit focal length."""
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all parameters; `reach` is the largest radius of the picture at unit focal length."""
 
     def undistorted_radius(self, angle: float) -> float:
         """Return the radius at which an angle (rad) is imaged with these coefficients (unit focal length)."""
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        """Return where a field point is imaged, at unit focal length."""
+        """Return the normalised image coordinates (x, y) of a field point."""
 
-    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(self, m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> FieldPoint:
         """Return the field point of a direction of any length; of a lens that is not central, roughly."""
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y); not ok where there is none."""
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of normalised image coordinates (x, y); not ok if there is none."""
 
-    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
-        """Return whether the lens has a field point: short of its fold, and past every surface."""
+    def is_imaged(self, parameters: tuple[Number, ...], a: Number, b: Number) -> Number:
+        """Return whether the lens images a field point: short of its fold, and past every surface."""
 
-    def ray(self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
-        """Return the ray of a field point, in the camera's frame, out into the scene."""
+    def chief_ray(self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+        """Return the chief ray of a field point, in the camera's frame, out into the scene."""
 
 
 LENSES: dict[str, Lens] = {

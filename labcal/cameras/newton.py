@@ -16,12 +16,12 @@ Residuals = Callable[[Dual, Dual], tuple[Dual, Dual]]
 
 @dataclass(frozen=True)
 class Solution:
-    """The two unknowns, and what is known of them."""
+    """The two unknowns, and the state of the iteration."""
 
     a: Number
     b: Number
     ok: Number
-    """Whether Newton's last step was short enough, which means that the solution is found."""
+    """True if Newton's last step was short enough, which means that the solution is found."""
     determinant: Number
     """Of the derivatives, before the last step."""
 
@@ -61,11 +61,11 @@ def solve_two(m: Mathematics, residuals: Residuals, a: Number, b: Number) -> Sol
 
 @dataclass(frozen=True)
 class Root:
-    """One unknown, and what is known of it."""
+    """One unknown, and the state of the iteration."""
 
     t: Number
     ok: Number
-    """Whether Newton's last step was short enough, which means that the solution is found."""
+    """True if Newton's last step was short enough, which means that the solution is found."""
     slope: Number
     """Of the residual, before the last step."""
 

@@ -10,10 +10,10 @@ def newton_steps(camera: Camera) -> int:
     """Return the Newton steps after which the inverse of the lens is found everywhere in the picture."""
     q = camera.lattice()
     with np.errstate(invalid="ignore", over="ignore"):
-        there = camera.optics.trace(NUMPY, camera.numbers, *q).ok
+        there = camera.optics.trace(NUMPY, camera.parameters, *q).ok
         for steps in range(1, NUMPY.newton_steps):
             # Well short of what is asked for, since between the nodes it may be worse.
             m = NumpyMathematics(steps, settled=5e-5)
-            if not np.any(there & ~camera.optics.trace(m, camera.numbers, *q).ok):
+            if not np.any(there & ~camera.optics.trace(m, camera.parameters, *q).ok):
                 return steps
     return NUMPY.newton_steps

@@ -18,7 +18,7 @@ from labcal.cameras.perspective import DISTORTION, Perspective
 from labcal.cameras.stereographic import StereographicField, field_limit, stereographic, unified_end
 
 _PLANE = Perspective("radial-tangential", 5)
-"""What happens on the plane: Brown's distortion with k3 = 0."""
+"""Distortion on the plane: Brown's with k3 = 0."""
 _OWN = slice(1, 1 + DISTORTION)
 """Of `dist`, padded with zeros: the plane's coefficients, behind xi."""
 _LIMIT = 32
@@ -55,34 +55,34 @@ class Omnidirectional(StereographicField):
         return float(np.tan(0.5 * angle))
 
     def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return what :meth:`image` takes: xi and the plane's."""
+        """Return what :meth:`distort` takes: xi and the plane's."""
         return (dist[0], *_PLANE.formula(m, dist[_OWN]))
 
-    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return xi, all numbers of the plane but the guess's, and where the field ends."""
-        plane = _PLANE.forward_numbers(m, dist[_OWN])
+    def forward_parameters(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return xi, all parameters of the plane but the guess's, and where the field ends."""
+        plane = _PLANE.forward_parameters(m, dist[_OWN])
         fold = float(np.sqrt(plane[-1]))
         return (dist[0], *plane, field_limit(plane_end(dist[0], fold)))
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
         """Return the same and the plane's guess; `reach` is the picture's largest radius (unit focal)."""
-        forward = self.forward_numbers(m, dist)
-        return (*forward, *_PLANE.numbers(m, dist[_OWN], reach)[_LIMIT - 1 :])
+        forward = self.forward_parameters(m, dist)
+        return (*forward, *_PLANE.parameters(m, dist[_OWN], reach)[_LIMIT - 1 :])
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        """Return where a field point is imaged, at unit focal length."""
+        """Return the normalised image coordinates (x, y) of a field point."""
         s = a * a + b * b
-        share = 2.0 / ((1.0 - s) + numbers[0] * (1.0 + s))
-        return _PLANE.image(m, numbers[1:], a * share, b * share)
+        share = 2.0 / ((1.0 - s) + parameters[0] * (1.0 + s))
+        return _PLANE.distort(m, parameters[1:], a * share, b * share)
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y): the plane's by Newton, the sphere's closed."""
-        plane = _PLANE.field_at(m, (*numbers[1:_LIMIT], *numbers[_LIMIT + 1 :]), x, y)
-        xi, x, y = numbers[0], plane.a, plane.b
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of (x, y): the plane's by Newton, the sphere's closed."""
+        plane = _PLANE.undistort(m, (*parameters[1:_LIMIT], *parameters[_LIMIT + 1 :]), x, y)
+        xi, x, y = parameters[0], plane.a, plane.b
         r2 = x * x + y * y
         root2 = 1.0 + (1.0 - xi * xi) * r2
         stretch = (xi + m.sqrt(m.where(root2 > 0.0, root2, 0.0))) / (1.0 + r2)
         a, b = stereographic(m, (stretch * x, stretch * y, stretch - xi))
-        return FieldPoint(a, b, plane.ok & (root2 >= 0.0) & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, plane.ok & (root2 >= 0.0) & self.is_imaged(parameters, a, b))

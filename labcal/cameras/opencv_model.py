@@ -33,7 +33,7 @@ def to_order(model: OpenCVModel, names: tuple[str, ...], dist: tuple[float, ...]
     names : tuple of str
         The lens's coefficients in its own order, all of them names of the model.
     dist : tuple of float
-        At least as many; what is behind them says nothing.
+        At least as many; what is behind them means nothing.
     """
     values = dict(zip(names, dist, strict=False))
     held = max((model.order.index(name) + 1 for name in names), default=0)

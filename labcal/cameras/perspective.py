@@ -77,19 +77,19 @@ class Perspective:
         return float(np.tan(angle))
 
     def formula(self, m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return what :meth:`image` takes: k1 to s4, and the tilt's matrix where there is one."""
+        """Return what :meth:`distort` takes: k1 to s4, and the tilt's matrix where there is one."""
         distortion = dist[:DISTORTION]
         return distortion if self.coefficients < _TILTED else (*distortion, *tilt_matrix(m, *dist[12:14]))
 
-    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return all numbers but the guess's."""
+    def forward_parameters(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all parameters but the guess's."""
         tilt = self.formula(m, dist)[_TILT] or tuple(np.eye(3).ravel())
         untilt = np.linalg.inv(np.array(tilt, dtype=np.float64).reshape(3, 3))
         return (*dist[:DISTORTION], *tilt, *untilt.ravel().tolist(), fold_radius_squared(dist))
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
-        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
-        forward = self.forward_numbers(m, dist)
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all parameters of both directions; `reach` is the picture's largest radius (unit focal)."""
+        forward = self.forward_parameters(m, dist)
         # The tilt, and what is not radial, reach a little farther.
         lean = float(np.abs(forward[_UNTILT][6:8]).sum())
         start = inverse_guess(
@@ -99,78 +99,80 @@ class Perspective:
         )
         return (*forward, *start)
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        """Return where a field point is imaged, at unit focal length."""
-        x, y = self._distort(m, numbers, a, b)
-        return (x, y) if self.coefficients < _TILTED else _moved(numbers[_TILT], x, y)
+        """Return the normalised image coordinates (x, y) of a field point."""
+        x, y = self._distort_untilted(m, parameters, a, b)
+        return (x, y) if self.coefficients < _TILTED else _moved(parameters[_TILT], x, y)
 
-    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(self, m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> FieldPoint:
         """Return the field point of a direction; not ok behind the camera and beyond the fold."""
         X, Y, Z = direction
         front = Z > 0.0
         depth = m.where(front, Z, 1.0)
         a, b = X / depth, Y / depth
-        return FieldPoint(a, b, front & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, front & self.is_imaged(parameters, a, b))
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by Newton's method."""
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of (x, y), by Newton's method."""
         if self.coefficients == 0:
             return FieldPoint(x, y, x - x == 0.0)  # false for NaN and infinity, in any number
         if self.coefficients >= _TILTED:
-            x, y = _moved(numbers[_UNTILT], x, y)
+            x, y = _moved(parameters[_UNTILT], x, y)
         if self.coefficients < _TANGENTIAL:
-            return self._radial_field_at(m, numbers, x, y)
+            return self._undistort_radially(m, parameters, x, y)
         # What is not radial is small, and nearly the same where the guess without it lies.
-        ratio = guess(m, numbers[_GUESS], x * x + y * y)
-        aside_x, aside_y = self._decentre(numbers, ratio * x, ratio * y)
+        ratio = guess(m, parameters[_GUESS], x * x + y * y)
+        aside_x, aside_y = self._decentre(parameters, ratio * x, ratio * y)
         a, b = x - aside_x, y - aside_y
-        ratio = guess(m, numbers[_GUESS], a * a + b * b)
-        d, lifted = DualMathematics(m), constants(numbers[:DISTORTION], 2)
+        ratio = guess(m, parameters[_GUESS], a * a + b * b)
+        d, lifted = DualMathematics(m), constants(parameters[:DISTORTION], 2)
 
-        def miss(a: Number, b: Number) -> tuple[Number, Number]:
-            at_x, at_y = self._distort(d, lifted, a, b)
+        def residual(a: Number, b: Number) -> tuple[Number, Number]:
+            at_x, at_y = self._distort_untilted(d, lifted, a, b)
             return at_x - x, at_y - y
 
-        found = solve_two(m, miss, ratio * a, ratio * b)
+        found = solve_two(m, residual, ratio * a, ratio * b)
         a, b = found.a, found.b
-        return FieldPoint(a, b, found.ok & self.in_field(numbers, a, b) & (found.determinant > 0.0))
+        return FieldPoint(a, b, found.ok & self.is_imaged(parameters, a, b) & (found.determinant > 0.0))
 
-    def _radial_field_at(
-        self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number
+    def _undistort_radially(
+        self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number
     ) -> FieldPoint:
-        """Return the field point that is imaged at (x, y) by a lens that is the same all around."""
-        lifted = constants(numbers[:DISTORTION], 1)
-        found = field_over_image(m, lambda d, r2: self._radial(d, lifted, r2), numbers[_GUESS], x * x + y * y)
+        """Return the field point of (x, y) by a lens that is the same all around."""
+        lifted = constants(parameters[:DISTORTION], 1)
+        found = field_over_image(
+            m, lambda d, r2: self._radial(d, lifted, r2), parameters[_GUESS], x * x + y * y
+        )
         a, b = found.t * x, found.t * y
-        return FieldPoint(a, b, found.ok & (found.t > 0.0) & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, found.ok & (found.t > 0.0) & self.is_imaged(parameters, a, b))
 
-    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+    def is_imaged(self, parameters: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether a field point lies short of the fold."""
-        return a * a + b * b < numbers[_FOLD]
+        return a * a + b * b < parameters[_FOLD]
 
-    def ray(self, m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+    def chief_ray(self, m: Mathematics, _parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the lens out into the scene."""
         Z = 1.0 / m.sqrt(a * a + b * b + 1.0)
         zero = 0.0 * Z
         return SceneRay((zero, zero, zero), (a * Z, b * Z, Z), Z > 0.0)
 
-    def _distort(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def _distort_untilted(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
         """Return a field point after distortion, before the tilt."""
         if self.coefficients == 0:
             return a, b
-        radial = self._radial(m, numbers, a * a + b * b)
+        radial = self._radial(m, parameters, a * a + b * b)
         if self.coefficients < _TANGENTIAL:
             return a * radial, b * radial
-        aside_x, aside_y = self._decentre(numbers, a, b)
+        aside_x, aside_y = self._decentre(parameters, a, b)
         return a * radial + aside_x, b * radial + aside_y
 
-    def _radial(self, m: Mathematics, numbers: tuple[Number, ...], r2: Number) -> Number:
+    def _radial(self, m: Mathematics, parameters: tuple[Number, ...], r2: Number) -> Number:
         """Return the factor along the radius."""
-        k1, k2, _, _, k3, k4, k5, k6 = numbers[:_RATIONAL]
+        k1, k2, _, _, k3, k4, k5, k6 = parameters[:_RATIONAL]
         if self.coefficients < _TANGENTIAL:
             return m.polynomial(r2, (1.0, k1, k2))
         radial = m.polynomial(r2, (1.0, k1, k2, k3))
@@ -178,9 +180,9 @@ class Perspective:
             return radial
         return radial / m.polynomial(r2, (1.0, k4, k5, k6))
 
-    def _decentre(self, numbers: tuple[Number, ...], a: Number, b: Number) -> tuple[Number, Number]:
+    def _decentre(self, parameters: tuple[Number, ...], a: Number, b: Number) -> tuple[Number, Number]:
         """Return the displacement that is not radial: OpenCV's, with its terms gathered."""
-        p1, p2, s1, s2, s3, s4 = (*numbers[2:4], *numbers[8:DISTORTION])
+        p1, p2, s1, s2, s3, s4 = (*parameters[2:4], *parameters[8:DISTORTION])
         r2, lean = a * a + b * b, 2.0 * (p1 * b + p2 * a)
         if self.coefficients < _PRISM:
             return a * lean + r2 * p2, b * lean + r2 * p1
@@ -190,7 +192,7 @@ class Perspective:
 def fold_radius_squared(dist: tuple[float, ...]) -> float:
     """Return X/Z squared where the radial part stops growing, infinity where it never does.
 
-    Beyond this radius two directions share one image, so the model says nothing there. With s = r^2 and the
+    Beyond this radius two directions share one image, so the model is not valid there. With s = r^2 and the
     radial factor N(s) / D(s), the image radius stops growing where N D + 2 s (N' D - N D') = 0, and jumps
     where D = 0.
     """

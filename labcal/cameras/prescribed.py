@@ -60,7 +60,7 @@ class PrescribedLens:
         return paraxial(self.prescription)
 
     def formula(self, _m: Mathematics, _dist: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return all numbers but the guess's, which :meth:`image` does not take."""
+        """Return all parameters but the guess's, which :meth:`distort` does not take."""
         near_axis, stop = self.paraxial, self.prescription.stop
         return (
             near_axis.entrance_pupil_mm,
@@ -73,64 +73,64 @@ class PrescribedLens:
             *self.prescription.towards_scene(stop - 1),
         )
 
-    def forward_numbers(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
-        """Return all numbers, with zeros where the guess's are."""
-        numbers = list(self.formula(m, dist))
-        numbers[_FOLD] = self._field_end(tuple(numbers))
-        return tuple(numbers)
+    def forward_parameters(self, m: Mathematics, dist: tuple[float, ...]) -> tuple[float, ...]:
+        """Return all parameters, with zeros where the guess's are."""
+        parameters = list(self.formula(m, dist))
+        parameters[_FOLD] = self._field_end(tuple(parameters))
+        return tuple(parameters)
 
-    def numbers(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
-        """Return all numbers of both directions; `reach` is the picture's largest radius (unit focal)."""
-        numbers = list(self.forward_numbers(m, dist))
-        numbers[_GUESS] = inverse_guess(
-            lambda t: np.asarray(self._image_radius(NUMPY, tuple(numbers), t)), numbers[_FOLD], reach
+    def parameters(self, m: Mathematics, dist: tuple[float, ...], reach: float) -> tuple[float, ...]:
+        """Return all parameters of both directions; `reach` is the picture's largest radius (unit focal)."""
+        parameters = list(self.forward_parameters(m, dist))
+        parameters[_GUESS] = inverse_guess(
+            lambda t: np.asarray(self._image_radius(NUMPY, tuple(parameters), t)), parameters[_FOLD], reach
         )
-        return tuple(numbers)
+        return tuple(parameters)
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
         """Return where a field point is imaged: the place on the film over the focal length."""
         slope = _radius(m, a, b)
-        stretch = self._image_radius(m, numbers, slope) / slope
+        stretch = self._image_radius(m, parameters, slope) / slope
         return a * stretch, b * stretch
 
-    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(self, m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> FieldPoint:
         """Return roughly the field point of a point far away in a direction; not ok behind the camera."""
         X, Y, Z = direction
         front = Z > 0.0
-        depth = m.where(front, Z, 1.0) * numbers[_PUPIL]
+        depth = m.where(front, Z, 1.0) * parameters[_PUPIL]
         return FieldPoint(X / depth, Y / depth, front)
 
-    def field_at(self, m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        """Return the field point that is imaged at (x, y), by Newton's method on its distance.
+    def undistort(self, m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        """Return the field point of (x, y), by Newton's method on its distance.
 
         The guess is so close that its own slope does for every step, and no slope is traced.
         """
         radius = _radius(m, x, y)
         (outwards,) = variables(radius)
-        start = outwards * guess(DualMathematics(m), constants(numbers[_GUESS], 1), outwards * outwards)
+        start = outwards * guess(DualMathematics(m), constants(parameters[_GUESS], 1), outwards * outwards)
         steep = 1.0 / start.slopes[0]
 
-        def miss(slope: Dual) -> Dual:
-            return Dual(self._image_radius(m, numbers, slope.value) - radius, (steep,))
+        def residual(slope: Dual) -> Dual:
+            return Dual(self._image_radius(m, parameters, slope.value) - radius, (steep,))
 
-        found = solve_one(m, miss, start.value)
+        found = solve_one(m, residual, start.value)
         ratio = found.t / radius
         a, b = x * ratio, y * ratio
-        return FieldPoint(a, b, found.ok & self.in_field(numbers, a, b))
+        return FieldPoint(a, b, found.ok & self.is_imaged(parameters, a, b))
 
-    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+    def is_imaged(self, parameters: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether the chief ray of a field point passes every surface."""
-        return a * a + b * b < numbers[_FOLD] * numbers[_FOLD]
+        return a * a + b * b < parameters[_FOLD] * parameters[_FOLD]
 
-    def ray(self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+    def chief_ray(self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the front surface out into the scene."""
         slope = _radius(m, a, b)
-        ray = through(m, numbers[_SURFACES + SURFACE * self._behind :], _from_stop(m, slope)).ray
+        ray = through(m, parameters[_SURFACES + SURFACE * self._behind :], _from_stop(m, slope)).ray
         share = 1.0 / slope
         x, dx = ray.across[0] * share, ray.slant[0] * share
-        return SceneRay((a * x, b * x, numbers[_FRONT_MM] + ray.s), (a * dx, b * dx, ray.ds), ray.ds > 0.0)
+        return SceneRay((a * x, b * x, parameters[_FRONT_MM] + ray.s), (a * dx, b * dx, ray.ds), ray.ds > 0.0)
 
     @cached_property
     def exit_pupil(self) -> tuple[float, float]:
@@ -141,24 +141,24 @@ class PrescribedLens:
 
     @property
     def _behind(self) -> int:
-        """How many surfaces stand behind the stop."""
+        """Number of surfaces behind the stop."""
         return len(self.prescription.surfaces) - 1 - self.prescription.stop
 
-    def _image_radius(self, m: Mathematics, numbers: tuple[Number, ...], slope: Number) -> Number:
+    def _image_radius(self, m: Mathematics, parameters: tuple[Number, ...], slope: Number) -> Number:
         """Return how far from the axis the chief ray of a slope at the stop meets the film (unit focal)."""
-        rear = numbers[_SURFACES : _SURFACES + SURFACE * self._behind]
+        rear = parameters[_SURFACES : _SURFACES + SURFACE * self._behind]
         ray = through(m, rear, _from_stop(m, slope)).ray
-        along = (numbers[_FILM_MM] - ray.s) / ray.ds
-        return m.fma(along, ray.slant[0], ray.across[0]) * numbers[_SCALE]
+        along = (parameters[_FILM_MM] - ray.s) / ray.ds
+        return m.fma(along, ray.slant[0], ray.across[0]) * parameters[_SCALE]
 
-    def _field_end(self, numbers: tuple[float, ...]) -> float:
+    def _field_end(self, parameters: tuple[float, ...]) -> float:
         """Return the slope at the stop from which on the chief ray is blocked or turns back."""
         slope = np.linspace(0.0, _STEEPEST, _SCAN)
         split = _SURFACES + SURFACE * self._behind
         with np.errstate(invalid="ignore"):
-            rear = through(NUMPY, numbers[_SURFACES:split], _from_stop(NUMPY, slope))
-            front = through(NUMPY, numbers[split:], _from_stop(NUMPY, slope))
-            radius = self._image_radius(NUMPY, numbers, slope)
+            rear = through(NUMPY, parameters[_SURFACES:split], _from_stop(NUMPY, slope))
+            front = through(NUMPY, parameters[split:], _from_stop(NUMPY, slope))
+            radius = self._image_radius(NUMPY, parameters, slope)
             passes = np.all([spare >= 0.0 for spare in (*rear.spare, *front.spare)], axis=0)
             outwards = front.ray.slant[0] / front.ray.ds
             grows = np.append(True, (np.diff(radius) > 0.0) & (np.diff(outwards) > 0.0))

@@ -1,4 +1,4 @@
-"""A lens prescription: surfaces as an optical designer lists them, and what paraxial optics says of them."""
+"""A lens prescription: surfaces as an optical designer lists them, and their paraxial optics."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -49,7 +49,7 @@ class Prescription(BaseModel):
     description: str = ""
     surfaces: Annotated[tuple[Surface, ...], Field(min_length=2, max_length=40)]
     stop: Annotated[int, Field(ge=0)]
-    """Which of the surfaces (from 0) is the stop: a plane with the same medium on both sides."""
+    """Number (from 0) of the surface that is the stop: a plane with the same medium on both sides."""
     focus_mm: Length | None = None
     """Distance in front of the entrance pupil that the film is set to; null: infinity."""
 
@@ -74,23 +74,23 @@ class Prescription(BaseModel):
         return 1.0 if number == 0 else self.surfaces[number - 1].index
 
     def towards_film(self, first: int, stop: int) -> tuple[float, ...]:
-        """Return the numbers of surfaces for a ray that travels to the film (see ``spherical``)."""
-        numbers: list[float] = []
+        """Return the parameters of surfaces for a ray that travels to the film (see ``spherical``)."""
+        parameters: list[float] = []
         for i in range(first, stop):
             surface = self.surfaces[i]
             gap = 0.0 if i == 0 else self.surfaces[i - 1].gap_mm
             ratio = self.index_before(i) / surface.index
-            numbers += [gap, surface.curvature, ratio, 0.25 * surface.diameter_mm**2]
-        return tuple(numbers)
+            parameters += [gap, surface.curvature, ratio, 0.25 * surface.diameter_mm**2]
+        return tuple(parameters)
 
     def towards_scene(self, first: int) -> tuple[float, ...]:
-        """Return the numbers of the surfaces from `first` to the front, for a ray that travels outwards."""
-        numbers: list[float] = []
+        """Return the parameters of the surfaces from `first` to the front, for a ray travelling outwards."""
+        parameters: list[float] = []
         for i in range(first, -1, -1):
             surface = self.surfaces[i]
             ratio = surface.index / self.index_before(i)
-            numbers += [surface.gap_mm, -surface.curvature, ratio, 0.25 * surface.diameter_mm**2]
-        return tuple(numbers)
+            parameters += [surface.gap_mm, -surface.curvature, ratio, 0.25 * surface.diameter_mm**2]
+        return tuple(parameters)
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Paraxial:
 
 
 def paraxial(lens: Prescription) -> Paraxial:
-    """Return what paraxial optics (Welford 1986, chapter 3) says of a lens."""
+    """Return the paraxial quantities of a lens (Welford 1986, chapter 3)."""
     whole = lens.towards_film(0, len(lens.surfaces))
     height, slope = paraxial_ray(whole, 1.0, 0.0)
     focal = -1.0 / slope if slope < 0.0 else -1.0

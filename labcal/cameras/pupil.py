@@ -32,11 +32,11 @@ class Pupil(Protocol):
     """An aperture; disc samples are points of the unit disc."""
 
     @property
-    def numbers(self) -> tuple[float, ...]:
-        """All its numbers."""
+    def parameters(self) -> tuple[float, ...]:
+        """All its parameters."""
 
     def ray(
-        self, m: Mathematics, numbers: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
+        self, m: Mathematics, parameters: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
     ) -> PupilRay:
         """Return the ray of a chief ray's pixel; `at` is its ideal x and y, then the disc sample's."""
 
@@ -49,15 +49,15 @@ class ThinPupil:
     focus_mm: float
 
     @property
-    def numbers(self) -> tuple[float, ...]:
+    def parameters(self) -> tuple[float, ...]:
         """Radius and focus."""
         return (self.radius_mm, self.focus_mm)
 
     def ray(
-        self, m: Mathematics, numbers: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
+        self, m: Mathematics, parameters: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
     ) -> PupilRay:
         """Return the ray from a point of the disc to where the chief ray is in focus."""
-        radius, focus = numbers
+        radius, focus = parameters
         X, Y, Z = chief.direction
         front = Z > 0.0
         along = focus / m.where(front, Z, 1.0)
@@ -77,15 +77,15 @@ class ParallelPupil:
     focus_mm: float
 
     @property
-    def numbers(self) -> tuple[float, ...]:
+    def parameters(self) -> tuple[float, ...]:
         """Radius and focus."""
         return (self.radius_mm, self.focus_mm)
 
     def ray(
-        self, m: Mathematics, numbers: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
+        self, m: Mathematics, parameters: tuple[Number, ...], chief: SceneRay, at: tuple[Number, ...]
     ) -> PupilRay:
         """Return the ray from a point of the disc around the chief ray to where that is in focus."""
-        radius, focus = numbers
+        radius, focus = parameters
         dx, dy = -radius * at[2], -radius * at[3]
         length = m.sqrt(dx * dx + dy * dy + focus * focus)
         X, Y, Z = chief.origin
@@ -130,21 +130,21 @@ class TracedPupil:
         self._search(stop_radius * magnification)
 
     @property
-    def numbers(self) -> tuple[float, ...]:
+    def parameters(self) -> tuple[float, ...]:
         """Focal length, front vertex, film to exit pupil, disc radius, weight; then the surfaces."""
         return (*self._head, self._disc, self._weight, *self._surfaces)
 
     def ray(
-        self, m: Mathematics, numbers: tuple[Number, ...], _chief: SceneRay, at: tuple[Number, ...]
+        self, m: Mathematics, parameters: tuple[Number, ...], _chief: SceneRay, at: tuple[Number, ...]
     ) -> PupilRay:
         """Return the ray from the film through a point of the disc; without weight where it is blocked."""
-        focal, front, to_pupil, disc, weight = numbers[:5]
+        focal, front, to_pupil, disc, weight = parameters[:5]
         x, y = -at[0] * focal, -at[1] * focal
         dx, dy = disc * at[2] - x, disc * at[3] - y
         ds = 1.0 / m.sqrt(dx * dx + dy * dy + to_pupil * to_pupil)
         zero = 0.0 * ds
         start = AxialRay((x, y), zero, (dx * ds, dy * ds), to_pupil * ds)
-        passage = through(m, numbers[5:], start)
+        passage = through(m, parameters[5:], start)
         passes = passage.ray.ds > 0.0
         for spare in passage.spare:
             passes = passes & (spare >= 0.0)
@@ -168,7 +168,7 @@ class TracedPupil:
         zero = np.zeros_like(x)
         chief = SceneRay((zero, zero, zero), (zero, zero, zero + 1.0), zero == 0.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(self.ray(NUMPY, self.numbers, chief, (x, zero, *disc)).weight)
+            return np.asarray(self.ray(NUMPY, self.parameters, chief, (x, zero, *disc)).weight)
 
     def _search(self, paraxial_radius: float) -> None:
         """Find the disc that holds the pupil as seen from everywhere on the film, and scale the weight."""

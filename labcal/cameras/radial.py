@@ -10,7 +10,7 @@ from labcal.cameras.newton import Root, solve_one
 
 DEGREE = 8
 LENGTH = DEGREE + 2
-"""How many numbers a guess takes."""
+"""Number of parameters of a guess."""
 _SAMPLES = 129
 _VANISHING = 1e-60
 _SHORT_OF_FOLD = 0.999
@@ -46,10 +46,10 @@ def inverse_guess(
     return (1.0 / reach**2, *(float(c) for c in coefficients))
 
 
-def guess(m: Mathematics, numbers: tuple[Number, ...], r2: Number) -> Number:
+def guess(m: Mathematics, parameters: tuple[Number, ...], r2: Number) -> Number:
     """Return field radius over image radius, from the squared image radius; constant beyond the fit."""
-    s = r2 * numbers[0]
-    return m.polynomial(m.where(s < 1.0, s, 1.0), numbers[1:LENGTH])
+    s = r2 * parameters[0]
+    return m.polynomial(m.where(s < 1.0, s, 1.0), parameters[1:LENGTH])
 
 
 def field_over_image(

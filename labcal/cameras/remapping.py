@@ -1,4 +1,4 @@
-"""Which pixel of a real camera shows what a pixel of an ideal one would show."""
+"""Map from the pixels of an ideal camera to those of a real one."""
 
 import numpy as np
 from jaxtyping import Float32

@@ -29,16 +29,16 @@ Pixel = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class CalibrationRecord(BaseModel):
-    """How well cameras agreed when they were calibrated; what is not known is left out of files."""
+    """Agreement of cameras when they were calibrated; what is not known is left out of files."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     triangulation_rms_px: Pixel | None = None
     """RMS triangulation residual of the dots that they were calibrated from."""
     scatter_px: Pixel | None = None
-    """What of it is beyond the dots' covariances, as a standard deviation of pixels along each axis."""
+    """Variance component beyond the dots' covariances, as a standard deviation of pixels along each axis."""
     inconsistent: tuple[str, ...] = ()
-    """Why the views contradict each other, the likeliest cause first; empty where they do not."""
+    """Causes of contradictions between the views, the likeliest first; empty if there are none."""
 
 
 class Rig(PublicObject, BaseModel):
@@ -67,7 +67,7 @@ class Rig(PublicObject, BaseModel):
     calibrated_on: tuple[str, ...] = ()
     """Names of the views that it was calibrated from, where that is known: figures of these are no check."""
     calibration: CalibrationRecord | None = None
-    """How well these cameras agreed; left out of the file where nothing is known."""
+    """Agreement of these cameras; left out of the file if nothing is known."""
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
@@ -115,11 +115,11 @@ class Rig(PublicObject, BaseModel):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Rig":
-        """Read ``rig.json``; as :func:`read_rig`, where errors are told."""
+        """Read ``rig.json``; as :func:`read_rig`, which lists its errors."""
         return read_rig(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``rig.json``; as :func:`write_rig`, where errors are told.
+        """Write ``rig.json``; as :func:`write_rig`, which lists its errors.
 
         Examples
         --------
@@ -183,17 +183,17 @@ class Rig(PublicObject, BaseModel):
 
     def _summary(self) -> Mapping[str, object]:
         names = list(self.cameras)
-        told: dict[str, object] = {
+        summary: dict[str, object] = {
             "cameras": names,
             "lens": ", ".join(dict.fromkeys(record.lens for record in self.cameras.values())),
         }
         if len(names) == 2:  # noqa: PLR2004 -- a pair
-            told["baseline"] = f"{self.baseline_mm(*names):.1f} mm"
+            summary["baseline"] = f"{self.baseline_mm(*names):.1f} mm"
         if self.calibrated_on:
-            told["calibrated_on"] = counted(len(self.calibrated_on), "view")
+            summary["calibrated_on"] = counted(len(self.calibrated_on), "view")
         if self.calibration is not None and self.calibration.triangulation_rms_px is not None:
-            told["triangulation_rms"] = f"{self.calibration.triangulation_rms_px:.3f} px"
-        return told
+            summary["triangulation_rms"] = f"{self.calibration.triangulation_rms_px:.3f} px"
+        return summary
 
     def _html_tables(self) -> Sequence[HtmlTable]:
         rows = []
@@ -205,7 +205,7 @@ class Rig(PublicObject, BaseModel):
 
 
 def contradiction_note(rig: Rig) -> str | None:
-    """Return what to tell where the views that a rig was calibrated from contradict each other; else None."""
+    """Return a note if the views that a rig was calibrated from contradict each other; else None."""
     if rig.calibration is None or not rig.calibration.inconsistent:
         return None
     return (

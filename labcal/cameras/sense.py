@@ -1,4 +1,4 @@
-"""Whether a camera that was read can be one: its figures against those of its picture."""
+"""Checks that a camera that was read can be one: its figures against those of its picture."""
 
 from collections.abc import Sequence
 
@@ -25,7 +25,7 @@ _POWERS = (2, 4, 1, 1, 6, 2, 4, 6, 1, 3, 1, 3)
 """Of the radius, by which k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 move a point, over the radius."""
 _FISHEYE_POWERS = (2, 4, 6, 8)
 _TILT = 12
-"""Where the tilts of the sensor begin in `dist`."""
+"""Place at which the tilts of the sensor begin in `dist`."""
 _MIDDLE = 0.25
 """Of each side, to both sides of the picture's middle, that a lens must image."""
 _NODES = 9

@@ -1,7 +1,7 @@
 """A ray through spherical surfaces, one after the other: the exact skew trace (Welford 1986, chapter 4).
 
 Coordinates x and y lie across the lens's axis, s along it in the direction of travel. A surface is four
-numbers: the gap to it from the vertex before, its curvature (positive with its centre farther along), the
+parameters: the gap to it from the vertex before, its curvature (positive with its centre farther along), the
 ratio of the refractive indices before and behind, and its clear radius squared.
 """
 
@@ -42,7 +42,7 @@ def through(m: Mathematics, surfaces: tuple[Number, ...], ray: AxialRay) -> Pass
     ----------
     m : Mathematics
     surfaces : tuple of number
-        :data:`SURFACE` numbers each, in the order of travel.
+        :data:`SURFACE` parameters each, in the order of travel.
     ray : AxialRay
         With s counted from the point from which the first gap counts.
 

@@ -29,7 +29,7 @@ def stereographic(m: Mathematics, direction: Direction) -> tuple[Number, Number]
 
 @dataclass(frozen=True)
 class StereographicField:
-    """What lenses with these field coordinates share; the projection is their own."""
+    """Members common to lenses with these field coordinates; the projection is their own."""
 
     name: str
     central = True
@@ -38,18 +38,18 @@ class StereographicField:
     fall_off = FallOff.EVEN
     rectilinear = False
     limit_at: ClassVar[int]
-    """Which of the lens's numbers is the squared field radius up to which it images."""
+    """Place, among the lens's parameters, of the squared field radius up to which it images."""
 
-    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(self, m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> FieldPoint:
         """Return the field point of a direction; not ok where the lens images nothing."""
         a, b = stereographic(m, direction)
-        return FieldPoint(a, b, self.in_field(numbers, a, b))
+        return FieldPoint(a, b, self.is_imaged(parameters, a, b))
 
-    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
+    def is_imaged(self, parameters: tuple[Number, ...], a: Number, b: Number) -> Number:
         """Return whether the lens images a field point."""
-        return a * a + b * b < numbers[self.limit_at]
+        return a * a + b * b < parameters[self.limit_at]
 
-    def ray(self, _m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+    def chief_ray(self, _m: Mathematics, _parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the lens out into the scene."""
         s = a * a + b * b
         share = 1.0 / (1.0 + s)

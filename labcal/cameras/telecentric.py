@@ -24,7 +24,7 @@ class Telecentric(Perspective):
     """Parallel rays, distorted as by the perspective lens with as many coefficients.
 
     Field coordinates are X and Y, mm. The camera's origin is a point of its axis: which one, no picture
-    tells, so that points are imaged at any depth, and rays begin on the plane at depth 0.
+    determines, so that points are imaged at any depth, and rays begin on the plane at depth 0.
     """
 
     central = False
@@ -36,12 +36,14 @@ class Telecentric(Perspective):
         """Return NaN: parallel rays have no angle to the axis by which they differ."""
         return float("nan")
 
-    def field(self, _m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(
+        self, _m: Mathematics, parameters: tuple[Number, ...], direction: Direction
+    ) -> FieldPoint:
         """Return the field point of a point (X, Y, Z), mm; not ok beyond the fold."""
         X, Y, _ = direction
-        return FieldPoint(X, Y, self.in_field(numbers, X, Y))
+        return FieldPoint(X, Y, self.is_imaged(parameters, X, Y))
 
-    def ray(self, _m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+    def chief_ray(self, _m: Mathematics, _parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         """Return the ray of a field point, from the plane at depth 0 along the axis."""
         zero = 0.0 * (a + b)
         return SceneRay((a, b, zero), (zero, zero, 1.0 + zero), zero == 0.0)

@@ -19,10 +19,10 @@ STEPS = 10
 
 @runtime_checkable  # so that tests can check annotations
 class Imager(Protocol):
-    """What images points: a camera, or one with corrections that were learned."""
+    """A model that projects points: a camera, or one with fitted corrections."""
 
     def imaged(self, p: Vectors3) -> Imaged:
-        """Return where world points, mm, are imaged, and how that changes."""
+        """Return the pixels of world points, mm, and their derivatives."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class KnownCamera:
     camera: Camera
 
     def imaged(self, p: Vectors3) -> Imaged:
-        """Return where world points, mm, are imaged, and how that changes."""
+        """Return the pixels of world points, mm, and their derivatives."""
         return imaged(self.camera, p)
 
 

@@ -1,7 +1,7 @@
-"""Glass in front of a camera: a flat pane with air or water behind it, or a wavy pane.
+"""Glass in front of a camera: a flat window with air or water behind it, or a wavy one.
 
 The glass bends the camera's own rays, so that truth and picture follow the same path. What lies behind a flat
-pane fills all of the scene.
+window fills all of the scene.
 """
 
 from typing import Annotated, Literal
@@ -19,17 +19,17 @@ WATER = 1.333
 GLASS = 1.5168
 """Schott N-BK7 at 588 nm."""
 _AHEAD = 1e-3
-"""Least cosine between a ray and the pane's normal."""
+"""Least cosine between a ray and the window's normal."""
 
 
 class FlatWindow(BaseModel):
-    """A plane-parallel pane, with air on the camera's side."""
+    """A plane-parallel window, with air on the camera's side."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["flat"] = "flat"
     distance_mm: Length
-    """From the camera's origin to the near face, along the pane's normal."""
+    """From the camera's origin to the near face, along the window's normal."""
     tilt_x_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
     """Turn of the normal about the camera's x axis, away from its z axis."""
     tilt_y_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
@@ -40,13 +40,13 @@ class FlatWindow(BaseModel):
     """Refractive index of what fills the scene: 1 for air, 1.333 for water."""
 
     @property
-    def numbers(self) -> tuple[float, ...]:
+    def parameters(self) -> tuple[float, ...]:
         """The normal (away from the camera), distance, thickness, and both indices."""
         place = (np.radians(self.tilt_x_deg), np.radians(self.tilt_y_deg), self.distance_mm)
         return tuple(float(number) for number in self.formula(NUMPY, place))
 
     def formula(self, m: Mathematics, place: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return :attr:`numbers` of the same pane at a place: both tilts (rad) and the distance (mm)."""
+        """Return :attr:`parameters` of the same window at a place: both tilts (rad) and the distance (mm)."""
         a, b, distance = place
         normal = (m.sin(b) * m.cos(a), -m.sin(a), m.cos(b) * m.cos(a))
         rest = (self.thickness_mm, self.glass_index, self.behind_index)
@@ -54,7 +54,7 @@ class FlatWindow(BaseModel):
 
 
 class Wave(BaseModel):
-    """One sinusoid of a wavy pane."""
+    """One sinusoid of a wavy window."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -68,9 +68,9 @@ class Wave(BaseModel):
 
 
 class WavyWindow(BaseModel):
-    """A pane whose waves displace the picture: pixel q sees what q + d(q) would see without it.
+    """A window whose waves displace the picture: pixel q sees what q + d(q) would see without it.
 
-    d(q) is the sum over the waves of ``amplitude sin(2 pi (q . direction) / period + phase)``. A thin pane
+    d(q) is the sum over the waves of ``amplitude sin(2 pi (q . direction) / period + phase)``. A thin one
     close to the lens does this; rays still pass one point.
     """
 
@@ -80,14 +80,18 @@ class WavyWindow(BaseModel):
     waves: Annotated[tuple[Wave, ...], Field(min_length=1, max_length=16)]
 
     @property
-    def numbers(self) -> tuple[float, ...]:
+    def parameters(self) -> tuple[float, ...]:
         """For each wave: wave vector (rad/px), phase (rad), amplitudes (px)."""
-        numbers: list[float] = []
+        parameters: list[float] = []
         for wave in self.waves:
             angle, k = np.radians(wave.direction_deg), 2.0 * np.pi / wave.period_px
-            numbers += [float(k * np.cos(angle)), float(k * np.sin(angle)), float(np.radians(wave.phase_deg))]
-            numbers += wave.amplitude_px
-        return tuple(numbers)
+            parameters += [
+                float(k * np.cos(angle)),
+                float(k * np.sin(angle)),
+                float(np.radians(wave.phase_deg)),
+            ]
+            parameters += wave.amplitude_px
+        return tuple(parameters)
 
     @property
     def largest_px(self) -> float:
@@ -99,23 +103,23 @@ Window = Annotated[FlatWindow | WavyWindow, Field(discriminator="kind")]
 _PER_WAVE = 5
 
 
-def displaced(m: Mathematics, numbers: tuple[Number, ...], u: Number, v: Number) -> tuple[Number, Number]:
-    """Return the pixel that would see, without the wavy pane, what (u, v) sees through it."""
+def displaced(m: Mathematics, parameters: tuple[Number, ...], u: Number, v: Number) -> tuple[Number, Number]:
+    """Return the pixel that would see, without the wavy window, what (u, v) sees through it."""
     to_u, to_v = u, v
-    for first in range(0, len(numbers), _PER_WAVE):
-        k_u, k_v, phase, amplitude_u, amplitude_v = numbers[first : first + _PER_WAVE]
+    for first in range(0, len(parameters), _PER_WAVE):
+        k_u, k_v, phase, amplitude_u, amplitude_v = parameters[first : first + _PER_WAVE]
         height = m.sin(k_u * u + k_v * v + phase)
         to_u, to_v = to_u + amplitude_u * height, to_v + amplitude_v * height
     return to_u, to_v
 
 
-def bent(m: Mathematics, numbers: tuple[Number, ...], ray: SceneRay) -> SceneRay:
-    """Return a ray behind a flat pane; not ok for rays that do not meet it.
+def bent(m: Mathematics, parameters: tuple[Number, ...], ray: SceneRay) -> SceneRay:
+    """Return a ray behind a flat window; not ok for rays that do not meet it.
 
     Snell's law in vector form: behind a face with normal n, ``v' = (v + (sqrt(i^2 - 1 + c^2) - c) n) / i``
     with i the ratio of the indices behind and before and c the cosine of v and n.
     """
-    nx, ny, nz, distance, thickness, glass, behind = numbers
+    nx, ny, nz, distance, thickness, glass, behind = parameters
     (ox, oy, oz), (dx, dy, dz) = ray.origin, ray.direction
     before = nx * dx + ny * dy + nz * dz
     ahead = before > _AHEAD
@@ -132,9 +136,9 @@ def bent(m: Mathematics, numbers: tuple[Number, ...], ray: SceneRay) -> SceneRay
     return SceneRay(origin, direction, ray.ok & ahead & (near > 0.0))
 
 
-def unbent(m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> Direction:
-    """Return the direction, before the pane, of light that comes from far away behind it (any length)."""
-    nx, ny, nz, _, _, _, behind = numbers
+def unbent(m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> Direction:
+    """Return the direction, before the window, of light that comes from far away behind it (any length)."""
+    nx, ny, nz, _, _, _, behind = parameters
     X, Y, Z = direction
     length = m.sqrt(X * X + Y * Y + Z * Z)
     X, Y, Z = behind * X / length, behind * Y / length, behind * Z / length
@@ -145,8 +149,8 @@ def unbent(m: Mathematics, numbers: tuple[Number, ...], direction: Direction) ->
     return X + push * nx, Y + push * ny, Z + push * nz
 
 
-def depth_behind(numbers: tuple[Number, ...], direction: Direction) -> Number:
+def depth_behind(parameters: tuple[Number, ...], direction: Direction) -> Number:
     """Return how far a point (X, Y, Z) lies behind the far face, mm."""
-    nx, ny, nz, distance, thickness, _, _ = numbers
+    nx, ny, nz, distance, thickness, _, _ = parameters
     X, Y, Z = direction
     return nx * X + ny * Y + nz * Z - distance - thickness

@@ -50,13 +50,13 @@ VERBS = {
     "inspect": "a contact sheet of a shoot",
     "detect": "find the dots in pictures",
     "calibrate": "calibrate cameras from a hand-held target",
-    "fit": "teach methods a target at known places",
+    "fit": "fit methods to views of a target",
     "reconstruct": "points in space from dots",
     "evaluate": "errors of points in millimetres",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",
     "reproduce": "the paper: every row",
-    "bench": "how good it is, every figure against its limit",
+    "bench": "benchmarks, every figure against its limit",
     "report": "one page of a folder of results",
 }
 """Every verb with its line in ``labcal --help``; the module of a verb has its name."""

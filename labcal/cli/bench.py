@@ -20,8 +20,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "what",
         choices=("render", "detect", "solve"),
-        help="render: the rendered laboratory's own error and cost; detect: how well dots are found and "
-        "measured; solve: how near methods come to the physical limit, and how fast",
+        help="render: the rendered laboratory's own error and cost; detect: accuracy of the detector and "
+        "of the dots that it measures; solve: errors of methods against the physical limit, and their speed",
     )
     parser.add_argument(
         "--quick", action="store_true", help="fewer pictures; some ten minutes in place of an hour"

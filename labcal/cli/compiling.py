@@ -1,10 +1,10 @@
-"""What is said where the first picture waits for the compiler."""
+"""A message if the first picture waits for the compiler."""
 
 from labcal.cli.session import Session
 
 
-def say_whether_compiling(session: Session) -> None:
-    """Say that the first picture waits for the compiler, where it does."""
+def announce_compiling(session: Session) -> None:
+    """Announce that the first picture waits for the compiler, if it does."""
     from labcal.detect.compiled import is_kept
     from labcal.detect.edges.gauss_newton import fit_all
 

@@ -12,7 +12,7 @@ from labcal.cli.streams import Stream
 from labcal.wording import printable
 
 _WIDTH_OF_A_FILE = 200
-"""Columns for tables where no terminal says how wide it is."""
+"""Columns for tables where no terminal states its width."""
 
 
 class PlainConsole(Console):

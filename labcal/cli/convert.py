@@ -18,7 +18,7 @@ def add_parser(commands: CommandGroup) -> None:
         "convert",
         run,
         "Convert cameras (rig.json) and detections (detections.csv) from and to the files of OpenCV, mrcal, "
-        "Kalibr, ROS, COLMAP and DICe. docs/reference/formats.md says what each holds.",
+        "Kalibr, ROS, COLMAP and DICe. docs/reference/formats.md lists what each holds.",
         example="labcal convert rig.json rig.cameramodel\n"
         "  labcal convert rig-left.cameramodel rig-right.cameramodel rig.json\n"
         "  labcal convert rig.json stereo.yml --to opencv\n"
@@ -30,13 +30,16 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder")
     parser.add_argument("--force", action="store_true", help="replace what labcal made there")
     parser.add_argument(
-        "--from", dest="from_format", metavar="FORMAT", help=f"{_FORMATS}; told by the content where left out"
+        "--from",
+        dest="from_format",
+        metavar="FORMAT",
+        help=f"{_FORMATS}; recognised by the content if left out",
     )
     parser.add_argument(
         "--to",
         dest="to_format",
         metavar="FORMAT",
-        help="the same; told by the ending of OUT where that is clear",
+        help="the same; determined by the ending of OUT if that is clear",
     )
     parser.add_argument(
         "--only", type=_names, default=(), metavar="CAMERA,...", help="only these cameras, in this order"
@@ -52,17 +55,17 @@ def add_parser(commands: CommandGroup) -> None:
         type=picture_size,
         metavar="WxH",
         help="of the pictures: for corners.vnl where they are not at hand, for files of OpenCV and VIC-3D "
-        "that do not say it",
+        "that do not state it",
     )
     parser.add_argument(
         "--unit",
         choices=["mm", "m"],
-        help="what lengths in the files that are read are in, where it is not what their format has",
+        help="unit of lengths in the files that are read, if it is not the usual one of their format",
     )
     parser.add_argument(
         "--lens",
         metavar="MODEL",
-        help="of OpenCV's files with four coefficients that do not say it: brown5 or fisheye-kb4",
+        help="of OpenCV's files with four coefficients that do not state it: brown5 or fisheye-kb4",
     )
 
 
@@ -83,7 +86,7 @@ def picture_size(text: str) -> tuple[int, int]:
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
-    """Convert and tell what the files do not say as the original did."""
+    """Convert, and report what the files do not state as the original did."""
     from dataclasses import fields
 
     from labcal.pipeline import ConvertSettings, convert

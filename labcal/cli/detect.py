@@ -3,7 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
-from labcal.cli.compiling import say_whether_compiling
+from labcal.cli.compiling import announce_compiling
 from labcal.cli.options import add_detector_settings, add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -35,7 +35,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
-    """Detect, write the table, tell what came of each picture."""
+    """Detect, write the table, report the outcome of each picture."""
     from labcal.correspond.detections import KIND, detections_csv
     from labcal.correspond.measure import detections_of
     from labcal.correspond.paths_read import paths_read
@@ -56,7 +56,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs(outputs, read, force=arguments.force)
     for warning in pictures.warnings:
         session.warn(warning)
-    say_whether_compiling(session)
+    announce_compiling(session)
     with session.progress() as progress:
         measurements = measure(pictures, target, settings, tone_curve, arguments.workers, progress)
     if arguments.overlay is not None:

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.compiling import say_whether_compiling
+from labcal.cli.compiling import announce_compiling
 from labcal.cli.options import refuse_option
 from labcal.cli.session import Session
 from labcal.errors import InputError
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def dots_given(
     source: "DotSource", target: "AnyTarget | None", arguments: Namespace, session: Session
 ) -> "Detections":
-    """Return the dots of a source; pictures without ids are told as warnings."""
+    """Return the dots of a source, and warn of pictures without ids."""
     from labcal.correspond.dot_source import dots_found
     from labcal.pipeline import detect_settings, measure
 
@@ -26,7 +26,7 @@ def dots_given(
     if pictures is None:
         return source.measured()
     settings = detect_settings(arguments.changes)
-    say_whether_compiling(session)
+    announce_compiling(session)
     with session.progress() as progress:
         measurements = measure(pictures, target, settings, workers=arguments.workers, progress=progress)
     detections, refused = dots_found(measurements)

@@ -24,13 +24,13 @@ def add_parser(commands: CommandGroup) -> None:
         "--dots",
         type=Path,
         metavar="RIG-dots.json",
-        help="in place of --target: where the dots of this print are, from 'labcal calibrate --free-dots'",
+        help="in place of --target: the dots of this print, from 'labcal calibrate --free-dots'",
     )
     parser.add_argument(
         "--detections",
         type=Path,
         metavar="FILE",
-        help="what the points came from; gives the limit of triangulation",
+        help="the dots of the points; they give the limit of triangulation",
     )
     parser.add_argument(
         "--alignment",
@@ -42,13 +42,13 @@ def add_parser(commands: CommandGroup) -> None:
         "--rig",
         type=Path,
         metavar="MODEL-or-rig.json",
-        help="what the points were reconstructed with: views that it was calibrated from, or taught, are not "
-        "scored, or are said to be; RIG-dots.json and a shoot tell so themselves",
+        help="the model or rig that the points were reconstructed with: views that it was calibrated from, "
+        "or fitted to, are not scored, or are marked; RIG-dots.json and a shoot name theirs themselves",
     )
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
-    """Evaluate and tell."""
+    """Evaluate and report."""
     from labcal.pipeline import evaluate
     from labcal.report.error_tables import error_table
     from labcal.shoot.dataset import Shoot, open_shoot

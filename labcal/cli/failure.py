@@ -1,4 +1,4 @@
-"""How an error ends: a message, an exit status and, with ``--json``, a document."""
+"""The end of an error: a message, an exit status and, with ``--json``, a document."""
 
 import errno
 import os
@@ -56,7 +56,7 @@ class FailureDocument:
 
 
 def explain(error: BaseException) -> Failure:
-    """Return what to tell about an error."""
+    """Return the report of an error."""
     kind = type(error).__name__
     match error:
         case Terminated():
@@ -86,7 +86,7 @@ def explain(error: BaseException) -> Failure:
 
 
 def report_failure(error: BaseException, session: Session) -> ExitStatus:
-    """Tell of an error on stderr, and on stdout where JSON is wanted; return the exit status."""
+    """Report an error on stderr, and on stdout where JSON is wanted; return the exit status."""
     failure = explain(error)
     if os.environ.get(TRACEBACK_VARIABLE, "0") not in {"", "0"}:
         sys.stderr.write(printable("".join(traceback.format_exception(error))))
@@ -96,5 +96,5 @@ def report_failure(error: BaseException, session: Session) -> ExitStatus:
 
 def _where(error: OSError) -> str:
     """Return the file of an error from the operating system, if it has one, and what was wrong."""
-    said = error.strerror or str(error)
-    return f"{error.filename}: {said}" if error.filename else said
+    reason = error.strerror or str(error)
+    return f"{error.filename}: {reason}" if error.filename else reason

@@ -1,4 +1,4 @@
-"""``labcal fit``: a method learns from a target at known places."""
+"""``labcal fit``: methods fitted to views of a target."""
 
 from argparse import Namespace
 from pathlib import Path
@@ -33,7 +33,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "fit",
         run,
-        "Fit methods to views of a target: on a stage that tells where it was, or held in the hand, where a "
+        "Fit methods to views of a target: on a stage that gives its poses, or held in the hand, where a "
         "bundle adjustment finds it. The first camera is then the world.",
         example="labcal fit shoot --method affine,mlp -o model.safetensors",
     )
@@ -66,17 +66,18 @@ def add_parser(commands: CommandGroup) -> None:
         f"held; {AUTO}, the default: held-out dots and views choose",
     )
     parser.add_argument(
-        "--target", metavar="NAME", help="the target of a table of dots; a shoot tells its own"
+        "--target", metavar="NAME", help="the target of a table of dots; a shoot brings its own"
     )
     parser.add_argument(
         "--free-dots",
         action="store_true",
-        help="of a target that was held: estimate where each dot is on the print, too",
+        help="of a target that was held: estimate the place of each dot on the print, too",
     )
     parser.add_argument(
         "--no-rehearsal",
         action="store_true",
-        help="be quick: do not find out what error to expect, and never flag points 'model-misfit'",
+        help="be quick: leave out surrogate validation, that is, the expected error and the flag "
+        "'model-misfit'",
     )
     add_hold_out(parser)
     add_seed(parser)
@@ -127,15 +128,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if training.held_out:
         session.say(f"left out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
     with session.progress() as progress:
-        learned = fit_methods(training, estimators, settings, progress)
-    if alone and isinstance(learned[0], InputError):
-        raise learned[0]
-    named = zip(paths, estimators, learned, strict=True)
+        models = fit_methods(training, estimators, settings, progress)
+    if alone and isinstance(models[0], InputError):
+        raise models[0]
+    named = zip(paths, estimators, models, strict=True)
     outcomes = [FitOutcome(estimator.method, path, model) for path, estimator, model in named]
     for warning in fit_warnings(outcomes):
         session.warn(warning)
     fitted = [
-        (path, model) for path, model in zip(paths, learned, strict=True) if not isinstance(model, InputError)
+        (path, model) for path, model in zip(paths, models, strict=True) if not isinstance(model, InputError)
     ]
     _save_all(fitted, force=arguments.force)
     result = fit_result(training, outcomes)
@@ -148,13 +149,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 
 def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
-    """Return what the dots are of; a stage knows it."""
+    """Return the target of the dots; a stage knows it."""
     from labcal.errors import InputError
     from labcal.estimators.fitting import on_stage
 
     if arguments.target is not None and given.shoot is not None and on_stage(given.shoot):
         raise InputError(
-            "--target is for a target that was held, but a stage tells where that of this shoot was. Leave "
+            "--target is for a target that was held, but a stage gives the poses of this shoot's. Leave "
             "it out."
         )
     return given.target(arguments.target)
@@ -174,7 +175,7 @@ def _estimators(arguments: Namespace, settings: "FitSettings") -> "list[PointEst
 
 
 def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool:
-    """Tell whether a method has a lens model, or a rehearsal uses one."""
+    """Return whether a method has a lens model, or surrogate validation uses one."""
     return not arguments.no_rehearsal or any("lens" in one.get_params() for one in estimators)
 
 

@@ -28,11 +28,11 @@ class FormatEntry:
     suffixes: tuple[str, ...]
     """Endings of its files, the first of which is written."""
     folder: bool
-    """Whether the cameras are a folder of such files."""
+    """True if the cameras are a folder of such files."""
     unit: str
     """Of lengths in them: mm or m."""
     options: tuple[str, ...]
-    """Options of ``labcal convert`` by which one says what a file does not."""
+    """Options of ``labcal convert`` that state what a file does not."""
     lenses: tuple[str, ...]
     """Lens models that are read and written, with all of their coefficients."""
 

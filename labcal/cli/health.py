@@ -1,4 +1,4 @@
-"""What ``labcal doctor`` looks at: the machine, the packages, and whether they really work."""
+"""Checks of ``labcal doctor``: the machine, the packages, and whether they really work."""
 
 import os
 import platform
@@ -89,7 +89,7 @@ def _check_processors() -> Check:
 def _check_memory() -> Check:
     size = memory_bytes()
     if size is None:
-        return Check("memory", True, "the system does not tell", None)
+        return Check("memory", True, "not known on this system", None)
     ok = size >= _LEAST_MEMORY
     advice = None if ok else f"Rendering needs some {_LEAST_MEMORY // _GIB} GiB; expect it to fail with less."
     return Check("memory", ok, f"{size / _GIB:.1f} GiB", advice)
@@ -126,9 +126,9 @@ def _check_trial(name: str, code: str) -> Check:
         return Check(name, False, None, f"It took more than {_SECONDS:g} s.")
     if done.returncode == 0:
         return Check(name, True, "yes", None)
-    said = done.stderr.strip().splitlines() or ["nothing was said"]
+    output = done.stderr.strip().splitlines() or ["no message"]
     package = name.removesuffix(" works")
-    advice = f"Reinstall {package}; it said: {said[-1][:200]} (exit status {done.returncode})"
+    advice = f"Reinstall {package}; its message: {output[-1][:200]} (exit status {done.returncode})"
     return Check(name, False, None, advice)
 
 

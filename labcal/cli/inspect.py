@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from labcal.cli.compiling import say_whether_compiling
+from labcal.cli.compiling import announce_compiling
 from labcal.cli.options import add_detector_settings, add_output, add_pictures, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -25,7 +25,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
-    """Measure, draw the sheet, tell."""
+    """Measure, draw the sheet, report."""
     from labcal.correspond.paths_read import paths_read
     from labcal.pipeline import detect_settings, inspect, open_pictures
     from labcal.report.inspection import inspection_table
@@ -39,7 +39,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs([picture_output(arguments.output)], read, force=arguments.force)
     for warning in pictures.warnings:
         session.warn(warning)
-    say_whether_compiling(session)
+    announce_compiling(session)
     with session.progress() as progress:
         found = inspect(pictures, target, settings, arguments.workers, progress)
     found.save(arguments.output, force=arguments.force)

@@ -29,9 +29,9 @@ class LensEntry:
     opencv: str | None
     """The function of OpenCV that has the same coefficients; null where it has none."""
     rectilinear: bool
-    """Whether straight lines stay straight without distortion, so that it sees less than 180 degrees."""
+    """True if straight lines stay straight without distortion, so that it sees less than 180 degrees."""
     central: bool
-    """Whether all rays pass one point."""
+    """True if all rays pass one point."""
     formats: tuple[str, ...]
     """Formats of ``labcal convert`` that hold it."""
 

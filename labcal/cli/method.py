@@ -1,4 +1,4 @@
-"""``labcal method``: what can learn points from pixels."""
+"""``labcal method``: estimators from pixels to points."""
 
 from argparse import Namespace
 from dataclasses import dataclass

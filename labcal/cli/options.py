@@ -17,7 +17,7 @@ def add_output(parser: argparse.ArgumentParser, metavar: str, help_text: str) ->
 
 
 def add_pictures(parser: argparse.ArgumentParser) -> None:
-    """Add what :func:`labcal.cli.inputs.pictures_and_target` reads: pictures, ``--target``, ``--cameras``."""
+    """Add the arguments of pictures: the pictures, ``--target``, ``--cameras``."""
     parser.add_argument(
         "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
     )
@@ -26,7 +26,7 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
         "--cameras",
         metavar="NAMES",
         help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
-        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' says that one camera took all",
+        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' states that one camera took all",
     )
 
 
@@ -75,7 +75,7 @@ def refuse_option(arguments: argparse.Namespace, name: str, why: str) -> None:
     name : str
         Where its value stands among the arguments.
     why : str
-        What it goes with instead, for people; begins with a verb.
+        The use of the option, for people; begins with a verb.
 
     Raises
     ------

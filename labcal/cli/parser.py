@@ -12,7 +12,7 @@ from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
 
 Run = Callable[[Namespace, Session], ExitStatus]
-"""What a command does with its arguments."""
+"""The work of a command with its arguments."""
 
 
 class UsageError(InputError):

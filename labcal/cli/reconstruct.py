@@ -23,7 +23,9 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
     parser.add_argument(
-        "--target", metavar="NAME", help="what the dots are of, so that centroids give centres; a shoot tells"
+        "--target",
+        metavar="NAME",
+        help="the target of the dots, for the eccentricity correction; a shoot brings its own",
     )
     parser.add_argument(
         "--method",

@@ -18,7 +18,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("rows", nargs="*", metavar="ROW", help="numbers of rows; all where none is given")
     parser.add_argument(
-        "--quick", action="store_true", help="fewer rays a pixel, fewer epochs, one seed; the page says so"
+        "--quick", action="store_true", help="fewer rays a pixel, fewer epochs, one seed; the page states it"
     )
     parser.add_argument(
         "--seeds",

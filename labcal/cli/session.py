@@ -1,4 +1,4 @@
-"""What a command says: the result on stdout, everything else on stderr."""
+"""The output of a command: the result on stdout, everything else on stderr."""
 
 import os
 import sys
@@ -11,7 +11,7 @@ from labcal.run.progress import NoProgress, Progress
 
 
 class Session:
-    """The mouth of a command.
+    """The output of a command.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ class Session:
     json : bool
         The result is one JSON document.
     quiet : bool
-        No messages and no progress bar; results, warnings and errors are still told.
+        No messages and no progress bar; results, warnings and errors are still written.
     """
 
     def __init__(self, stdout: Stream, *, json: bool = False, quiet: bool = False) -> None:
@@ -50,17 +50,17 @@ class Session:
         self._emitted = True
 
     def say(self, message: object) -> None:
-        """Tell a person what happens; silent with ``--quiet``."""
+        """Write a message about progress; silent with ``--quiet``."""
         if not self.quiet:
-            _tell(message)
+            _write_message(message)
 
     def warn(self, message: str) -> None:
-        """Tell a person what should not be missed."""
-        _tell(f"warning: {_in_one_line(in_options(message))}")
+        """Write a warning."""
+        _write_message(f"warning: {_in_one_line(in_options(message))}")
 
     def fail(self, message: str, document: object) -> None:
-        """Tell of an error; the document is left out where a result has been given already."""
-        _tell(f"error: {_in_one_line(in_options(message))}")
+        """Report an error; the document is left out if a result has been given already."""
+        _write_message(f"error: {_in_one_line(in_options(message))}")
         if self.json and not self._emitted:
             self._write_json(document)
 
@@ -98,7 +98,7 @@ def _in_one_line(message: str) -> str:
     return " ".join(message.splitlines())
 
 
-def _tell(content: object) -> None:
+def _write_message(content: object) -> None:
     from labcal.cli.console import rendered
 
     sys.stderr.write(rendered(content, sys.stderr))

@@ -4,11 +4,11 @@ from enum import IntEnum
 
 
 class ExitStatus(IntEnum):
-    """What a command says to the shell."""
+    """Exit status of a command."""
 
     DONE = 0
     PARTIAL = 1
-    """Done in part; the JSON says what is missing and why."""
+    """Done in part; the JSON states what is missing and why."""
     UNUSABLE = 2
     """Wrong use, or nothing usable given."""
     FAILED = 3

@@ -34,7 +34,7 @@ def add_parser(commands: CommandGroup) -> None:
         example="labcal target export rings-10x8 -o rings-10x8.pdf",
     )
     export.add_argument("target", metavar="NAME", help=_NAME_HELP)
-    add_output(export, "FILE.{svg,pdf,png}", "the file; its ending says which format")
+    add_output(export, "FILE.{svg,pdf,png}", "the file; its ending determines the format")
     export.add_argument(
         "--dpi", type=positive_number, metavar="N", help="pixels an inch of a PNG (300 where not given)"
     )

@@ -13,7 +13,7 @@ class Terminated(KeyboardInterrupt):
 
 @contextmanager
 def orderly_termination() -> Iterator[None]:
-    """Let SIGTERM raise `Terminated`, where nobody else has said what it should do."""
+    """Let SIGTERM raise `Terminated`, where no other handler is set."""
     ours = (
         threading.current_thread() is threading.main_thread()
         and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL

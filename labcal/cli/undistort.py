@@ -27,7 +27,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--cameras",
         metavar="NAMES",
         help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
-        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' says that one camera took all",
+        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' states that one camera took all",
     )
     parser.add_argument(
         "--rectify", action="store_true", help="turn a pair so that a point has the same row in both pictures"
@@ -41,7 +41,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--distance-mm",
         type=_distance,
         metavar="D",
-        help="where the pictures are right, for a lens prescription or behind a window",
+        help="distance at which the pictures are right, for a lens prescription or behind a window",
     )
     add_output(parser, "DIR", "folder to appear")
 

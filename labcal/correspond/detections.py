@@ -170,11 +170,11 @@ class Detections(PublicObject):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Detections":
-        """Read ``detections.csv``; as :func:`read_detections`, where errors are told."""
+        """Read ``detections.csv``; as :func:`read_detections`, which lists its errors."""
         return read_detections(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``detections.csv``; as :func:`write_detections`, where errors are told.
+        """Write ``detections.csv``; as :func:`write_detections`, which lists its errors.
 
         Examples
         --------

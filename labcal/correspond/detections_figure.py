@@ -65,10 +65,10 @@ def _draw_dots(axes: Axes, lines: Detections, area: float) -> None:
         if of_flag.any():
             seen = lines.position[of_flag & np.isfinite(lines.position).all(axis=1)]
             missing = int(of_flag.sum()) - len(seen)
-            told = f"{flag} ({of_flag.sum()}" + (f", {missing} unmeasured)" if missing else ")")
+            label = f"{flag} ({of_flag.sum()}" + (f", {missing} unmeasured)" if missing else ")")
             marker = "o" if flag == DotFlag.OK.value else "X"
             axes.scatter(
-                seen[:, 0], seen[:, 1], s=area, marker=marker, color=f"C{number}", label=told, linewidths=0.0
+                seen[:, 0], seen[:, 1], s=area, marker=marker, color=f"C{number}", label=label, linewidths=0.0
             )
 
 

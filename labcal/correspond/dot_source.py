@@ -1,4 +1,4 @@
-"""Dots as they are given, told once what they are: a table, or a shoot whose dots are measured or not yet."""
+"""Dots as a user gives them, resolved once: a table, or a shoot whose dots are measured or not yet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class DotSource:
 
     @property
     def pictures(self) -> PictureSet | None:
-        """Where dots are yet to be found; None where they are measured."""
+        """Pictures in which dots are yet to be found; None if the dots are measured."""
         return open_pictures(self.shoot) if self.table is None and self.shoot is not None else None
 
     def measured(self) -> Detections:
@@ -119,8 +119,8 @@ def dots_found(measurements: Sequence[Measurement]) -> tuple[Detections, tuple[s
     InputError
         No picture could be read at all.
     """
-    told = tuple(shared.words for shared in shared_reasons(refusals(measurements)))
-    return detections_of(measurements), told
+    reasons = tuple(shared.words for shared in shared_reasons(refusals(measurements)))
+    return detections_of(measurements), reasons
 
 
 def dots_of_shoot(shoot: Shoot, workers: int, progress: Progress) -> Detections:

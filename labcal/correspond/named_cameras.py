@@ -55,7 +55,7 @@ class NamedCameras:
             else f"Tell them apart: `cameras='{self.option}'`"
         )
         return (
-            f"The pictures' names tell of {len(shown)} cameras ({', '.join(shown)} ...), and cameras "
+            f"The pictures' names are those of {len(shown)} cameras ({', '.join(shown)} ...), and cameras "
             f"measured as one give wrong numbers. {apart}; or say that one camera took them all: "
             f"`cameras='{ANY}=camera'`."
         )

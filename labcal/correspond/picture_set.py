@@ -1,4 +1,4 @@
-"""Pictures as they are given, told once what they are: those of a shoot, or loose ones."""
+"""Pictures as a user gives them, resolved once: those of a shoot, or loose ones."""
 
 import os.path
 from collections.abc import Mapping, Sequence
@@ -82,7 +82,7 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     if shoot is not None:
         if cameras is not None:
             raise InputError(
-                "`cameras` is for loose pictures; a shoot says which camera took which. Leave it out."
+                "`cameras` is for loose pictures; a shoot names the camera of each. Leave it out."
             )
         return PictureSet(tuple(shoot_sources(shoot)), shoot, _name(shoot.folder), (str(shoot.folder),))
     paths = _texts(pictures)

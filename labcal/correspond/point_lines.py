@@ -22,7 +22,7 @@ UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 
 
 class PointFlag(StrEnum):
-    """What to think of a point."""
+    """Flag of a reconstructed point."""
 
     OK = "ok"
     """Reconstructed."""

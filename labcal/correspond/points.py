@@ -116,11 +116,11 @@ class Points(PublicObject):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Points":
-        """Read ``points.csv``; as :func:`read_points`, where errors are told."""
+        """Read ``points.csv``; as :func:`read_points`, which lists its errors."""
         return read_points(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``points.csv``; as :func:`write_points`, where errors are told.
+        """Write ``points.csv``; as :func:`write_points`, which lists its errors.
 
         Examples
         --------
@@ -191,14 +191,14 @@ class Points(PublicObject):
 
     def _summary(self) -> Mapping[str, object]:
         stated = self.sigma_mm[np.isfinite(self.sigma_mm)]
-        told: dict[str, object] = {
+        summary: dict[str, object] = {
             "views": len(dict.fromkeys(self.view.tolist())),
             "points": len(self),
             "ok": int(self.ok.sum()),
         }
         if len(stated):
-            told["median_sigma"] = f"{np.median(stated):.3g} mm"
-        return told
+            summary["median_sigma"] = f"{np.median(stated):.3g} mm"
+        return summary
 
     def _html_tables(self) -> Sequence[HtmlTable]:
         return [HtmlTable(("flag", "points"), [[k, str(n)] for k, n in Counter(self.flag.tolist()).items()])]

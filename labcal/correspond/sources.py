@@ -47,7 +47,7 @@ class Source:
         size = (picture.shape[1], picture.shape[0])
         if self.size is not None and size != self.size:
             raise InputError(
-                f"The picture {self.image} is {size[0]} x {size[1]}, but the shoot says that camera "
+                f"The picture {self.image} is {size[0]} x {size[1]}, but the shoot states that camera "
                 f"'{self.camera}' takes {self.size[0]} x {self.size[1]}. Put the original back."
             )
         return picture
@@ -112,7 +112,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
         if twin is not source:
             raise InputError(
                 f"{twin.image} and {source.image} are both view '{source.view}' of camera '{source.camera}'. "
-                "Give them different names, or tell the cameras apart with `cameras='_0=left,_1=right'`."
+                "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
             )
     if not sources:
         raise InputError(f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}.")

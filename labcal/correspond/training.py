@@ -43,13 +43,13 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
     trained = [view.name for view in shoot.views(Role.TRAIN) if view.name in poses]
     if not trained:
         raise InputError(
-            f"The target in {shoot.folder} was hand-held: no training view tells where it was, so there is "
+            f"The target in {shoot.folder} was hand-held: no training view gives its pose, so there is "
             "nothing to fit to. Use 'labcal calibrate', or shoot the target on a stage."
         )
-    if shoot.target.lookalikes(shoot.target.indices()[:1]):
+    if shoot.target.symmetric_indices(shoot.target.indices()[:1]):
         raise InputError(
-            f"The target '{shoot.target.name}' looks the same when it is turned, so nothing tells which of "
-            "its dots is where on the stage. Use one with rings, or hold it and use 'labcal calibrate'."
+            f"The target '{shoot.target.name}' looks the same when it is turned, so nothing determines which "
+            "of its dots is where on the stage. Use one with rings, or hold it and use 'labcal calibrate'."
         )
     require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)

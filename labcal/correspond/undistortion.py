@@ -29,21 +29,21 @@ _PAIR = 2
 
 @dataclass(frozen=True)
 class UndistortSettings:
-    """What the new pictures shall be."""
+    """Options of the undistorted pictures."""
 
     rectify: bool = False
     """A pair is turned so that a point has the same row in both pictures."""
     whole: bool = False
     """The pictures are enlarged so that nothing within 60 degrees of the axis is cut."""
     distance_mm: float | None = None
-    """Where the pictures are right, for a lens prescription or behind a window."""
+    """Distance at which the pictures are right, for a lens prescription or behind a window."""
     force: bool = False
     """Replace what labcal made there."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Undistorted(PublicObject):
-    """What became of pictures; the JSON document of ``labcal undistort``."""
+    """Result of an undistortion; the JSON document of ``labcal undistort``."""
 
     folder: str
     images: list[str]
@@ -52,9 +52,9 @@ class Undistorted(PublicObject):
     skipped: list[str]
     """Pictures that could not be used, each with its reason."""
     inconsistent: list[str]
-    """Why the views that the rig was calibrated from contradict each other, the likeliest cause first."""
+    """Causes of contradictions between the views that the rig was calibrated from, the likeliest first."""
     warnings: list[str]
-    """What is not as it should be, for people."""
+    """Warnings, for people."""
 
     def _summary(self) -> Mapping[str, object]:
         return {
@@ -132,8 +132,8 @@ def undistort_pictures(
             abandon(working)  # nothing in it is of use to a better command
             raise no_picture_left(skipped)
     warnings = [*pictures.warnings, *(shared.words for shared in shared_reasons(skipped))]
-    if told := contradiction_note(rig):
-        warnings.append(told)
+    if note := contradiction_note(rig):
+        warnings.append(note)
     return Undistorted(
         folder=str(folder),
         images=written,

@@ -12,7 +12,7 @@ from labcal.shoot.manifest import Role
 from labcal.wording import listed
 
 HoldOut = int | str | Sequence[str]
-"""How many views, spread evenly, or which; also as text, ``"2"`` or ``"a,b"``."""
+"""Number of views, spread evenly, or their names; also as text, ``"2"`` or ``"a,b"``."""
 
 
 def parse_hold_out(text: str, views: Sequence[str]) -> int | list[str]:

@@ -12,6 +12,6 @@ quality.py        checks/        flags of dots, refusals of pictures            
 charuco.py        corners/       the same for the corners of ChArUco boards             corner
 ================= ============== ====================================================== ================
 
-`flags.py` says what each flag and each refusal means, `dots.py` is the result, `settings.py` holds all
+`flags.py` defines each flag and each refusal, `dots.py` is the result, `settings.py` holds all
 thresholds and sizes by name, and `stage_settings/` declares them.
 """

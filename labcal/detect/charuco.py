@@ -24,14 +24,14 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     """Find the board's corners in one picture.
 
     A corner is known where OpenCV recognises the markers beside it, or by its place among corners that are.
-    Where it is, the two edges that cross there say (:mod:`labcal.detect.corners.corners`).
+    Where it is, the two edges that cross there determine (:mod:`labcal.detect.corners.corners`).
 
     Parameters
     ----------
     grey : ndarray, shape (h, w)
         The picture.
     board : CharucoBoard
-        What to look for.
+        The board to look for.
     settings : DetectSettings
 
     Returns
@@ -70,7 +70,7 @@ def _recognised(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings
     if markers == 0:
         return Refusal.NO_MARKERS
     if ids is None or len(ids) == 0:
-        return Refusal.OTHER_BOARD if markers >= settings.many_markers else Refusal.TOO_FEW_DOTS
+        return Refusal.OTHER_BOARD if markers >= settings.other_board_markers else Refusal.TOO_FEW_DOTS
     index = board.from_opencv(np.asarray(ids, dtype=np.int64).ravel())
     return Corners(index, np.asarray(corners, dtype=np.float64).reshape(-1, 2), [None] * len(index))
 

@@ -13,7 +13,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def _digest_of(folder: Path) -> str:
-    """Return a word that changes with any source in a folder or in the folders in it."""
+    """Return a digest that changes with any source in a folder or in the folders in it."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*.py")):
         digest.update(path.read_bytes())
@@ -35,8 +35,8 @@ def compiled(function: Function) -> Function:
     Parameters
     ----------
     function : callable
-        Of numbers and arrays only. Checks of annotations while testing are taken off it: they belong to the
-        function that calls it.
+        Of numbers and arrays only. Checks of annotations while testing are removed from it: they belong to
+        the function that calls it.
     """
     plain = inspect.unwrap(function)
     plain.__qualname__ = f"{plain.__name__}-{_SOURCES}"
@@ -47,7 +47,7 @@ def compiled(function: Function) -> Function:
 
 
 def is_kept(function: Callable[..., object]) -> bool:
-    """Tell whether machine code of a compiled function, of these sources, is on disk: nobody waits then."""
+    """Return whether machine code of a compiled function, of these sources, is on disk: nobody waits then."""
     folder = Path(cast("Dispatcher", function).stats.cache_path or "")
     return any(folder.glob(f"*{function.__name__}-{_SOURCES}-*.nbc"))
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.checks.lost import lost_dots
+from labcal.detect.checks.unmeasured import unmeasured_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.grid import Grid, find_grid
 from labcal.detect.lattice.missed import with_missed
-from labcal.detect.lattice.plain import goes_on, with_lookalikes
+from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.outlines.outlines import Outlines, clear_reach
 from labcal.detect.quality import FlaggedDot, cause, flag_dots, hardly_measured
@@ -35,7 +35,7 @@ def detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings |
     image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
         uint8, uint16 or float; colour in any order.
     target : AnyTarget
-        What to look for.
+        The target to look for.
     settings : DetectSettings, optional
         Thresholds, sizes and counts of all stages; the defaults where not given.
 
@@ -51,8 +51,8 @@ def detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings |
     """
     settings = DEFAULTS if settings is None else settings
     found = _detect_dots(image, target, settings)
-    spoilt = found.indexed and hardly_measured(found, settings.quality)
-    return found.unusable() if spoilt else found
+    refused = found.indexed and hardly_measured(found, settings.quality)
+    return found.unusable() if refused else found
 
 
 def _detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings) -> PictureDots:
@@ -101,8 +101,8 @@ def _detect(
     lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
     predictor = Predictor(lattice, outlines, settings.grid)
     declared = lambda node: target.holds(*numbering.index(node))  # noqa: E731
-    lost = lost_dots(predictor, candidates.blobs, size, declared, settings.quality)
-    if target.rings is None and goes_on(lost, numbering, target, settings.grid):
+    unmeasured = unmeasured_dots(predictor, candidates.blobs, size, declared, settings.quality)
+    if target.rings is None and continues_beyond_grid(unmeasured, numbering, target, settings.grid):
         every = candidates.whole.joined(candidates.cut)
         return _collect(_unnamed(every, set()), size, polarity, Refusal.AMBIGUOUS)
     spots = list(lattice.spots.values())
@@ -111,11 +111,11 @@ def _detect(
     reach = clear_reach(target, settings.segmentation)
     fits = fit_edges(grey, outlines.select(np.array(spots)), holes, reach, black, settings.edge)
     dots = flag_dots(fits, predictor, numbering, target, settings)
-    dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in lost]
+    dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in unmeasured]
     unnamed = _unnamed(outlines.joined(candidates.cut), set(spots))
     typical = float(np.median(outlines.radius[spots]))
     dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
-    return with_lookalikes(_collect(_one_an_id(dots), size, polarity, None), target)
+    return with_symmetric_numberings(_collect(_unique_ids(dots), size, polarity, None), target)
 
 
 def _search(
@@ -147,12 +147,12 @@ def _further(
         size = np.linalg.det(dot.outline) ** 0.25
         if not abs(np.log(size / radius)) < settings.no_id_radius_log:
             continue
-        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > settings.no_id_apart_radii * size:
+        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > settings.no_id_distance_radii * size:
             further.append(dot)
     return further
 
 
-def _one_an_id(dots: list[FlaggedDot]) -> list[FlaggedDot]:
+def _unique_ids(dots: list[FlaggedDot]) -> list[FlaggedDot]:
     """Return the dots with every id at most once; of two, neither can be trusted."""
     count = Counter(dot.index for dot in dots if dot.index is not None)
     return [

@@ -1,4 +1,4 @@
-"""What detection finds in one picture: dots with positions, covariances, ids and flags."""
+"""Result of detection in one picture: dots with positions, covariances, ids and flags."""
 
 from dataclasses import dataclass, replace
 
@@ -21,9 +21,9 @@ class PictureDots:
     size : tuple of int
         Width and height of the picture, px.
     polarity : Polarity
-        What the picture shows, which need not be what the target declares.
+        Polarity that the picture shows, which need not be the one that the target declares.
     refusal : Refusal or None
-        Why no dot has an id, or none is measured; None where the picture is indexed.
+        Reason why no dot has an id, or none is measured; None if the picture is indexed.
     index : ndarray of int, shape (n, 2)
         (col, row). Negative indices and those past the end are real where the print goes on beyond the
         declared grid; (0, 0) where `has_id` is false.
@@ -37,15 +37,15 @@ class PictureDots:
         Goodness of fit: standard deviation of a dot's residuals over what is usual among the picture's
         dots in such light. About 1; NaN where not measured, and for corners.
     flag : tuple of DotFlag, length n
-        What became of the dot.
+        Flag of the dot.
     seen_at : ndarray, shape (n, 2)
-        Roughly where the dot is, px, also where it is not measured. For drawing only.
+        Rough position of the dot, px, also where it is not measured. For drawing only.
     outline : ndarray, shape (n, 2, 2)
         Matrix S of the outer outline ``(q - c)' inv(S) (q - c) = 1``, px squared; NaN for cut dots and
         corners.
     others : tuple of ndarray of int, each of shape (n, 2)
         `index` under every other numbering that fits the picture as well: one of a plain grid that looks the
-        same after half a turn, three of a square one; empty where the picture settles it.
+        same after half a turn, three of a square one; empty if the picture determines it.
     """
 
     size: tuple[int, int]
@@ -63,7 +63,7 @@ class PictureDots:
 
     @property
     def indexed(self) -> bool:
-        """Whether dots of this picture have ids."""
+        """True if dots of this picture have ids."""
         return self.refusal is None
 
     def renumbered(self, which: int) -> "PictureDots":

@@ -17,9 +17,9 @@ from labcal.detect.edges.residuals import (
     DEPARTURE,
     LAGS,
     PROFILE,
+    SLOPE_DIFFERENCE,
+    SLOPE_DIFFERENCE_COVARIANCE,
     SUMS,
-    TIE,
-    TIE_COVARIANCE,
     VARIANCE,
     ResidualLimits,
 )
@@ -40,12 +40,12 @@ class EdgeFits:
     Attributes
     ----------
     ok : ndarray of bool, shape (n,)
-        Whether the fit settled on an ellipse near its beginning.
+        True if the fit converged to an ellipse near its beginning.
     centre : ndarray, shape (n, 2)
         Centres of area of the outer outlines, px.
     covariance : ndarray, shape (n, 2, 2)
         Of `centre`, px squared, from the residuals of the dot itself, and from how the noise of the picture
-        is tied from pixel to pixel.
+        is correlated from pixel to pixel.
     shape : ndarray, shape (n, 2, 2)
         Outline matrices, see `PictureDots.outline`.
     blur : ndarray, shape (n,)
@@ -63,7 +63,7 @@ class EdgeFits:
     variance : ndarray, shape (n,)
         Of the residuals, in grey values squared.
     noise_factor : float
-        What tied noise made of the covariances.
+        Factor by which correlated noise widens the covariances.
     """
 
     ok: Mask
@@ -118,7 +118,7 @@ def fit_edges(
     every = max(1, -(-count // settings.noise_dots))
     sums = np.zeros((-(-count // every), LAGS, SUMS))
     picture = PictureLimits(reach, *clipping(grey, settings.clipped_value_share), black, every)
-    limits = settings.numbers(EdgeLimits), settings.numbers(ResidualLimits)
+    limits = settings.limits(EdgeLimits), settings.limits(ResidualLimits)
     ok = fit_all(grey, table, hole, picture, limits, sums)
     table[~ok] = np.nan
     factor = noise_factor(sums, settings)
@@ -150,16 +150,16 @@ def _in_one_light(
 ) -> tuple[Pixels, PixelCovariances]:
     """Return centres and covariances, given that one light falls on dot and board.
 
-    A small dot cannot tell a slope of its grey values from a shift. But its slope is that of the board as
-    far as the picture's dots together say that it is: how far they are off scatters by more than their noise
-    where paper shines or a lens glares. What they say is a measurement more (an update of Kalman's).
+    A small dot does not distinguish a slope of its grey values from a shift. But its slope is that of the
+    board, as far as the picture's dots together show: the differences scatter by more than their noise where
+    paper shines or a lens glares. They enter as a further measurement (a Kalman update).
     """
     twice = np.array([0, 1, 1, 2])
     centre = table[:, :2]
     covariance = table[:, COVARIANCE + twice].reshape(-1, 2, 2) * factor
-    off = table[:, TIE : TIE + 2]
-    noise = table[:, TIE_COVARIANCE + twice].reshape(-1, 2, 2) * factor
-    shared = table[:, TIE_COVARIANCE + 3 + np.arange(4)].reshape(-1, 2, 2) * factor
+    off = table[:, SLOPE_DIFFERENCE : SLOPE_DIFFERENCE + 2]
+    noise = table[:, SLOPE_DIFFERENCE_COVARIANCE + twice].reshape(-1, 2, 2) * factor
+    shared = table[:, SLOPE_DIFFERENCE_COVARIANCE + 3 + np.arange(4)].reshape(-1, 2, 2) * factor
     known = np.isfinite(off[:, 0])
     if not known.any():
         return centre, covariance

@@ -1,10 +1,10 @@
-"""Why a dot may not be used, and why a picture has no ids."""
+"""Flags of dots, and the reasons why a picture is refused, each with its advice."""
 
 from enum import StrEnum
 
 
 class DotFlag(StrEnum):
-    """What became of one dot; only ``ok`` dots are measurements of the declared grid."""
+    """Flag of one dot; only ``ok`` dots are measurements of the declared grid."""
 
     OK = "ok"
     """Measured, with an id within the declared grid."""
@@ -24,12 +24,12 @@ class DotFlag(StrEnum):
     """Looks like a dot but has no certain place in the grid."""
 
 
-SPOILT = (DotFlag.SATURATED, DotFlag.BLURRED, DotFlag.BAD_FIT)
+NOT_MEASURABLE = (DotFlag.SATURATED, DotFlag.BLURRED, DotFlag.BAD_FIT)
 """Flags of dots that are whole in the picture, but cannot be measured."""
 
 
 class Refusal(StrEnum):
-    """Why a whole picture got no ids, or is not measured."""
+    """Reason why a whole picture has no ids, or is not measured."""
 
     NO_DOTS = "no-dots"
     """Nothing in the picture looks like a dot."""
@@ -54,7 +54,7 @@ class Refusal(StrEnum):
     MIRRORED = "mirrored"
     """The rings fit the target only as in a mirror."""
     NO_USABLE_DOTS = "no-usable-dots"
-    """The grid is found, but hardly any of its dots can be measured; ids and flags say what each one is."""
+    """The grid is found, but hardly any of its dots can be measured; ids and flags state what each one is."""
     GRID_INCONSISTENT = "grid-inconsistent"
     """The dots do not lie on one smooth grid, so their ids cannot be trusted."""
 
@@ -86,8 +86,8 @@ _ADVICE = {
         "further ring (a reflection, a hole in a dot)."
     ),
     Refusal.AMBIGUOUS: (
-        "The dots are all alike, and it cannot be told which is which. Show the whole grid, with nothing "
-        "hidden at its edges and all cameras the same way up; check that the target named has as many "
+        "The dots are all alike, and their numbering is not determined. Show the whole grid, with nothing "
+        "hidden at its edges and all cameras in the same orientation; check that the target has as many "
         "columns and rows as the print; or use a target with rings, which need not be seen whole."
     ),
     Refusal.NO_MARKERS: (

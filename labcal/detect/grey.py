@@ -10,7 +10,7 @@ AnyPicture = Shaped[np.ndarray, "*shape"]
 """(h, w), or (h, w, 3 or 4), of uint8, uint16 or float; other kinds are refused with a message."""
 
 _ROWS = 256
-"""So many rows, evenly spread, tell of all pixels."""
+"""So many rows, evenly spread, stand for all pixels."""
 GreyPicture = Float32[np.ndarray, "h w"]
 """Grey values in the unit of the picture they came from."""
 

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from labcal.detect.flags import Refusal
-from labcal.detect.lattice.flattening import NONE, Flattening, fisheyes
+from labcal.detect.lattice.dot_shapes import without_deviating_shapes
 from labcal.detect.lattice.lattice import Lattice, find_lattices
-from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, why_unnamed
-from labcal.detect.lattice.shapes import without_odd
+from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, numbering_refusal
+from labcal.detect.lattice.rough_undistortion import NONE, RoughUndistortion, fisheyes
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
@@ -66,7 +66,7 @@ def _is_complete(grid: Grid | Refusal, outlines: Outlines, settings: GridSetting
 
 
 def _find_through(
-    lens: Flattening, outlines: Outlines, target: DotGrid, settings: GridSettings
+    lens: RoughUndistortion, outlines: Outlines, target: DotGrid, settings: GridSettings
 ) -> Grid | Refusal:
     """Return the one lattice that can be numbered in the picture of a lens."""
     if len(outlines.centre) == 0:
@@ -74,13 +74,13 @@ def _find_through(
     if len(outlines.centre) < settings.min_dots:
         return Refusal.TOO_FEW_DOTS
     found = find_lattices(outlines, target, lens, settings)
-    lattices = [without_odd(lattice, outlines, target, settings) for lattice in found]
+    lattices = [without_deviating_shapes(lattice, outlines, target, settings) for lattice in found]
     outlines = lens.outlines(outlines)
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target, settings)) for lattice in lattices]
     named = [Grid(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
-    refusal = why_unnamed([outcome for _, outcome in outcomes], target)
+    refusal = numbering_refusal([outcome for _, outcome in outcomes], target)
     if refusal is not None:
         return refusal
     smooth = is_smooth(named[0].lattice, outlines.centre, settings)

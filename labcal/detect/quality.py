@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import Mask
-from labcal.detect.checks.peers import misfits, paleness
+from labcal.detect.checks.photometry import misfits, paleness
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import EdgeFits
-from labcal.detect.flags import SPOILT, DotFlag, Refusal
+from labcal.detect.flags import NOT_MEASURABLE, DotFlag, Refusal
 from labcal.detect.grey import GreyPicture, clipping
+from labcal.detect.lattice.dot_shapes import deviating_shapes
 from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.prediction import Predictor
-from labcal.detect.lattice.shapes import odd_shapes
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
@@ -63,7 +63,7 @@ def flag_dots(
     misfit = misfits(dark, light, fits.variance, limits)
     rough = _is_rough(fits, spots, ring, limits)
     rough |= misfit > np.where(ring, limits.max_ring_misfit_factor, limits.max_misfit_factor)
-    rough |= odd_shapes(predictor, _fitted(fits, predictor), target, settings)
+    rough |= deviating_shapes(predictor, _fitted(fits, predictor), target, settings)
     burnt_out = _is_burnt_out(fits, limits)
     minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
     dots = []
@@ -78,8 +78,8 @@ def flag_dots(
         else:
             flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
             centre = fits.centre[number]
-            told = (centre, fits.covariance[number], float(misfit[number]))
-            dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *told))
+            measured = (centre, fits.covariance[number], float(misfit[number]))
+            dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *measured))
     return dots
 
 
@@ -114,7 +114,7 @@ def _fitted(fits: EdgeFits, predictor: Predictor) -> Outlines:
 
 
 def cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines, settings: DetectSettings) -> Refusal:
-    """Return what is behind there being no dots or no grid, where the picture tells."""
+    """Return the cause of there being no dots or no grid, if the picture shows one."""
     if refusal not in _CAUSED:
         return refusal
     limits = settings.quality
@@ -133,5 +133,5 @@ def cause(refusal: Refusal, grey: GreyPicture, outlines: Outlines, settings: Det
 def hardly_measured(dots: PictureDots, settings: QualitySettings) -> bool:
     """Tell whether hardly any of the dots that are whole in the picture could be measured."""
     usable = int(dots.ok.sum())
-    whole = usable + sum(flag in SPOILT for flag in dots.flag)
+    whole = usable + sum(flag in NOT_MEASURABLE for flag in dots.flag)
     return usable == 0 or usable < settings.min_usable_share * whole

@@ -8,7 +8,7 @@ from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.cameras.window import GLASS, FlatWindow
 from labcal.estimators.camera_estimator import CameraEstimator
-from labcal.estimators.gp_field.learned_camera import LearnedCamera
+from labcal.estimators.gp_field.fitted_camera import FittedCamera
 
 _DISTANCES_MM = (60.0, 240.0, 1000.0)
 _TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
@@ -18,7 +18,7 @@ _TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
 class Bundle(CameraEstimator):
     """The method ``bundle``: each camera from the points' known places, with any lens model.
 
-    All numbers of a camera are adjusted together from a linear start (Brown 1971); points are triangulated
+    All parameters of a camera are adjusted together from a linear start (Brown 1971); points are triangulated
     optimally. For volumes only: of a single plane a camera's focal length and distance look alike.
 
     Parameters
@@ -59,9 +59,9 @@ class Bundle(CameraEstimator):
         self.glass_index = glass_index
         self.glass_thickness_mm = glass_thickness_mm
 
-    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
+    def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         found = self._resected(q, p, size)
-        return LearnedCamera(found.placed, found.covariance, found.sigma_px)
+        return FittedCamera(found.placed, found.covariance, found.sigma_px)
 
     def _resected(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> ResectedCamera:
         if self.behind_index <= 1.0:

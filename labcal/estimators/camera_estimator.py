@@ -12,8 +12,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import TriangulatedPoints
 from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
-from labcal.estimators.gp_field.learned_camera import LearnedCamera, triangulated
-from labcal.estimators.learned_arrays import FIGURES, LearnedArrays, free_count, from_arrays, to_arrays
+from labcal.estimators.fitted_arrays import FIGURES, FittedArrays, free_count, from_arrays, to_arrays
+from labcal.estimators.gp_field.fitted_camera import FittedCamera, triangulated
 from labcal.geometry.arrangement import camera_count, refuse_other_than_points
 from labcal.run.threads import one_blas_thread
 from labcal.wording import counted
@@ -39,7 +39,7 @@ class CameraEstimator(PointEstimator):
     cameras_text_ : str
         The lens formulas, as JSON.
     middle_, figures_, covariances_, inputs_, residuals_ : float64 array
-        As in `LearnedArrays`.
+        As in `FittedArrays`.
     trained_points_ : float64 array, (n, 3)
         Mm.
     n_trained_ : int
@@ -62,9 +62,9 @@ class CameraEstimator(PointEstimator):
         )
 
     @property
-    def learned_cameras_(self) -> tuple[LearnedCamera, ...]:
+    def fitted_cameras_(self) -> tuple[FittedCamera, ...]:
         """The cameras, in the order of the columns."""
-        arrays = LearnedArrays(
+        arrays = FittedArrays(
             self.cameras_text_,
             self.middle_,
             self.figures_,
@@ -77,10 +77,10 @@ class CameraEstimator(PointEstimator):
     @property
     def cameras_(self) -> tuple[Camera, ...]:
         """The lens formulas, in the order of the columns."""
-        return tuple(camera.camera for camera in self.learned_cameras_)
+        return tuple(camera.camera for camera in self.fitted_cameras_)
 
     @abstractmethod
-    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
+    def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         """Return the camera that was estimated from points (mm) and pixels."""
 
     @one_blas_thread()
@@ -93,7 +93,7 @@ class CameraEstimator(PointEstimator):
         refuse_other_than_points(self.method, points.shape[1])
         seen = pixels.reshape(len(pixels), count, 2)
         sizes = self._sizes(seen)
-        cameras = [self._learned(seen[:, i], points, size) for i, size in enumerate(sizes)]
+        cameras = [self._fitted(seen[:, i], points, size) for i, size in enumerate(sizes)]
         arrays = to_arrays(cameras, len(points))
         self.cameras_text_, self.n_trained_ = arrays.text, len(points)
         self.middle_, self.figures_, self.covariances_ = arrays.middle, arrays.figures, arrays.covariance
@@ -115,7 +115,7 @@ class CameraEstimator(PointEstimator):
     def _triangulated(
         self, pixels: Float64[np.ndarray, "n inputs"], covariance: Float64[np.ndarray, "n cameras 2 2"]
     ) -> TriangulatedPoints:
-        return triangulated(self.learned_cameras_, pixels.reshape(len(pixels), -1, 2), covariance)
+        return triangulated(self.fitted_cameras_, pixels.reshape(len(pixels), -1, 2), covariance)
 
     def _own_noise(self, n: int) -> Float64[np.ndarray, "n cameras 2 2"]:
         """Return the covariances of n points with the pixel noise of training."""

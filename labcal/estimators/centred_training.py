@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import Pixels, Pose, Vectors3
-from labcal.calibrate.centre_bias import ROUNDS, CentreBias, Discs, shifts_at_poses
+from labcal.calibrate.eccentricity import ROUNDS, CorrectedEccentricity, Discs, eccentricities_at_poses
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.calibrate.triangulation_check import calibration_record
@@ -24,7 +24,7 @@ _NAME = "resection"
 _NO_NOISE = 1e-12 * np.eye(2)
 """Covariance of training pixels, which is not known: all of the triangulation residual counts as scatter."""
 _ON_ONE_PLANE = (
-    "all trained dots are on one plane, where no camera is needed: what they are off is learned with the rest"
+    "all trained dots are on one plane, where no camera is needed: what they are off is fitted with the rest"
 )
 
 
@@ -35,7 +35,7 @@ class CentredTraining:
     data: TrainingData
     cameras: tuple[Camera, ...] | None
     """Resected from the training views; None where nothing was taken off."""
-    bias: CentreBias | None
+    eccentricity: CorrectedEccentricity | None
     """The corrected eccentricity."""
     reason: str | None
     """The reason why it was not corrected."""
@@ -70,25 +70,29 @@ def centred_training(
         return CentredTraining(data, None, None, _ON_ONE_PLANE)
     q = data.X.reshape(len(data.X), -1, 2)
     discs, dots = Discs.of(target), data.index[:, 1] * target.cols + data.index[:, 0]
-    shift = np.zeros_like(q)
+    eccentricity = np.zeros_like(q)
     cameras: list[ResectedCamera] = []
     for _ in range(ROUNDS):
         try:
             cameras = [
-                _resected(q[:, number] - shift[:, number], data.Y, size, cameras[number : number + 1])
+                _resected(q[:, number] - eccentricity[:, number], data.Y, size, cameras[number : number + 1])
                 for number, size in enumerate(data.image_sizes)
             ]
         except InputError as error:
             refuse_swapped_training(data)
             return CentredTraining(data, None, None, str(error))
-        shift = shifts_at_poses([one.camera for one in cameras], data.view, dots, T_world_target, discs)
+        eccentricity = eccentricities_at_poses(
+            [one.camera for one in cameras], data.view, dots, T_world_target, discs
+        )
     if max(one.sigma_px for one in cameras) > MOST_PX:
         refuse_swapped_training(data)
-    centred = replace(data, X=(q - shift).reshape(data.X.shape))
+    centred = replace(data, X=(q - eccentricity).reshape(data.X.shape))
     found = tuple(one.camera for one in cameras)
     exact = np.tile(_NO_NOISE, (*q.shape[:2], 1, 1))
-    matches = Matches(data.cameras, data.view, data.index, q - shift, exact)
-    return CentredTraining(centred, found, CentreBias.of(shift), None, calibration_record(found, matches))
+    matches = Matches(data.cameras, data.view, data.index, q - eccentricity, exact)
+    return CentredTraining(
+        centred, found, CorrectedEccentricity.of(eccentricity), None, calibration_record(found, matches)
+    )
 
 
 def _resected(q: Pixels, p: Vectors3, size: tuple[int, int], before: list[ResectedCamera]) -> ResectedCamera:

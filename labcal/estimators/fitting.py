@@ -114,31 +114,31 @@ def training_of(
         _refuse_of_held(settings)
         data = training_data(source, detections)
         centred = centred_training(data, source.target, source.nominal_poses())
-        return Training(centred, None, _unlearned(source, data), tested)
+        return Training(centred, None, _unused_views(source, data), tested)
     if isinstance(source, Shoot):
         trained = [view.name for view in source.views(Role.TRAIN)]
         detections = detections.where(np.isin(detections.view, trained))
     target = source.target if isinstance(source, Shoot) else source
     how = HandheldSettings(free_dots=settings.free_dots)
     found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
-    learned = handheld_training(found.found, detections, target)
-    return Training(learned, found, found.warnings, (*found.held_out, *tested))
+    dots = handheld_training(found.found, detections, target)
+    return Training(dots, found, found.warnings, (*found.held_out, *tested))
 
 
 def _refuse_of_held(settings: FitSettings) -> None:
-    """Raise where settings are given that would be dropped, since a stage tells where the target was."""
+    """Raise where settings are given that would be dropped, since a stage gives the poses of the target."""
     for name in ("free_dots", "hold_out"):
         if getattr(settings, name) not in (False, ()):
             raise InputError(
-                f"`{name}` is for a target that was held, but a stage tells where that of this shoot was. "
+                f"`{name}` is for a target that was held, but a stage gives the poses of this shoot's. "
                 "Leave it out."
             )
 
 
-def _unlearned(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
+def _unused_views(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
     """Return warnings about training views without usable dots."""
-    learned = set(data.view.tolist())
-    views = [view.name for view in shoot.views(Role.TRAIN) if view.name not in learned]
+    used = set(data.view.tolist())
+    views = [view.name for view in shoot.views(Role.TRAIN) if view.name not in used]
     return tuple(f"view '{name}' is not used: no dot in it was measured by all cameras" for name in views)
 
 
@@ -186,7 +186,7 @@ def fit_methods(
 ) -> list[Model | InputError]:
     """Return the fitted model of each method, or the error that prevents it."""
     settings, progress = settings or FitSettings(), progress or NoProgress()
-    data, learned = training.centred.data, list[Model | InputError]()
+    data, fitted = training.centred.data, list[Model | InputError]()
     progress.start("methods", len(estimators) + 1)
     surrogate = None
     if settings.rehearsal:
@@ -196,11 +196,11 @@ def fit_methods(
         try:
             model = fit_method(data, estimator, training.centred.cameras, surrogate)
             about = replace(model, calibration=training.centred.calibration, warnings=training.warnings)
-            learned.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
+            fitted.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
         except InputError as error:
-            learned.append(error)
+            fitted.append(error)
         progress.advance()
-    return learned
+    return fitted
 
 
 def fit_method(

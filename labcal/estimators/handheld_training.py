@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.calibrate.centre_bias import CentreBias, Discs, shifts_at_poses
+from labcal.calibrate.eccentricity import CorrectedEccentricity, Discs, eccentricities_at_poses
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
@@ -48,8 +48,10 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
     for view, T in T_world_target.items():
         rows = matches.view == view
         p[rows] = transform(T, discs.centres[dots[rows]])
-    shift = shifts_at_poses(cameras, matches.view, dots, T_world_target, discs)
-    centred = replace(matches, q=matches.q - shift)
+    eccentricity = eccentricities_at_poses(cameras, matches.view, dots, T_world_target, discs)
+    centred = replace(matches, q=matches.q - eccentricity)
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
-    return CentredTraining(data, tuple(cameras), CentreBias.of(shift), None, found.rig.calibration)
+    return CentredTraining(
+        data, tuple(cameras), CorrectedEccentricity.of(eccentricity), None, found.rig.calibration
+    )

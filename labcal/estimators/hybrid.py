@@ -10,8 +10,8 @@ from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import resect
 from labcal.errors import InputError
 from labcal.estimators.camera_estimator import CameraEstimator
-from labcal.estimators.gp_field.learned_camera import LearnedCamera
-from labcal.estimators.gp_field.learning import learned_camera
+from labcal.estimators.gp_field.fitted_camera import FittedCamera
+from labcal.estimators.gp_field.learning import fitted_camera
 
 MOST_POINTS = 4000
 """The field's covariance is a full matrix of the trained points."""
@@ -54,20 +54,20 @@ class Hybrid(CameraEstimator):
         return np.array(
             [
                 0.0
-                if camera.learned is None
-                else float(np.sqrt((camera.learned.field.smoothed() ** 2).sum(axis=1).mean()))
-                for camera in self.learned_cameras_
+                if camera.fitted is None
+                else float(np.sqrt((camera.fitted.field.smoothed() ** 2).sum(axis=1).mean()))
+                for camera in self.fitted_cameras_
             ]
         )
 
-    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> LearnedCamera:
+    def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         if len(p) > MOST_POINTS:
             raise InputError(
-                f"{self.method}: {len(p)} dots are more than the {MOST_POINTS} that a field can be learned "
+                f"{self.method}: {len(p)} dots are more than the {MOST_POINTS} that a field can be fitted "
                 "from. Train on fewer views, or use 'bundle'."
             )
         if self.lens == AUTO:
             start = chosen_camera(self.method, q, p, size)
         else:
             start = resect(self.method, q, p, camera_of_lens(self.lens, size, None))
-        return learned_camera(start, q, p)
+        return fitted_camera(start, q, p)

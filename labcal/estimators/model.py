@@ -107,13 +107,13 @@ class Model(PublicObject):
 
     @classmethod
     def load(cls, path: AnyPath, method: object | None = None) -> "Model":
-        """Read a fitted model; as :func:`~labcal.estimators.model_file.load_model`, where errors are told."""
+        """Read a fitted model, as :func:`~labcal.estimators.model_file.load_model`, which lists errors."""
         from labcal.estimators.model_file import load_model  # noqa: PLC0415 -- it imports this file
 
         return load_model(path, method)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write the model; as :func:`~labcal.estimators.model_file.save_model`, where errors are told.
+        """Write the model; as :func:`~labcal.estimators.model_file.save_model`, which lists errors.
 
         Examples
         --------
@@ -135,26 +135,26 @@ class Model(PublicObject):
         save_model(path, self, force=force)
 
     def _summary(self) -> Mapping[str, object]:
-        told: dict[str, object] = {
+        summary: dict[str, object] = {
             "method": self.estimator.method,
             "cameras": list(self.cameras),
             "outputs": self.estimator.n_outputs_,
         }
         if self.calibrated_on:
-            told["calibrated_on"] = counted(len(self.calibrated_on), "view")
+            summary["calibrated_on"] = counted(len(self.calibrated_on), "view")
         if self.rehearsed is not None:
-            told["expected_rmse"] = f"{self.rehearsed.rmse_mm:.3g} mm"
+            summary["expected_rmse"] = f"{self.rehearsed.rmse_mm:.3g} mm"
         if self.misfit:
-            told["misfit"] = True
-        return told
+            summary["misfit"] = True
+        return summary
 
     def _compared(self) -> object:
         estimator = self.estimator
         arrays = {one.attribute: getattr(estimator, one.attribute) for one in estimator.stored_arrays()}
         facts = {name: getattr(estimator, name) for name in estimator.fitted_facts}
         kept = (self.cameras, self.image_sizes, self.box, self.resected, self.rehearsed)
-        learned = (self.calibration, self.calibrated_on, self.held_out)
-        return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, learned)
+        fitted = (self.calibration, self.calibrated_on, self.held_out)
+        return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, fitted)
 
     def __post_init__(self) -> None:
         """Refuse parts that do not belong together."""

@@ -161,7 +161,7 @@ def load_model(path: AnyPath, method: object | None = None) -> Model:
 
 
 def training_views(path: AnyPath) -> tuple[str, ...]:
-    """Return the names of the views that a model was taught, whatever its method; empty where not known.
+    """Return the names of the training views of a model of any method; empty if they are not known.
 
     Raises
     ------

@@ -70,20 +70,20 @@ class RayFrame:
         )
         return near @ self.axes + self.origin_mm, far @ self.axes + self.origin_mm
 
-    def misses(self, crossings: Crossings, p: Vectors3) -> Float64[np.ndarray, "n 2"]:
-        """Return by how much rays miss points, in the plane through each point, mm."""
+    def distances(self, crossings: Crossings, p: Vectors3) -> Float64[np.ndarray, "n 2"]:
+        """Return the distances of rays from points, in the plane through each point, mm."""
         share = self.share(p)[:, None]
         at = (1.0 - share) * crossings[:, :2] + share * crossings[:, 2:]
         return np.asarray(self.half_range_mm * at - self.local(p)[:, :2])
 
-    def miss_slopes(self, crossings: Crossings) -> Float64[np.ndarray, "n 2 3"]:
-        """Return the derivatives of the misses by the points."""
+    def distance_slopes(self, crossings: Crossings) -> Float64[np.ndarray, "n 2 3"]:
+        """Return the derivatives of the distances by the points."""
         near, far = self.depths_mm
         along = self.half_range_mm * (crossings[:, 2:] - crossings[:, :2]) / (far - near)
         return np.asarray(along[:, :, None] * self.axes[2] - self.axes[:2])
 
-    def miss_per_crossing(self, p: Vectors3) -> Float64[np.ndarray, "n 2 4"]:
-        """Return the derivatives of the misses by the scaled crossings, mm."""
+    def distance_slopes_by_crossing(self, p: Vectors3) -> Float64[np.ndarray, "n 2 4"]:
+        """Return the derivatives of the distances by the scaled crossings, mm."""
         share = self.share(p)[:, None, None]
         eye = self.half_range_mm * np.eye(2)
         return np.concatenate(((1.0 - share) * eye, share * eye), axis=2)

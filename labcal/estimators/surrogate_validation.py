@@ -11,7 +11,7 @@ from labcal.cameras.triangulation import refined
 from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.expected_error import ExpectedError
-from labcal.estimators.gp_field.learned_camera import measured_by
+from labcal.estimators.gp_field.fitted_camera import measured_by
 from labcal.estimators.hybrid import Hybrid
 from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.geometry.hull import inside_hull
@@ -80,7 +80,7 @@ def surrogate_of(
         hybrid = Hybrid(lens, image_sizes).fit(X, Y)
     except InputError:
         return None
-    cameras = hybrid.learned_cameras_
+    cameras = hybrid.fitted_cameras_
     random = generator(seed, "rehearsal")
     p = _points_within(Y, random)
     q = np.stack([camera.project(p) for camera in cameras], axis=1)

@@ -140,8 +140,8 @@ def _chosen_degree(q: Pixels, p: Vectors3) -> int:
             if (~out).sum() < 2 * _term_count(degree):
                 parts.append(np.full(int(out.sum()), np.inf))
                 continue
-            miss = _design(q[out], p[out], degree) @ _solved(q[~out], p[~out], degree) - p[out, :2]
-            parts.append((miss**2).sum(axis=1))
+            residual = _design(q[out], p[out], degree) @ _solved(q[~out], p[~out], degree) - p[out, :2]
+            parts.append((residual**2).sum(axis=1))
         squares.append(np.concatenate(parts))
     return 1 + int(np.argmin([square.mean() for square in squares]))
 

@@ -201,7 +201,7 @@ class UserMethod(PointEstimator):
         if found.shape != (len(pixels), self.n_outputs_):
             raise InputError(
                 f"{self.method}: 'predict' gave an array of shape {found.shape} for {len(pixels)} pixels, "
-                f"but {self.n_outputs_} columns were learned: it should be {(len(pixels), self.n_outputs_)}."
+                f"but {self.n_outputs_} columns were fitted: it should be {(len(pixels), self.n_outputs_)}."
             )
         return found
 

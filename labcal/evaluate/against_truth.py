@@ -50,7 +50,7 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     not_scored: int
     """Reconstructed points that do not count: trained on, outside the trained hull, or without a solution."""
     scored_views: ScoredPart = field(metadata={IN_JSON: InJson.FLAT})
-    """Which views are scored; its fields are also those of the errors."""
+    """The views that are scored; its fields are also those of the errors."""
     error: Vectors3 = field(metadata={IN_JSON: InJson.ABSENT})
     """Predicted minus true of each point that counts, mm; not in the JSON document."""
     points: Points = field(metadata={IN_JSON: InJson.ABSENT})

@@ -43,7 +43,7 @@ class LengthErrors(OfScoredViews):
     scale_ppm: float
     """By how much the reconstruction is too large, parts per million, from a least-squares fit of lengths."""
     scored_views: ScoredPart = field(metadata={IN_JSON: InJson.FLAT})
-    """Which views are scored; its fields are also those of the errors."""
+    """The views that are scored; its fields are also those of the errors."""
     error: Lengths = field(metadata={IN_JSON: InJson.ABSENT})
     """Measured minus nominal of each length, mm; not in the JSON document."""
 

@@ -70,10 +70,10 @@ class ScoredPart:
     """The part of errors that says which views they are of."""
 
     n_ok: int
-    """How many of the points that count are flagged ``ok``."""
+    """Number of the points that count and are flagged ``ok``."""
     views_scored: tuple[str, ...]
     views_calibrated_on: int | None
-    """How many of these were learned from, so that errors in them are no check; None where not known."""
+    """Number of these that are training views, so that errors in them are no check; None if not known."""
 
     @classmethod
     def of(cls, points: Points, views: ScoredViews) -> "ScoredPart":
@@ -88,7 +88,7 @@ class OfScoredViews(PublicObject):
 
     @property
     def n_ok(self) -> int:
-        """How many of the points that count are flagged ``ok``."""
+        """Number of the points that count and are flagged ``ok``."""
         return self.scored_views.n_ok
 
     @property
@@ -98,12 +98,12 @@ class OfScoredViews(PublicObject):
 
     @property
     def views_calibrated_on(self) -> int | None:
-        """How many of these were learned from, so that errors are no check; None where not known."""
+        """Number of these that are training views, so that errors are no check; None if not known."""
         return self.scored_views.views_calibrated_on
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is not as it should be, for people."""
+        """Warnings, for people."""
         return scored_warnings(self.n_ok, self.views_calibrated_on)
 
 

@@ -9,7 +9,7 @@ from labcal.optim.lm_state import LevenbergMarquardtState
 from labcal.optim.solution import StopReason
 
 FIRST_MILESTONE = 5
-"""Epochs after which runs are compared for the first time (decision "restarts race")."""
+"""Epochs after which runs are compared for the first time (Jamieson and Talwalkar 2016)."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@
 A command line parses, calls the function of its verb's name, and prints; a notebook calls the same functions.
 Paths are text or :class:`os.PathLike`; where a shoot, a table, cameras or points are wanted, their path does,
 too. Nothing is printed: what a person should not miss is in the `warnings` of what is returned, and
-`progress` is told how far the work has come.
+`progress` receives the state of the work.
 """
 
 from importlib import import_module

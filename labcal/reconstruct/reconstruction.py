@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labcal.calibrate.centre_bias import CentreBias, centred, shifts_of_matches
+from labcal.calibrate.eccentricity import CorrectedEccentricity, centred, eccentricities_of_matches
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
@@ -65,7 +65,7 @@ def calibration_views(path: AnyPath) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reconstruction(PublicObject):
-    """Points, and what was taken off the centroids that they come from.
+    """Points, and the eccentricity that was subtracted from the centroids that they come from.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class Reconstruction(PublicObject):
     """
 
     points: Points
-    bias: CentreBias | None
+    eccentricity: CorrectedEccentricity | None
     """None if it was not corrected."""
     miss_px: float | None
     """Median triangulation residual of dots, px; infinite if their rays do not intersect; None if the model
@@ -117,10 +117,10 @@ class Reconstruction(PublicObject):
         ]
 
     def _summary(self) -> Mapping[str, object]:
-        told: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
+        summary: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
         if self.miss_px is not None:
-            told["median_residual"] = f"{self.miss_px:.3g} px"
-        return {**told, "warnings": len(self.warnings)}
+            summary["median_residual"] = f"{self.miss_px:.3g} px"
+        return {**summary, "warnings": len(self.warnings)}
 
 
 def reconstruct_points(model: Model | Rig, detections: Detections, target: Target | None = None) -> Points:
@@ -175,11 +175,11 @@ def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) ->
 def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction:
     if len(rig.cameras) == 1:
         raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
-    cameras, bias = [rig.camera(name) for name in matches.cameras], None
+    cameras, corrected = [rig.camera(name) for name in matches.cameras], None
     refuse_swapped(cameras, matches)
     if target is not None:
         try:
-            matches, bias = centred(cameras, matches, target)
+            matches, corrected = centred(cameras, matches, target)
         except InputError:
             if not _inconsistent(rig.calibration):
                 raise  # else it is the rig that puts points nowhere near the target
@@ -191,20 +191,21 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     return Reconstruction(
         Points(matches.view, matches.index, found.point, found.covariance, flag),
-        bias,
+        corrected,
         residuals.typical_px,
         check,
     )
 
 
 def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconstruction:
-    bias, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
+    corrected, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
     if model.resected is not None:
         refuse_swapped(model.resected, matches)
         if target is not None:
             roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
-            shift = shifts_of_matches(model.resected, matches, roughly, target)
-            matches, bias = replace(matches, q=matches.q - shift), CentreBias.of(shift)
+            eccentricity = eccentricities_of_matches(model.resected, matches, roughly, target)
+            matches = replace(matches, q=matches.q - eccentricity)
+            corrected = CorrectedEccentricity.of(eccentricity)
         residuals = TriangulationResiduals.of(model.resected, matches)
         check = TriangulationCheck.of(residuals, matches, model.calibration)
         outlying, typical_px = residuals.outlying | np.isin(matches.view, check.views), residuals.typical_px
@@ -215,7 +216,7 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)
     flag = np.where(np.isfinite(point).all(axis=1), flag, PointFlag.NO_SOLUTION.value)
     points = Points(matches.view, matches.index, point, covariance, flag)
-    return Reconstruction(points, bias, typical_px, check)
+    return Reconstruction(points, corrected, typical_px, check)
 
 
 def _inconsistent(calibration: CalibrationRecord | None) -> bool:

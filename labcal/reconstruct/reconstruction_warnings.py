@@ -24,7 +24,11 @@ def reconstruction_warnings(
         Name of the target; None where it is not known.
     """
     warnings = []
-    if found.bias is None and target_known is None and (isinstance(model, Rig) or model.resected is not None):
+    if (
+        found.eccentricity is None
+        and target_known is None
+        and (isinstance(model, Rig) or model.resected is not None)
+    ):
         warnings.append(
             "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
             "`target='NAME'`"

@@ -46,7 +46,7 @@ class Pixels:
 class Sensor:
     """A camera's rays for Mitsuba.
 
-    All numbers are opaque to the compiler, so that one kernel serves every camera with the same lens model.
+    All parameters are opaque to the compiler, so that one kernel serves every camera with one lens model.
 
     Parameters
     ----------
@@ -63,15 +63,15 @@ class Sensor:
 
         from labcal.render.drjit_mathematics import DrjitMathematics  # noqa: PLC0415 -- imports Dr.Jit
 
-        def opaque(numbers: tuple[float, ...]) -> tuple[Jit, ...]:
-            return tuple(dr.opaque(mi.Float64, float(number)) for number in numbers)
+        def opaque(parameters: tuple[float, ...]) -> tuple[Jit, ...]:
+            return tuple(dr.opaque(mi.Float64, float(number)) for number in parameters)
 
         self._mi, self._camera, self._shading = mi, camera, shading
         self._m = DrjitMathematics(newton_steps(camera))
-        self._numbers = opaque(camera.numbers)
+        self._parameters = opaque(camera.parameters)
         self._T_world_cam = [opaque(tuple(row)) for row in inverse(camera.T_cam_world)[:3]]
         self._pupil = None if aperture is None else _pupil(camera, aperture)
-        self._pupil_numbers = () if self._pupil is None else opaque(self._pupil.numbers)
+        self._pupil_parameters = () if self._pupil is None else opaque(self._pupil.parameters)
         self._fall_off = opaque(_fall_off(camera, self._pupil)) if shading.fall_off else ()
         width, height = camera.size
         corner2 = 0.25 * (width**2 + height**2)
@@ -83,17 +83,17 @@ class Sensor:
 
         The rays of a central camera share one origin, of width 1.
         """
-        mi, m, optics, numbers = self._mi, self._m, self._camera.optics, self._numbers
-        x, y = optics.ideal(m, numbers, pixels.u, pixels.v)
-        ray = optics.before_window(m, numbers, x, y)
+        mi, m, optics, parameters = self._mi, self._m, self._camera.optics, self._parameters
+        x, y = optics.ideal(m, parameters, pixels.u, pixels.v)
+        ray = optics.before_window(m, parameters, x, y)
         weight = self._light(x * x + y * y, ray.direction[2], pixels)
         if self._pupil is not None:
             a, b = pixels.samples.square(APERTURE)
             disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(a, b))
             at = (x, y, mi.Float64(disc.x), mi.Float64(disc.y))
-            through = self._pupil.ray(m, self._pupil_numbers, ray, at)
+            through = self._pupil.ray(m, self._pupil_parameters, ray, at)
             ray, weight = through.ray, weight * through.weight
-        ray = optics.behind_window(m, numbers, ray)
+        ray = optics.behind_window(m, parameters, ray)
         # Where there is no ray NaN would go through the whole of the scene.
         ahead = (0.0, 0.0, 1.0)
         direction = [m.where(ray.ok, part, other) for part, other in zip(ray.direction, ahead, strict=True)]

@@ -1,4 +1,4 @@
-"""What ``labcal calibrate`` tells: the JSON document, and the same for people."""
+"""Result of ``labcal calibrate``: the JSON document, and the same for people."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from labcal.calibrate.calibration import Calibration
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.epipolar_residual import epipolar_rms
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld_calibration import HandheldCalibration
@@ -59,7 +59,7 @@ class CameraResult:
     undetermined: list[str]
     """Lens coefficients that the views leave open."""
     open_lens: bool
-    """Whether the dots leave the lens open towards the picture's border, where an assumption holds it."""
+    """True if the dots do not determine the lens towards the picture's border, where a prior decides."""
     share_without_rays: float
     """Of the picture, where the lens folds."""
     two_lenses: TwoLenses | None
@@ -100,7 +100,7 @@ class CalibrateResult:
     outlier_count: int
     outliers: list[OutlierResult]
     """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
-    centre_bias_px: CentreBias
+    centre_bias_px: CorrectedEccentricity
     stop_reason: str
     free_dots: FreeDotsResult | None
     lens_choice: LensChoice | None
@@ -110,9 +110,9 @@ class CalibrateResult:
     calibrated_on: list[str]
     """Views that the cameras come from."""
     triangulation_rms_px: float | None
-    """By how much rays of the dots miss each other; null for one camera."""
+    """RMS triangulation residual; null for one camera."""
     inconsistent: InconsistentResult | None
-    """Why the cameras do not agree on where the target was; null where they do."""
+    """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
 
 def calibrate_result(made: Calibration, detections: Detections, target: AnyTarget) -> CalibrateResult:
@@ -127,7 +127,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         skipped=list(found.skipped),
         outlier_count=len(found.outliers),
         outliers=_outliers(found.outliers),
-        centre_bias_px=found.bias,
+        centre_bias_px=found.eccentricity,
         stop_reason=found.reason.value,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=made.choice,
@@ -184,7 +184,7 @@ def calibrate_table(result: CalibrateResult) -> object:
     if len(result.cameras) > 1:
         caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
     bias = result.centre_bias_px
-    caption += f"\ntaken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
+    caption += f"\ncorrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
     columns = ("RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
     table = Table(name_column("camera"), *columns)
     table.caption = caption

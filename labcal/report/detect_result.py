@@ -1,4 +1,4 @@
-"""What ``labcal detect`` tells: the JSON document, and the same for people."""
+"""Result of ``labcal detect``: the JSON document, and the same for people."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -24,9 +24,9 @@ class PictureResult:
     dots: int
     expected: int
     numberings: int | None
-    """How many numberings fit as well, this one included: 1 where the dots are known for certain."""
+    """Number of numberings that fit equally well, this one included: 1 if the dots are certain."""
     flags: dict[str, int]
-    """How many dots have each flag but ``ok``."""
+    """Number of dots by flag, ``ok`` left out."""
 
 
 @dataclass(frozen=True)

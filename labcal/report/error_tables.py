@@ -39,8 +39,8 @@ def _against_truth(errors: TruthErrors) -> Table:
 
 
 def _of_lengths(errors: LengthErrors) -> Table:
-    told = scored_description(len(errors.views_scored), errors.views_calibrated_on)
-    table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {told}")
+    scored = scored_description(len(errors.views_scored), errors.views_calibrated_on)
+    table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {scored}")
     table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")

@@ -1,11 +1,11 @@
-"""What ``labcal fit`` tells: the JSON document, and the same for people."""
+"""Result of ``labcal fit``: the JSON document, and the same for people."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rich.table import Table
 
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
@@ -33,10 +33,10 @@ class MethodResult:
     share_without_rays: tuple[float, ...] | None
     """Of each camera's picture, where its lens folds."""
     expected: ExpectedError | None
-    """What to expect between the trained dots, by a rehearsal with cameras like these; null where the dots
-    determine none."""
+    """Error to expect between the training dots, by surrogate validation; null if the dots determine no
+    cameras."""
     misfit: bool
-    """Whether points will carry the flag ``model-misfit``."""
+    """True if points will carry the flag ``model-misfit``."""
     error: str | None
 
 
@@ -45,23 +45,23 @@ class FitResult:
     """The JSON document of ``labcal fit``."""
 
     models: list[MethodResult]
-    centre_bias_px: CentreBias | None
-    """Centroid minus centre, which was taken off the training dots; null where it was not."""
+    centre_bias_px: CorrectedEccentricity | None
+    """Eccentricity that was corrected in the training dots; null if none was."""
     centre_bias_kept: str | None
-    """Why it was not."""
+    """Reason why it was not corrected."""
     handheld: HandheldResult | None
-    """How the target was placed; null where a stage told."""
+    """Poses of a hand-held target; null if a stage gave them."""
     warnings: list[str]
-    """What was not as it should be with the dots that were taught."""
+    """Warnings about the training dots."""
     calibrated_on: list[str]
-    """Views that the methods were taught."""
+    """Training views."""
     held_out: list[str]
-    """Views that they were not, since they are to be scored."""
+    """Held-out views, which are to be scored."""
 
 
 @dataclass(frozen=True)
 class FitOutcome:
-    """What one method learned, or why it could not, and where its model is to be."""
+    """Outcome of the fit of one method, with the path of its model."""
 
     method: str
     file: AnyPath
@@ -79,7 +79,7 @@ def fit_result(training: Training, outcomes: Sequence[FitOutcome]) -> FitResult:
     ]
     return FitResult(
         models=models,
-        centre_bias_px=centred.bias,
+        centre_bias_px=centred.eccentricity,
         centre_bias_kept=centred.reason,
         handheld=handheld_result(training),
         warnings=list(training.warnings),
@@ -90,11 +90,11 @@ def fit_result(training: Training, outcomes: Sequence[FitOutcome]) -> FitResult:
 
 def fit_warnings(outcomes: Sequence[FitOutcome]) -> list[str]:
     """Return what is not as it should be with each method, for people."""
-    told = []
+    warnings = []
     for one in outcomes:
         reasons = [str(one.model)] if isinstance(one.model, InputError) else _blind(one.model)
-        told += [_named(one.method, reason) for reason in reasons]
-    return told
+        warnings += [_named(one.method, reason) for reason in reasons]
+    return warnings
 
 
 def _refused(method: str, reason: str) -> MethodResult:
@@ -125,8 +125,8 @@ def _blind(model: Model) -> list[str]:
     """Return what pixels of a method's cameras see no direction, for people."""
     if not isinstance(model.estimator, CameraEstimator):
         return []
-    told = map(blind_pixels, model.cameras, model.estimator.cameras_)
-    return [note for note in told if note is not None]
+    notes = map(blind_pixels, model.cameras, model.estimator.cameras_)
+    return [note for note in notes if note is not None]
 
 
 def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
@@ -141,12 +141,14 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
         if result.handheld is not None:
             captions.append("on top of that comes what the adjustment that placed the target is off")
     elif not rehearsed:
-        captions.append("not rehearsed, so that no error to expect is told")
+        captions.append("not rehearsed, so that no expected error is stated")
     else:
-        captions.append("no error to expect is told: the dots, all on one plane perhaps, determine no camera")
+        captions.append(
+            "no expected error is stated: the dots, all on one plane perhaps, determine no camera"
+        )
     if result.centre_bias_px is not None:
         bias = result.centre_bias_px
-        captions.append(f"taken off: centroid minus centre, RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
+        captions.append(f"corrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
     if result.handheld is not None:
         captions.append(result.handheld.words())
     table = Table(
@@ -181,12 +183,12 @@ def _expectation(model: MethodResult) -> str:
     expected = model.expected
     if expected is None:
         return ""
-    told = f"{expected.rmse_mm:.4f}"
+    text = f"{expected.rmse_mm:.4f}"
     if not model.misfit:
-        return told
+        return text
     if expected.too_large:
-        return f"{told} model-misfit: {expected.rmse_mm / expected.limit_mm:.1f} times what pixels leave"
-    return f"{told} model-misfit: 95% ellipsoids hold {100.0 * expected.coverage95:.0f}%"
+        return f"{text} model-misfit: {expected.rmse_mm / expected.limit_mm:.1f} times what pixels leave"
+    return f"{text} model-misfit: 95% ellipsoids hold {100.0 * expected.coverage95:.0f}%"
 
 
 def _named(method: str, reason: str) -> str:

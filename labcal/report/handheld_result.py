@@ -1,4 +1,4 @@
-"""What ``labcal fit`` tells of a target that was held in the hand."""
+"""Result of ``labcal fit`` for a hand-held target: its poses and the cameras that gave them."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from labcal.wording import counted
 
 @dataclass(frozen=True)
 class HandheldResult:
-    """How a bundle adjustment placed a target that was held."""
+    """Poses of a hand-held target by bundle adjustment."""
 
     lens: str
     views: int
@@ -19,9 +19,9 @@ class HandheldResult:
     rms_px: float
     outlier_count: int
     free_dots: bool
-    """Whether the places of the dots on the print were estimated."""
+    """True if the places of the dots on the print were estimated."""
     inconsistent: InconsistentResult | None
-    """Why the cameras do not agree on where the target was; null where they do."""
+    """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
     def words(self) -> str:
         """Return it for people."""
@@ -35,7 +35,7 @@ class HandheldResult:
 
 
 def handheld_result(training: Training) -> HandheldResult | None:
-    """Return how a target was placed that was held; None where a stage told."""
+    """Return the result for a hand-held target; None if a stage gave the poses."""
     held = training.held
     if held is None:
         return None

@@ -1,4 +1,4 @@
-"""What is told where the cameras of a rig do not agree on where the target was."""
+"""Contradictions between the cameras of a rig, as results state them."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -28,7 +28,7 @@ class InconsistentResult:
     rms_alone_px: float
     """Over all cameras, each calibrated alone."""
     times: float
-    """How many times larger the variance between views is than errors explain."""
+    """Variance between views over the variance that errors explain."""
     causes: list[CauseResult]
     """The likeliest one first."""
     views: list[str]

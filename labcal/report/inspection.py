@@ -44,7 +44,7 @@ class InspectedPicture:
     """Contrast of strong edges per pixel, 1/px (see ``labcal.shoot.quality``); null where there are none."""
     dots: int
     reason: str | None
-    """Why the picture has no ids; null where it has."""
+    """Reason why the picture has no ids; null if it has."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class InspectedCamera:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Inspection(PublicObject):
-    """What pictures look like, and where in them dots were found.
+    """Exposure and sharpness of pictures, and the parts of them in which dots were found.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ def _inspect(
 def inspection_table(result: InspectResult, expected: int) -> Table:
     """Return the document for people; `expected` is how many dots the target has."""
     shared = shared_reasons([(one.image, one.reason) for one in result.pictures if one.reason is not None])
-    told = [reason.words for reason in shared]
+    words = [reason.words for reason in shared]
     cameras = "; ".join(f"{name}: {camera.coverage:.0%}" for name, camera in result.cameras.items())
     caption = f"{result.sheet}\nshare of the picture where dots were found: {cameras}"
     table = Table(
@@ -212,7 +212,7 @@ def inspection_table(result: InspectResult, expected: int) -> Table:
         "full scale",
         "sharpness, 1/px",
         "dots",
-        caption="\n".join([*told, caption]),
+        caption="\n".join([*words, caption]),
         caption_justify="left",
     )
     for picture in result.pictures:

@@ -1,4 +1,4 @@
-"""How lens models compare, for people."""
+"""Comparison of lens models, for people."""
 
 from rich.table import Table
 

@@ -11,7 +11,7 @@ _CLEAR = 3.0
 def print_words(shape: PrintShape) -> str:
     """Return what the freed dots say about a print, a line each."""
     lines = [
-        "scale: the mean is that of the declared pitch; pictures alone tell no length",
+        "scale: the mean is that of the declared pitch; pictures alone determine no length",
         _described("stretch, x over y", shape.stretch_ppm, "ppm", ".0f"),
         _described("shear", shape.shear_mrad, "mrad", ".3f"),
         _described("bow along x", shape.bow_x_mm, "mm", ".4f"),
@@ -28,7 +28,7 @@ def print_words(shape: PrintShape) -> str:
         for dot in shape.worst
     ]
     if shape.held:
-        lines.append(f"kept as declared, since the views do not tell: {', '.join(shape.held)}")
+        lines.append(f"kept as declared, since the views do not determine them: {', '.join(shape.held)}")
     if shape.kept:
         named = ", ".join(f"({col}, {row})" for col, row in shape.kept)
         lines.append(f"kept where declared, in too few pictures: {named}")

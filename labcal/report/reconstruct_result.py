@@ -1,10 +1,10 @@
-"""What ``labcal reconstruct`` tells: the JSON document, and the same for people."""
+"""Result of ``labcal reconstruct``: the JSON document, and the same for people."""
 
 from collections import Counter
 from dataclasses import dataclass
 from math import isfinite
 
-from labcal.calibrate.centre_bias import CentreBias
+from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
@@ -17,9 +17,9 @@ class InconsistentPoints:
     """The key ``inconsistent`` in the JSON document."""
 
     causes: list[str]
-    """Why the calibration itself is inconsistent, the likeliest first; empty where it is not."""
+    """Causes of an inconsistent calibration, the likeliest first; empty if it is consistent."""
     views: list[str]
-    """Those in which rays miss each other by far more than expected."""
+    """Views whose triangulation residuals are far larger than expected."""
 
 
 @dataclass(frozen=True)
@@ -29,20 +29,20 @@ class ReconstructResult:
     file: str
     n: int
     flags: dict[str, int]
-    centre_bias_px: CentreBias | None
-    """Centroid minus centre, which was taken off; null where it was not."""
+    centre_bias_px: CorrectedEccentricity | None
+    """Eccentricity that was corrected; null if none was."""
     miss_px: float | None
-    """By how much the rays of a dot miss each other, the median; null where the model has no cameras."""
+    """Median triangulation residual of a dot; null if the model has no cameras."""
     triangulation_rms_px: float | None
-    """The same as a root mean square: the triangulation residual."""
+    """RMS triangulation residual over all dots."""
     expected_px: float | None
-    """What that would be with the pixels' noise and the scatter that the calibration found."""
+    """Expected RMS triangulation residual: noise of the pixels and variance component of the calibration."""
     expected_assumed: bool | None
-    """Whether that scatter is assumed, since the cameras do not say what their calibration left."""
+    """True if that component is assumed, since the cameras do not state their calibration's residuals."""
     inconsistent: InconsistentPoints | None
-    """Why points are not to be relied on, beside a method's own errors; null where nothing is found."""
+    """Contradictions that make points unreliable, beside a method's own errors; null if none are found."""
     warnings: list[str]
-    """What is not as it should be."""
+    """Warnings, for people."""
 
 
 def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction) -> ReconstructResult:
@@ -52,7 +52,7 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         file=str(file),
         n=len(found.points),
         flags=dict(sorted(Counter(found.points.flag.tolist()).items())),
-        centre_bias_px=found.bias,
+        centre_bias_px=found.eccentricity,
         miss_px=found.miss_px if found.miss_px is None or isfinite(found.miss_px) else None,  # no ray meets
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,
@@ -64,16 +64,16 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
 
 def reconstruct_words(result: ReconstructResult) -> str:
     """Return the document for people."""
-    told = ", ".join(f"{count} {flag}" for flag, count in result.flags.items())
+    words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items())
     if result.triangulation_rms_px is not None:
-        told += f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
-        told += "at most some" if result.expected_assumed else "expected"
-        told += f" {result.expected_px:.4f} px"
+        words += f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
+        words += "at most some" if result.expected_assumed else "expected"
+        words += f" {result.expected_px:.4f} px"
         if result.expected_assumed:
-            told += " by assumption, since these cameras do not say what their calibration left"
+            words += " by assumption, since these cameras do not state their calibration's residuals"
     if result.centre_bias_px is not None:
-        told += f"; taken off: centroid minus centre, RMS {result.centre_bias_px.rms:.4f} px"
-    return f"{result.file}: {told}."
+        words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
+    return f"{result.file}: {words}."
 
 
 def _inconsistent(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:

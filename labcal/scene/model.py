@@ -61,7 +61,7 @@ class Scene(BaseModel):
     motion: Motion = Motion()
     """Movement of the target during an exposure."""
     shutter: ShutterKind = ShutterKind.GLOBAL
-    """Whether all rows of a picture are exposed at once."""
+    """Exposure of the rows: all at once, or one after another."""
     readout_ms: Amount = 0.0
     """With a rolling shutter, the time from the first row's exposure to the last one's."""
     mistake: Mistake | None = None

@@ -72,7 +72,7 @@ class Photometry(BaseModel):
     tone_curve: ToneCurve = ToneCurve.SRGB
     """Curve from light to the values of the picture; `linear` is none."""
     stage: Stage = Stage.PICTURE
-    """What is delivered: a developed picture, or the converter's raw codes."""
+    """Delivered data: a developed picture, or the converter's raw codes."""
     bits: Literal[8, 16] = 8
     """Bits of a delivered value; a raw picture always has 16."""
     format: PictureFormat = PictureFormat.JPEG

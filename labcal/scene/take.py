@@ -68,7 +68,7 @@ class Take:
         """Return the rows on which points of the target are imaged, each at its own time."""
         return np.asarray(self.device.project(self.track.carried(p, seconds)).q[..., 1])
 
-    def image(self, p: Vectors3) -> Projection:
+    def project(self, p: Vectors3) -> Projection:
         """Return the pixels of points of the target, at the middle of the exposure of their own row.
 
         Parameters

@@ -29,7 +29,7 @@ def true_dots(scene: Scene, made: TruePrint, take: Take) -> TrueDots:
         the board is seen from its front, and nothing solid is in the way of any part of the dot (in the
         middle of the frame). A dot that no row sees is where it is in the middle of the frame.
     """
-    images = outlined_images(take.image, made.centres, made.outlines)
+    images = outlined_images(take.project, made.centres, made.outlines)
     hidden = unseen(scene, made, take.track.T_world_target, viewpoints(take.device, images))
     return TrueDots(
         view=take.view,

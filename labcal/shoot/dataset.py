@@ -31,7 +31,7 @@ class Shoot(PublicObject):
 
     @classmethod
     def load(cls, folder: AnyPath) -> "Shoot":
-        """Open a shoot; as :func:`open_shoot`, where errors are told."""
+        """Open a shoot; as :func:`open_shoot`, which lists its errors."""
         return open_shoot(folder)
 
     def plot(self) -> "matplotlib.figure.Figure":
@@ -47,9 +47,9 @@ class Shoot(PublicObject):
         return shoot_figure(self)
 
     def _summary(self) -> Mapping[str, object]:
-        told: dict[str, object] = {"folder": self.folder.as_posix(), "target": self.target.name}
-        told["cameras"] = list(self.cameras)
-        return {**told, "train": len(self.views(Role.TRAIN)), "test": len(self.views(Role.TEST))}
+        summary: dict[str, object] = {"folder": self.folder.as_posix(), "target": self.target.name}
+        summary["cameras"] = list(self.cameras)
+        return {**summary, "train": len(self.views(Role.TRAIN)), "test": len(self.views(Role.TEST))}
 
     @property
     def target(self) -> AnyTarget:

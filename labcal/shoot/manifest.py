@@ -40,7 +40,7 @@ class ViewEntry(BaseModel):
     images: Annotated[dict[Name, RelativePath], Field(min_length=1)]
     """Picture by camera, relative to the shoot's folder."""
     role: Role
-    """Whether methods learn from the view, or are tested with it."""
+    """Use of the view: methods are fitted to it, or tested with it."""
     T_world_target_nominal: PoseRecord | None
     """Pose that the stage reports, mm; null for a hand-held target."""
 

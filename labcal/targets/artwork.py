@@ -76,7 +76,7 @@ class Artwork:
 def export_artwork(
     target: AnyTarget, path: AnyPath, *, dpi: int | None = None, force: bool = False
 ) -> Artwork:
-    """Write a target as a file to print; the ending of the name says which format.
+    """Write a target as a file to print; the ending of the name determines the format.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ FOLDER = "calib_targets"
 
 
 def _kind(content: dict[str, Any]) -> TargetKind:
-    """Return which kind of target a description is of; grids of dots do not say so."""
+    """Return which kind of target a description is of; grids of dots do not state it."""
     name = content.get("kind", PLAIN)
     if not isinstance(name, str) or (name == PLAIN and "kind" in content):
         named = ", ".join(kind for kind in target_kinds() if kind != PLAIN)

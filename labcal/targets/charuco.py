@@ -15,7 +15,7 @@ Squares = Annotated[int, Field(ge=3, le=200)]
 
 
 class Pattern(StrEnum):
-    """Which square of the chessboard is black; the two differ where the number of rows is even."""
+    """Place of the black squares of the chessboard; the two differ if the number of rows is even."""
 
     CURRENT = "current"
     """The upper left one, always: OpenCV from 4.6 on."""
@@ -90,7 +90,7 @@ class CharucoBoard(BaseModel):
     dictionary: MarkerDictionary
     """OpenCV's name of the dictionary of the markers."""
     pattern: Pattern = Pattern.CURRENT
-    """Which squares are black where the number of rows of squares is even."""
+    """Place of the black squares if the number of rows of squares is even."""
     margin_mm: Margin = 0.0
     """Bare board around the chessboard."""
 
@@ -191,11 +191,11 @@ class CharucoBoard(BaseModel):
         return np.concatenate([wanted * self.square_mm, np.zeros((len(wanted), 1))], axis=-1)
 
     def outer_diameters_mm(self) -> Lengths:
-        """Return zeros: a corner has no extent, and its image no bias."""
+        """Return zeros: a corner has no extent, and its image no eccentricity."""
         return np.zeros(self.count)
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:  # noqa: ARG002 -- as of every target
-        """Return nothing: the markers tell every way up from all others."""
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:  # noqa: ARG002 -- as of every target
+        """Return nothing: the markers distinguish every orientation from all others."""
         return ()
 
     def from_opencv(self, ids: Int[np.ndarray, " n"]) -> DotIndices:

@@ -40,7 +40,7 @@ def opencv_board(board: CharucoBoard) -> cv2.aruco.CharucoBoard:
 
 
 def markers(board: CharucoBoard) -> Markers:
-    """Return where a board's markers are and what they look like."""
+    """Return the places and the cells of a board's markers."""
     made = opencv_board(board)
     dictionary = opencv_dictionary(board.dictionary)
     cells = dictionary.markerSize + 2

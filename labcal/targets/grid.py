@@ -1,4 +1,4 @@
-"""The dot grid: where the dots are, how large, and which of them, if any, are rings."""
+"""The dot grid: places and sizes of the dots, and the rings among them, if any."""
 
 import math
 from enum import StrEnum
@@ -15,14 +15,14 @@ GridIndex = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
 
 
 class Polarity(StrEnum):
-    """Which is darker, the dots or the board."""
+    """Polarity of the print: dark dots on a light board or the reverse."""
 
     BLACK_ON_WHITE = "black-on-white"
     WHITE_ON_BLACK = "white-on-black"
 
 
 class Layout(StrEnum):
-    """How the rows lie to each other."""
+    """Arrangement of the rows."""
 
     SYMMETRIC = "symmetric"
     """Column above column."""
@@ -79,7 +79,7 @@ class DotGrid(BaseModel):
     description: str = ""
     """Description of the target, for people."""
     layout: Layout = Layout.SYMMETRIC
-    """Whether odd rows are shifted by half a pitch."""
+    """Arrangement of the rows: odd ones may be shifted by half a pitch."""
     cols: Annotated[int, Field(ge=2, le=1000)]
     """Dots in a row."""
     rows: Annotated[int, Field(ge=2, le=1000)]
@@ -95,9 +95,9 @@ class DotGrid(BaseModel):
     ring_inner_diameter_mm: Length | None = None
     """Diameter of the hole of a ring."""
     polarity: Polarity = Polarity.BLACK_ON_WHITE
-    """Whether dots are dark on a light board or light on a dark one."""
+    """Polarity: dots are dark on a light board or light on a dark one."""
     rings: Rings | None
-    """None, which has to be said, where all dots are alike."""
+    """None, which has to be stated, if all dots are alike."""
     margin_mm: Margin = 0.0
     """Bare board around the centres of the outermost dots."""
 
@@ -162,7 +162,7 @@ class DotGrid(BaseModel):
 
     @property
     def is_white_on_black(self) -> bool:
-        """Whether dots are lighter than the board."""
+        """True if dots are lighter than the board."""
         return self.polarity is Polarity.WHITE_ON_BLACK
 
     @property
@@ -208,7 +208,7 @@ class DotGrid(BaseModel):
 
     @property
     def _row_shift_mm(self) -> float:
-        """How far rows with an odd number are shifted to the right."""
+        """Shift of rows with an odd number to the right."""
         return 0.5 * self.pitch_x_mm if self.layout is Layout.ASYMMETRIC else 0.0
 
     @property
@@ -222,7 +222,7 @@ class DotGrid(BaseModel):
         return self.ring_indices or tuple((col, row) for row in range(self.rows) for col in range(self.cols))
 
     def holds(self, col: int, row: int) -> bool:
-        """Tell whether the declared grid has a dot of this index."""
+        """Return whether the declared grid has a dot of this index."""
         return 0 <= col < self.cols and 0 <= row < self.rows
 
     def indices(self) -> DotIndices:
@@ -256,14 +256,14 @@ class DotGrid(BaseModel):
             diameters[row * self.cols + col] = self.ring_outer_diameter_mm
         return diameters
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
-        """Return what dots would be called if the whole target were turned so that it looks the same.
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+        """Return (col, row) of dots under every turn after which the whole target looks the same.
 
         With rings it never does. All dots alike, a symmetric grid looks the same after half a turn, and a
         square one after a quarter. An asymmetric one does after half a turn where it has an even number of
         rows; with an odd number the first and the last row are both unshifted, and half a turn would shift
-        both, so that each way up is told from the other. No quarter turn takes it to itself: of a square that
-        holds it, one diagonal ends on dots and the other does not.
+        both, so that the two orientations differ. No quarter turn maps it to itself: of a square that holds
+        it, one diagonal ends on dots and the other does not.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Where the dots of one copy of a target really are: the file of ``labcal calibrate --free-dots``."""
+"""True places of the dots of one copy of a target: the file of ``labcal calibrate --free-dots``."""
 
 from collections.abc import Callable
 from typing import Annotated, Literal
@@ -36,9 +36,9 @@ class DotPlace(BaseModel):
     cov_yz: float
     cov_zz: float
     pictures: Annotated[int, Field(ge=0, le=1_000_000)]
-    """In how many pictures it was measured."""
+    """Number of pictures in which it was measured."""
     freed: bool
-    """Whether the place was estimated; else it is the declared one, with a covariance of 0."""
+    """True if the place was estimated; else it is the declared one, with a covariance of 0."""
 
 
 class DotPlaces(BaseModel):
@@ -55,7 +55,7 @@ class DotPlaces(BaseModel):
     dots: tuple[DotPlace, ...]
     """Dots with their places on the print."""
     calibrated_on: tuple[str, ...] = ()
-    """Names of the views that tell the places: lengths in these are no check of it."""
+    """Names of the views that determine the places: lengths in these are no check of it."""
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_there(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:

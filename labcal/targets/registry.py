@@ -27,7 +27,7 @@ class TargetKind:
     Attributes
     ----------
     name : str
-        What the key `kind` of its descriptions says.
+        Value of the key `kind` of its descriptions.
     model : type
         The description: a pydantic model that is a :class:`~labcal.targets.target.PrintableTarget`.
     detector : callable or str
@@ -145,8 +145,8 @@ def register_target(kind: TargetKind) -> TargetKind:
         )
     if "kind" not in fields:
         raise InputError(
-            f"Descriptions of '{kind.name}' are told by their key 'kind', which its model lacks: give it "
-            f"kind: Literal['{kind.name}']."
+            f"Descriptions of '{kind.name}' are recognised by their key 'kind', which its model lacks: give "
+            f"it kind: Literal['{kind.name}']."
         )
     _KINDS[kind.name] = kind
     return kind

@@ -1,4 +1,4 @@
-"""What is printed on a board, as outlines in millimetres in the target's frame."""
+"""Outlines of the print of a board, in millimetres in the target's frame."""
 
 import numpy as np
 from matplotlib.path import Path as Outline

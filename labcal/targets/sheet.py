@@ -1,4 +1,4 @@
-"""The sheet that a target is printed on: where the board, the ruler and the captions are."""
+"""The sheet that a target is printed on: places of the board, the ruler and the captions."""
 
 from dataclasses import dataclass
 
@@ -49,7 +49,7 @@ class Caption:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is on the paper, in the target's frame: millimetres, x right, y up, from dot (0, 0).
+    """Content of the paper, in the target's frame: millimetres, x right, y up, from dot (0, 0).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What every target is to those who measure with it: numbered places on a flat board."""
+"""Protocols of targets: numbered places on a flat board, and their print."""
 
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -10,16 +10,16 @@ class Target(Protocol):
     """A flat board with places numbered (col, row): the dots of a grid, or the corners of a chessboard.
 
     The frame is the same for all: x right along columns, y up along rows, z out of the board, (0, 0) at the
-    lower left and the origin. "Dot" stands for either kind wherever the two are not told apart.
+    lower left and the origin. "Dot" stands for either kind wherever the two need not be distinguished.
     """
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the target."""
 
     @property
     def description(self) -> str:
-        """What it is, for people."""
+        """Description of the target, for people."""
 
     @property
     def cols(self) -> int:
@@ -46,16 +46,16 @@ class Target(Protocol):
     def outer_diameters_mm(self) -> Lengths:
         """Return every dot's outer diameter in mm, in the order of :meth:`indices`; 0 for a corner.
 
-        Where it is 0, the centre of the image is the image of the centre, and there is no bias to correct.
+        Where it is 0, the centre of the image is the image of the centre, and there is no eccentricity.
         """
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return (col, row) of dots under every turn after which the target looks the same; often nothing."""
 
 
 @runtime_checkable
 class PrintableTarget(Target, Protocol):
-    """A target as its description in a file: what is printed of it, beside where its dots are."""
+    """A target as its description in a file: its print, beside the places of its dots."""
 
     @property
     def margin_mm(self) -> float:
@@ -63,19 +63,19 @@ class PrintableTarget(Target, Protocol):
 
     @property
     def least_margin_mm(self) -> float:
-        """What the margin has to be for the outermost dots not to be cut."""
+        """Least margin with which the outermost dots are not cut."""
 
     @property
     def place_name(self) -> str:
-        """What people call one of its places: a dot, or a corner."""
+        """Name of one of its places: a dot, or a corner."""
 
     @property
     def is_white_on_black(self) -> bool:
-        """Whether what is printed is lighter than the board."""
+        """True if the print is lighter than the board."""
 
     @property
     def captions(self) -> tuple[str, str]:
-        """What it is, and how large: the text beside the print."""
+        """Description and size: the text beside the print."""
 
     @property
     def sizes(self) -> tuple[str, str]:

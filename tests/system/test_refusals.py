@@ -131,7 +131,7 @@ def test_a_picture_of_another_size_is_told(labcal: Run, copy: Path, tmp_path: Pa
     (copy / "shoot.json").write_text(json.dumps(manifest))
     told = labcal("detect", copy, "-o", tmp_path / "dots.csv", "--workers", 1)
     assert told.status == 1
-    assert "is 640 x 480, but the shoot says that camera 'left' takes 320 x 240" in str(told.document)
+    assert "is 640 x 480, but the shoot states that camera 'left' takes 320 x 240" in str(told.document)
 
 
 def test_nothing_usable_is_status_2(labcal: Run, copy: Path, empty: Path) -> None:

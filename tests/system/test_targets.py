@@ -64,7 +64,7 @@ def test_grids_without_rings_are_rendered_and_found(
         found = dots.where(dots.ok & (dots.view == picture.view) & (dots.camera == picture.camera))
         assert len(found) == target.count
         misses = []
-        for index in (found.index, *target.lookalikes(found.index)):
+        for index in (found.index, *target.symmetric_indices(found.index)):
             number = index[:, 1] * target.cols + index[:, 0]
             misses.append(np.linalg.norm(found.position - picture.centroid[number], axis=1).max())
         assert min(misses) < 0.4

@@ -28,7 +28,7 @@ from labcal.targets.grid import DotGrid
 See = Callable[..., Detections]
 Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
-CENTRES = HandheldSettings(bias_rounds=0)
+CENTRES = HandheldSettings(eccentricity_rounds=0)
 TESTED = ("pose-6", "pose-7")
 
 
@@ -193,7 +193,7 @@ def test_a_rig_keeps_what_it_was_calibrated_from(shoot: Shoot, dots: Detections,
     assert read_rig(tmp_path / "rig.json") == made.rig
     write_rig(tmp_path / "plain.json", made.found.rig)
     assert "calibrated_on" not in (tmp_path / "plain.json").read_text()
-    kept = HandheldSettings(bias_rounds=0, start=made.rig, lenses=Lenses.FIXED)
+    kept = HandheldSettings(eccentricity_rounds=0, start=made.rig, lenses=Lenses.FIXED)
     moved = pipeline.calibrate(shoot, dots, None, kept, hold_out=["pose-0"])
     assert set(moved.rig.calibrated_on) == set(made.rig.calibrated_on)  # its lenses have seen pose-0
     assert command("convert", tmp_path / "rig.json", tmp_path / "left.json", "--only", "left")[0] == 0
@@ -240,7 +240,7 @@ def test_every_verb_that_takes_loose_pictures_asks_which_cameras_took_them(
         assert "--cameras '*=camera'" in told["error"]["message"]
         assert not (tmp_path / "out").exists()
         status, told, _ = command(*words, "--cameras", "*=camera", "-o", tmp_path / "out")
-        assert "names tell" not in json.dumps(told)
+        assert "names are those of" not in json.dumps(told)
 
 
 def _target(shoot: Shoot, folder: Path) -> Path:

@@ -66,7 +66,7 @@ def bias_checks(seed: int) -> list[Check]:
     noise = NOISE_PX * generator(seed, "bench bias", "noise").standard_normal((VIEWS, target.count, 2))
     of_centroids = seen([image.centroid for image in images], images, noise, target)
     of_centres = seen([image.centre for image in images], images, noise, target)
-    as_centres = HandheldSettings(bias_rounds=0)
+    as_centres = HandheldSettings(eccentricity_rounds=0)
     raw = calibrate_handheld(of_centroids, target, LENS, as_centres)
     corrected = calibrate_handheld(of_centroids, target, LENS)
     ideal = calibrate_handheld(of_centres, target, LENS, as_centres)

@@ -62,7 +62,7 @@ def dot_visibility(scene: Scene, take: Take, clear_px: float) -> DotVisibility:
         Distance of a measurable dot from the frame and from any occluder.
     """
     made = TruePrint.of(scene.target, scene.board, 0)
-    images = outlined_images(take.image, made.centres, made.outlines)
+    images = outlined_images(take.project, made.centres, made.outlines)
     away = np.linalg.norm(images.outline - images.centroid[:, None], axis=-1)
     minor = away.min(axis=1)
     T_world_target = take.track.T_world_target

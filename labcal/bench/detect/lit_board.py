@@ -73,7 +73,7 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
     light = _blurred(scene.with_spp(spp), stage.take.track.T_world_target, seed)
     number = np.flatnonzero(seen.measurable & ~seen.ring)
     number = np.sort(generator(seed, design.name, "dots").permutation(number)[:MOST_DOTS])
-    shape = outline_shapes(stage.take.image(made.outlines).q[number])
+    shape = outline_shapes(stage.take.project(made.outlines).q[number])
     bounds = [
         centre_bound(_imaged(design, seen, int(one), S), 1.0) for one, S in zip(number, shape, strict=True)
     ]

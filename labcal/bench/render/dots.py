@@ -124,7 +124,7 @@ class _Whole:
 
 def _whole(scene: Scene, take: Take, seen: TrueDots, radius_px: float) -> _Whole:
     """Return the dots that are whole in the picture with room around them; no rings."""
-    outline = take.image(TruePrint.of(scene.target, scene.board, 0).outlines).q
+    outline = take.project(TruePrint.of(scene.target, scene.board, 0).outlines).q
     room = (outline >= GAP_PX).all(axis=(1, 2))
     room &= (outline <= np.array(take.device.size) - 1 - GAP_PX).all(axis=(1, 2))
     ring = np.zeros(scene.target.count, dtype=bool)

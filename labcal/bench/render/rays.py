@@ -28,12 +28,12 @@ def ray_checks(seed: int) -> list[Check]:
     for size_name, size in SIZES.items():
         for name in OPTICS:
             camera = description(name, size, PLACE).camera()
-            worst = _worst_miss(camera, generator(seed, "bench rays", name, size_name))
+            worst = _worst_distance(camera, generator(seed, "bench rays", name, size_name))
             checks.append(at_most(f"rays of {name}, {size_name}, px", worst, LIMIT_PX))
     return checks
 
 
-def _worst_miss(camera: Camera, random: np.random.Generator) -> float:
+def _worst_distance(camera: Camera, random: np.random.Generator) -> float:
     """Return the largest distance in px between pixels and their rays projected back."""
     width, height = camera.size
     q = random.uniform([-0.5, -0.5], [width - 0.5, height - 0.5], (RAYS, 2))

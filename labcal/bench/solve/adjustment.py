@@ -17,7 +17,7 @@ from labcal.calibrate.adjustment.rounds import DAMPING, STOPPING
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_start import start_from_camera
-from labcal.calibrate.rig_start import LoneCamera, rig_start
+from labcal.calibrate.rig_start import SingleCamera, rig_start
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.solution import Solution
 from labcal.report.bench import Check, Figure, at_most
@@ -73,12 +73,12 @@ def _compare_with_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figu
 
     def ours() -> Solution[RigState]:
         with one_blas_thread():
-            lone = []
+            single = []
             for name, lens, of_camera in zip(CAMERAS, lenses, pictures, strict=True):
                 start = start_from_camera(of_camera, TARGET, lens)
-                lone.append(LoneCamera(name, start.camera, np.arange(SIZES[0]), start.T_cam_target))
+                single.append(SingleCamera(name, start.camera, np.arange(SIZES[0]), start.T_cam_target))
             problem = AdjustmentProblem(replace(held.observations), _FIXED_DOTS)
-            return minimize(problem, rig_start(lone, TARGET.points()), STOPPING, DAMPING)
+            return minimize(problem, rig_start(single, TARGET.points()), STOPPING, DAMPING)
 
     def theirs() -> float:
         (first, second), (left, right) = seen, lenses
@@ -89,7 +89,7 @@ def _compare_with_opencv(seed: int, rounds: int) -> tuple[list[Check], list[Figu
         return float(rms)
 
     def whole() -> object:
-        return calibrate_handheld(points, TARGET, "brown5", HandheldSettings(bias_rounds=0))
+        return calibrate_handheld(points, TARGET, "brown5", HandheldSettings(eccentricity_rounds=0))
 
     times = np.array([[_seconds(call) for call in (ours, theirs, whole)] for _ in range(rounds)])
     our_s, their_s, whole_s = times.min(axis=0)

@@ -16,7 +16,7 @@ SHARE = 0.02
 """Of the dots."""
 OFF_PX = (5.0, 50.0)
 SIGMA_LIMIT = 3.0
-_CENTRES = HandheldSettings(bias_rounds=0)
+_CENTRES = HandheldSettings(eccentricity_rounds=0)
 _VIEW = "pose-7"
 _LAST = np.array([TARGET.cols - 1, TARGET.rows - 1])
 

@@ -108,8 +108,8 @@ def _behind_waves(T_cam_world: Pose, seed: int, number: int) -> Camera:
                 amplitude_px=amplitude, period_px=_PERIOD_PX, direction_deg=float(direction), phase_deg=phase
             )
         )
-    pane = WavyWindow(waves=tuple(waves))
-    return Camera(_matrix(FOCAL_PX), "pinhole", _NO_LENS, T_cam_world, SIZE, window=pane)
+    window = WavyWindow(waves=tuple(waves))
+    return Camera(_matrix(FOCAL_PX), "pinhole", _NO_LENS, T_cam_world, SIZE, window=window)
 
 
 def _in_water(T_cam_world: Pose, _seed: int, _number: int) -> Camera:

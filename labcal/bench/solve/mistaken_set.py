@@ -87,7 +87,7 @@ def evaluated_set(wanted: SetOfPictures) -> SetFigures:
         swapped = mistake is Mistake.SWAPPED_CAMERAS
         dots = _exchanged(good) if swapped else _detected(wanted, mistake)
         mistakes[mistake] = _figures(dots, target, cause, usual)
-    return SetFigures(accused=_told(calibrated), mistakes=mistakes)
+    return SetFigures(accused=_reported(calibrated), mistakes=mistakes)
 
 
 def _figures(dots: Detections, target: AnyTarget, cause: CauseName, usual: float) -> MistakeFigures:
@@ -99,13 +99,13 @@ def _figures(dots: Detections, target: AnyTarget, cause: CauseName, usual: float
         return MistakeFigures(told=True, named=named, lengths=float("nan"))
     doubt = found.disagreement
     return MistakeFigures(
-        told=_told(found),
+        told=_reported(found),
         named=doubt is not None and doubt.causes[0].cause is cause,
         lengths=_length_error(found, dots, target) / usual,
     )
 
 
-def _told(found: HandheldCalibration) -> bool:
+def _reported(found: HandheldCalibration) -> bool:
     return found.disagreement is not None or bool(found.skipped)
 
 

@@ -26,7 +26,7 @@ from labcal.bench.solve.mrcal_programs import (
     reprojected,
 )
 from labcal.calibrate.adjustment.state import Lenses
-from labcal.calibrate.centre_bias import ROUNDS
+from labcal.calibrate.eccentricity import ROUNDS
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.mrcal import write_mrcal
@@ -119,18 +119,20 @@ def _real(home: Path, folder: Path) -> list[tuple[float, float] | None]:
 
 
 def _held_out(
-    training: Detections, test: Detections, target: AnyTarget, bias_rounds: int, folder: Path
+    training: Detections, test: Detections, target: AnyTarget, eccentricity_rounds: int, folder: Path
 ) -> tuple[float, float] | None:
     """Return the held-out RMS of labcal's and of mrcal's camera, px; None where mrcal finds none."""
     make_folder(folder)
-    ours = calibrate_handheld(training, target, LENS, HandheldSettings(bias_rounds=bias_rounds)).rig
+    ours = calibrate_handheld(
+        training, target, LENS, HandheldSettings(eccentricity_rounds=eccentricity_rounds)
+    ).rig
     # From where it can hardly go wrong: the focal length that labcal has found.
     focal = round(ours.camera(CAMERA).intrinsics[0])
     theirs = calibrated_by_mrcal(training, target, float(focal), folder)
     if theirs is None:
         return None
     held = [
-        HandheldSettings(lenses=Lenses.FIXED, start=rig, bias_rounds=bias_rounds)
+        HandheldSettings(lenses=Lenses.FIXED, start=rig, eccentricity_rounds=eccentricity_rounds)
         for rig in (ours, Rig.of({CAMERA: theirs}))
     ]
     first, second = (calibrate_handheld(test, target, LENS, settings).rms_px for settings in held)

@@ -37,7 +37,7 @@ class DotsAdjusted:
 
 
 def adjust_dots(
-    flat: Adjusted, observations: Observations, target: AnyTarget, lenses: Lenses, bias_rounds: int
+    flat: Adjusted, observations: Observations, target: AnyTarget, lenses: Lenses, eccentricity_rounds: int
 ) -> DotsAdjusted:
     """Free the dots after an adjustment that took them as declared.
 
@@ -53,7 +53,7 @@ def adjust_dots(
         Centroids as measured.
     target : AnyTarget
     lenses : Lenses
-    bias_rounds : int
+    eccentricity_rounds : int
         As in :func:`adjust_in_rounds`.
 
     Raises
@@ -62,7 +62,7 @@ def adjust_dots(
         Too few dots are in enough pictures, or more are than can be free at once, or the target looks the
         same when turned.
     """
-    if target.lookalikes(target.indices()[:1]):
+    if target.symmetric_indices(target.indices()[:1]):
         raise InputError(
             f"The target '{target.name}' looks the same when turned, so views may number its dots "
             "differently. Free the dots of a target with rings, or leave `free_dots` out."
@@ -78,7 +78,7 @@ def adjust_dots(
     hold = _datum_constraint(flat, entering, movable, lenses)
     basis = dot_freedom(flat.state.dots, movable, hold)
     radii = 0.5 * target.outer_diameters_mm()
-    adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, bias_rounds)
+    adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, eccentricity_rounds)
     at = adjusted.layout.dots
     covariance = basis @ adjusted.covariance[at, at] @ basis.T
     dots = FreedDots(

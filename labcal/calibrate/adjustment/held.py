@@ -1,4 +1,4 @@
-"""What no picture tells, held where it is: the freedoms of cameras with parallel rays.
+"""Datum constraints on what no picture determines: the freedoms of cameras with parallel rays.
 
 Such a camera sees neither how far away it is nor, without distortion, its principal point, which Brown's
 decentring stands in for otherwise. So these are held for each. Where the first camera is one, the whole of
@@ -22,10 +22,10 @@ _SAME_AXIS = 1e-6
 
 @dataclass(frozen=True)
 class Held:
-    """What of an adjustment is held."""
+    """Constrained parameters and directions of an adjustment."""
 
     shared: Bool[np.ndarray, " shared"]
-    """Which of the shared parameters."""
+    """True for the shared parameters that are constrained."""
     along: Float64[np.ndarray, "views 3"]
     """By view the direction in the world along which it is held; zeros where it is not."""
 
@@ -56,7 +56,7 @@ class Held:
 
     @property
     def count(self) -> int:
-        """How many parameters are held."""
+        """Number of constraints."""
         return int(self.shared.sum() + self.along.any(axis=1).sum())
 
     def applied(self, blocks: Blocks) -> Blocks:

@@ -13,7 +13,7 @@ from labcal.calibrate.adjustment.outliers import outliers
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.scatter import Scatter
 from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
-from labcal.calibrate.centre_bias import Discs, centre_shift
+from labcal.calibrate.eccentricity import Discs, dot_eccentricities
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.cameras.optics import INTRINSICS
 from labcal.errors import InputError
@@ -43,8 +43,8 @@ class Adjusted:
     """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
     residual: Float64[np.ndarray, "n 2"]
     """Predicted minus measured, px."""
-    shift: Float64[np.ndarray, "n 2"]
-    """Centroid minus centre that was taken off the measured positions, px."""
+    eccentricity: Float64[np.ndarray, "n 2"]
+    """Eccentricity that was subtracted from the measured positions, px."""
     outlier: Bool[np.ndarray, " n"]
     """Mask of outliers, which did not enter."""
     scatter_px: float
@@ -81,7 +81,7 @@ def adjust_in_rounds(
     observations: Observations,
     freedom: Freedom,
     radii: Float64[np.ndarray, " dots"],
-    bias_rounds: int,
+    eccentricity_rounds: int,
 ) -> Adjusted:
     """Adjust, and repeat with eccentricity, variance component and outliers of the previous round.
 
@@ -96,8 +96,9 @@ def adjust_in_rounds(
     freedom : Freedom
     radii : ndarray, shape (dots,)
         Of the dots' outer outlines, mm.
-    bias_rounds : int
-        How often centroid minus centre is predicted and taken off; 0 takes the pixels for images of centres.
+    eccentricity_rounds : int
+        Number of times that the eccentricity is predicted and subtracted; 0 takes the pixels for images of
+        centres.
 
     Raises
     ------
@@ -109,7 +110,7 @@ def adjust_in_rounds(
             "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
             "is the one in the pictures, choose a lens model that suits the lens, or give a rig with `start`."
         )
-    rounds = _Rounds(start, observations, freedom, radii, bias_rounds)
+    rounds = _Rounds(start, observations, freedom, radii, eccentricity_rounds)
     wide = rounds.adjusted(PriorWidth.WIDE)
     if freedom.lenses is Lenses.FIXED or not any(found.is_open for found in wide.lenses):
         return wide
@@ -126,30 +127,30 @@ class _Rounds:
     observations: Observations
     freedom: Freedom
     radii: Float64[np.ndarray, " dots"]
-    bias_rounds: int
+    eccentricity_rounds: int
 
     def adjusted(self, width: PriorWidth) -> Adjusted:
         """Adjust in rounds with a prior of the lenses' coefficients."""
-        observations, freedom, bias_rounds = self.observations, self.freedom, self.bias_rounds
+        observations, freedom, eccentricity_rounds = self.observations, self.freedom, self.eccentricity_rounds
         prior = LensPrior.of(self.start, observations, freedom.lenses, width)
         now = _Standing.of(self.start, observations, np.zeros_like(observations.q), freedom)
         # The start may be drawn towards outliers: at first they are only held back.
         loss: Loss = Huber() if now.aside.any() else SQUARES
         entering = np.full(len(observations), fill_value=True)
         reasons: list[StopReason] = []
-        for number in range(max(bias_rounds, 1) + 1 + _MORE_ROUNDS):
-            if 0 < number <= bias_rounds:
-                now = now.shifted(predicted_shift(now.state, observations, self.radii))
+        for number in range(max(eccentricity_rounds, 1) + 1 + _MORE_ROUNDS):
+            if 0 < number <= eccentricity_rounds:
+                now = now.recentred(predicted_eccentricities(now.state, observations, self.radii))
             dots = now.measured.where(entering).scattered(now.extra)
             problem = AdjustmentProblem(dots, freedom, loss, prior)
             solution = minimize(problem, now.state, STOPPING, DAMPING)
-            now = _Standing.of(solution.parameters, observations, now.shift, freedom)
+            now = _Standing.of(solution.parameters, observations, now.eccentricity, freedom)
             settled = bool((entering == ~now.aside).all())
             entering, loss = ~now.aside, SQUARES
             # What does not come near an end is not worth more rounds; photographs did in the third.
             reasons.append(solution.reason)
             hopeless = reasons[-3:] == [StopReason.EPOCHS] * 3
-            if hopeless or (settled and number >= max(bias_rounds, 1)):
+            if hopeless or (settled and number >= max(eccentricity_rounds, 1)):
                 break
         dots = now.measured.where(entering).scattered(now.extra)
         end = AdjustmentProblem(dots, freedom, prior=prior).linearize(now.state)
@@ -158,7 +159,7 @@ class _Rounds:
             layout=end.layout,
             covariance=end.shared_covariance(),
             residual=now.state.residuals(now.measured),
-            shift=now.shift,
+            eccentricity=now.eccentricity,
             outlier=now.aside,
             scatter_px=float(np.sqrt(now.extra)),
             reason=reasons[-1],
@@ -173,9 +174,9 @@ class _Standing:
 
     state: RigState
     measured: Observations
-    """Images of centres, as far as their bias is known."""
-    shift: Float64[np.ndarray, "n 2"]
-    """Centroid minus centre that was taken off, px."""
+    """Images of centres, as far as the eccentricity is known."""
+    eccentricity: Float64[np.ndarray, "n 2"]
+    """Eccentricity that was subtracted, px."""
     aside: Bool[np.ndarray, " n"]
     """Outliers."""
     extra: float
@@ -186,10 +187,14 @@ class _Standing:
 
     @classmethod
     def of(
-        cls, state: RigState, centroids: Observations, shift: Float64[np.ndarray, "n 2"], freedom: Freedom
+        cls,
+        state: RigState,
+        centroids: Observations,
+        eccentricity: Float64[np.ndarray, "n 2"],
+        freedom: Freedom,
     ) -> "_Standing":
         """Find variance component and outliers from the residuals of a state."""
-        measured = centroids.moved(-shift)
+        measured = centroids.moved(-eccentricity)
         residual = state.residuals(measured)
         if not np.isfinite(residual).all():
             raise InputError(
@@ -203,11 +208,13 @@ class _Standing:
         kept = Scatter.of(
             residual[~aside], measured.covariance[~aside], _share(unknowns, int((~aside).sum()))
         )
-        return cls(state, measured, shift, aside, kept.extra_variance())
+        return cls(state, measured, eccentricity, aside, kept.extra_variance())
 
-    def shifted(self, shift: Float64[np.ndarray, "n 2"]) -> "_Standing":
+    def recentred(self, eccentricity: Float64[np.ndarray, "n 2"]) -> "_Standing":
         """Return the state with another eccentricity, and the same variance component and outliers."""
-        return replace(self, measured=self.measured.moved(self.shift - shift), shift=shift)
+        return replace(
+            self, measured=self.measured.moved(self.eccentricity - eccentricity), eccentricity=eccentricity
+        )
 
 
 def _share(unknowns: int, dots: int) -> float:
@@ -215,13 +222,13 @@ def _share(unknowns: int, dots: int) -> float:
     return max(_FEWEST_FREE, 1.0 - unknowns / max(2 * dots, 1))
 
 
-def predicted_shift(
+def predicted_eccentricities(
     state: RigState, observations: Observations, radii: Float64[np.ndarray, " dots"]
 ) -> Float64[np.ndarray, "n 2"]:
     """Return the eccentricity of every observation, px."""
     discs = Discs(state.dots, radii)
-    shift = np.zeros_like(observations.q)
+    eccentricity = np.zeros_like(observations.q)
     for picture in observations.pictures:
         camera, T = state.cameras[picture.camera], state.T_world_target[picture.view]
-        shift[picture.rows] = centre_shift(camera, T, discs, observations.dot[picture.rows])
-    return shift
+        eccentricity[picture.rows] = dot_eccentricities(camera, T, discs, observations.dot[picture.rows])
+    return eccentricity

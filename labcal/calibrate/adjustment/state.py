@@ -60,7 +60,7 @@ class RigState:
         found = np.empty((len(observations), 2))
         for run in observations.runs:
             _, p = self.seen_by(observations, run)
-            found[run.rows] = self.cameras[run.camera].image(p.T).q - observations.q[run.rows]
+            found[run.rows] = self.cameras[run.camera].project_in_camera(p.T).q - observations.q[run.rows]
         return found
 
 

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Int64
 
-from labcal.calibrate.agreeing_views import CalibrateAlone
+from labcal.calibrate.agreeing_views import CalibrateSingle
 from labcal.calibrate.agreement.exchange import exchanged_views, with_exchanged
 from labcal.calibrate.agreement.finding import Cause, CauseName, Disagreement
 from labcal.calibrate.agreement.hypotheses import (
@@ -22,8 +22,8 @@ from labcal.calibrate.agreement.hypotheses import (
     together,
 )
 from labcal.calibrate.agreement.pair import PairAgreement
-from labcal.calibrate.lone_calibration import MIN_VIEWS, CameraAlone
 from labcal.calibrate.rig_start import SharedViews
+from labcal.calibrate.single_calibration import MIN_VIEWS, SingleCalibration
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 
@@ -37,9 +37,9 @@ _MENDED = 0.01
 class Calibrated:
     """Single-camera calibrations, and a way to repeat them."""
 
-    cameras: Sequence[CameraAlone]
+    cameras: Sequence[SingleCalibration]
     entering: Detections
-    again: CalibrateAlone
+    again: CalibrateSingle
     free_dots: bool = False
     """True if dots were freed with these cameras."""
 
@@ -48,7 +48,7 @@ class Calibrated:
         pairs = (PairAgreement.of(one, other) for one, other in combinations(self.cameras, 2))
         return [pair for pair in pairs if pair is not None]
 
-    def camera(self, name: str) -> CameraAlone:
+    def camera(self, name: str) -> SingleCalibration:
         """Return one camera."""
         return next(camera for camera in self.cameras if camera.name == name)
 
@@ -59,7 +59,7 @@ class Calibrated:
 
 def disagreement(found: Calibrated) -> Disagreement | None:
     """Return the likely causes if cameras disagree, or None if they agree."""
-    if any(camera.lone.camera.model.parallel for camera in found.cameras):
+    if any(camera.single.camera.model.parallel for camera in found.cameras):
         return None  # parallel rays alone tell neither depth nor the sign of a tilt
     pairs = found.pairs()
     apart = [pair for pair in pairs if disagrees(pair, len(pairs), freed=found.free_dots)]
@@ -145,7 +145,7 @@ def _lens_misfit(found: Calibrated, pair: PairAgreement, telling: tuple[str, ...
 def _exchanged(found: Calibrated, pair: PairAgreement) -> Cause | None:
     """Return the cause that pictures bear each other's camera's name, where exchanging them mends all."""
     first, second = found.camera(pair.first), found.camera(pair.second)
-    shared = SharedViews.of(first.lone, second.lone)
+    shared = SharedViews.of(first.single, second.single)
     of_views = exchanged_views(first, second, first.result.adjusted.state.dots)
     if of_views is None or not of_views.any():
         return None

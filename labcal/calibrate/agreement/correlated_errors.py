@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.rows import linearised_rows
 from labcal.calibrate.adjustment.state import POSE
-from labcal.calibrate.lone_calibration import AdjustedDots
+from labcal.calibrate.single_calibration import AdjustedDots
 from labcal.optim.robust import SQUARES
 
 _DEGREE = 2
@@ -36,7 +36,7 @@ class SmoothErrors:
     def of(cls, result: AdjustedDots) -> "SmoothErrors":
         """Return the smooth errors of a single-camera calibration."""
         end = result.adjusted
-        dots = result.observations.moved(-end.shift).where(~end.outlier).scattered(end.scatter_px**2)
+        dots = result.observations.moved(-end.eccentricity).where(~end.outlier).scattered(end.scatter_px**2)
         energy, freedom = 0.0, 0.0
         for run in dots.runs:
             rows = linearised_rows(end.layout, dots, run, SQUARES)

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool
 
 from labcal.arrays import Vectors3
-from labcal.calibrate.lone_calibration import CameraAlone
 from labcal.calibrate.rig_start import SharedViews
+from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.calibrate.view_agreement import target_residuals
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import inverse
@@ -18,7 +18,9 @@ _CANDIDATES = 20
 """Views that are tried for a reference."""
 
 
-def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Vectors3) -> Bool[np.ndarray, " n"] | None:
+def exchanged_views(
+    first: SingleCalibration, second: SingleCalibration, dots: Vectors3
+) -> Bool[np.ndarray, " n"] | None:
     """Return the shared views whose pictures seem to be exchanged.
 
     The poses between the cameras of exchanged views are the inverse of the others'. None where the poses of
@@ -27,18 +29,18 @@ def exchanged_views(first: CameraAlone, second: CameraAlone, dots: Vectors3) -> 
 
     Parameters
     ----------
-    first, second : CameraAlone
+    first, second : SingleCalibration
     dots : ndarray, shape (dots, 3)
         Places in the target's frame, mm.
     """
-    shared = SharedViews.of(first.lone, second.lone)
-    if first.lone.camera.size != second.lone.camera.size:
+    shared = SharedViews.of(first.single, second.single)
+    if first.single.camera.size != second.single.camera.size:
         return None
     best: tuple[float, Bool[np.ndarray, " n"]] | None = None
     for at in range(0, len(shared.views), -(-len(shared.views) // _CANDIDATES)):
         T_second_first = shared.second[at] @ inverse(shared.first[at])
-        given = target_residuals(second.lone, T_second_first, shared, dots)
-        other = target_residuals(second.lone, inverse(T_second_first), shared, dots)
+        given = target_residuals(second.single, T_second_first, shared, dots)
+        other = target_residuals(second.single, inverse(T_second_first), shared, dots)
         left = float(np.minimum(given, other).mean())
         if left < _EXCHANGED * float(given.mean()) and (best is None or left < best[0]):
             best = (left, other < given)

@@ -79,7 +79,7 @@ class ContradictionError(InputError):
 
     @property
     def times(self) -> float:
-        """How many times larger variances between views are than errors explain, the worst pair's."""
+        """Variance between views over the variance that errors explain, of the worst pair."""
         return self.disagreement.times
 
     def __reduce__(self) -> tuple[type["ContradictionError"], tuple[Disagreement, float]]:

@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int64
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.correlated_errors import SmoothErrors
 from labcal.calibrate.agreement.relative_poses import RelativePoses
-from labcal.calibrate.lone_calibration import CameraAlone
+from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.distributions import f_tail
 
 _RIDGE = 1e-12
@@ -39,7 +39,7 @@ class PairAgreement:
     smooth: SmoothErrors
 
     @classmethod
-    def of(cls, first: CameraAlone, second: CameraAlone) -> "PairAgreement | None":
+    def of(cls, first: SingleCalibration, second: SingleCalibration) -> "PairAgreement | None":
         """Return that of two cameras, or None where they share fewer than two views or a pose is open."""
         poses = RelativePoses.of(first, second)
         if poses is None or len(poses.views) < 2:  # noqa: PLR2004 -- one view agrees with itself

@@ -9,12 +9,12 @@ from scipy.spatial.transform import Rotation
 from labcal.arrays import Pose
 from labcal.calibrate.adjustment.schur import Reduced
 from labcal.calibrate.adjustment.state import POSE
-from labcal.calibrate.lone_calibration import CameraAlone
 from labcal.calibrate.rig_start import SharedViews, pose_between
+from labcal.calibrate.single_calibration import SingleCalibration
 
 
 @dataclass(frozen=True)
-class LonePoses:
+class SinglePoses:
     """Errors of the target poses of a single-camera calibration, linearised at its result.
 
     A pose's error is its own, which is independent of all others, plus what an error of the lens (and of the
@@ -29,7 +29,7 @@ class LonePoses:
     """Inverse covariance of what is shared."""
 
     @classmethod
-    def of(cls, alone: CameraAlone) -> "LonePoses | None":
+    def of(cls, alone: SingleCalibration) -> "SinglePoses | None":
         """Return it, in the scaled units of the Schur complement; None where dots do not fix a pose."""
         reduced = Reduced.of(alone.result.adjusted.normal)
         if reduced is None:
@@ -55,14 +55,14 @@ class RelativePoses:
     """Inverse covariance of what both cameras' views share: their lenses."""
 
     @classmethod
-    def of(cls, first: CameraAlone, second: CameraAlone) -> "RelativePoses | None":
+    def of(cls, first: SingleCalibration, second: SingleCalibration) -> "RelativePoses | None":
         """Return those of the views that two cameras share; None where there is none or one is open."""
-        poses = LonePoses.of(first), LonePoses.of(second)
-        views, here, there = np.intersect1d(first.lone.views, second.lone.views, return_indices=True)
+        poses = SinglePoses.of(first), SinglePoses.of(second)
+        views, here, there = np.intersect1d(first.single.views, second.single.views, return_indices=True)
         if poses[0] is None or poses[1] is None or len(views) == 0:
             return None
-        usual = pose_between(SharedViews.of(first.lone, second.lone))
-        T_first, T_second = first.lone.T_cam_target[here], second.lone.T_cam_target[there]
+        usual = pose_between(SharedViews.of(first.single, second.single))
+        T_first, T_second = first.single.T_cam_target[here], second.single.T_cam_target[there]
         R = T_second[:, :3, :3] @ T_first[:, :3, :3].transpose(0, 2, 1)
         carried = np.einsum("nij,nj->ni", R, T_first[:, :3, 3])
         turn = Rotation.from_matrix(R @ usual[:3, :3].T).as_rotvec()

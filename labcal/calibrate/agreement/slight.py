@@ -5,18 +5,18 @@ from itertools import combinations
 
 from labcal.calibrate.agreement.hypotheses import inconsistent_views
 from labcal.calibrate.agreement.pair import PairAgreement
-from labcal.calibrate.lone_calibration import CameraAlone
+from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.calibrate.view_agreement import InconsistentPicture, majority_outliers
 
 
-def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[InconsistentPicture]:
+def slight_contradictions(cameras: Sequence[SingleCalibration]) -> list[InconsistentPicture]:
     """Return the pictures of a few views in which cameras do not agree on where the target was.
 
     Only where the other views agree. Of three cameras or more those that agree with each other stay.
 
     Parameters
     ----------
-    cameras : sequence of CameraAlone
+    cameras : sequence of SingleCalibration
         Calibrated each with all its pictures.
     """
     numbers = list(combinations(range(len(cameras)), 2))
@@ -38,6 +38,6 @@ def slight_contradictions(cameras: Sequence[CameraAlone]) -> list[InconsistentPi
         InconsistentPicture(cameras[number].name, view, reasons[view])
         for view, pairs_apart in sorted(against.items())
         for number in majority_outliers(
-            pairs_apart, [n for n, one in enumerate(cameras) if view in one.lone.views]
+            pairs_apart, [n for n, one in enumerate(cameras) if view in one.single.views]
         )
     ]

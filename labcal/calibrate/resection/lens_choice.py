@@ -60,7 +60,7 @@ def chosen_camera(method: str, q: Pixels, p: Vectors3, size: tuple[int, int]) ->
 
 
 def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) -> Camera:
-    """Return a camera of some kind, whose other numbers do not matter.
+    """Return a camera of some kind, whose other parameters do not matter.
 
     Parameters
     ----------
@@ -99,8 +99,8 @@ def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str
     squares = []
     for out in folds(q, np.linalg.norm(transform(whole.camera.T_cam_world, p), axis=1)):
         part = adjusted(whole.placed, q[~out], p[~out], UniformNoise(max(whole.sigma_px, 1e-6)), NEAR)
-        miss = ((part.camera.project(p[out]).q - q[out]) ** 2).sum(axis=1)
-        squares.append(np.where(np.isfinite(miss), miss, np.inf))
+        residual = ((part.camera.project(p[out]).q - q[out]) ** 2).sum(axis=1)
+        squares.append(np.where(np.isfinite(residual), residual, np.inf))
     return _Trial(whole, np.concatenate(squares))
 
 

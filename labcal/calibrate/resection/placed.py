@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, Pixels, PointJacobians, Vectors3
 from labcal.calibrate.adjustment.state import POSE, moved_poses
 from labcal.cameras.camera import Camera
-from labcal.cameras.free_numbers import FreeNumbers
+from labcal.cameras.free_parameters import FreeParameters
 from labcal.geometry.poses import inverse, pose
 
 
@@ -21,7 +21,7 @@ class SeenPoints:
     by_point: PointJacobians
     """(n, 2, 3), by the point in the world, px/mm."""
     by_camera: Float64[np.ndarray, "n 2 free"]
-    """By the camera's pose (turn, rad, and shift, mm) and free numbers."""
+    """By the camera's pose (turn, rad, and shift, mm) and free parameters."""
 
 
 @dataclass(frozen=True)
@@ -39,28 +39,28 @@ class PlacedCamera:
     middle: Float64[np.ndarray, "3"]
 
     @property
-    def numbers(self) -> FreeNumbers:
-        """The camera's free numbers."""
-        return FreeNumbers(self.camera)
+    def free_parameters(self) -> FreeParameters:
+        """The camera's free parameters."""
+        return FreeParameters(self.camera)
 
     @property
     def count(self) -> int:
-        """Pose and free numbers."""
-        return POSE + self.numbers.count
+        """Pose and free parameters."""
+        return POSE + self.free_parameters.count
 
     def seen(self, p: Vectors3) -> SeenPoints:
         """Return the images of world points, mm, with all derivatives."""
         T = self.camera.T_cam_world
         R = T[:3, :3]
         p_cam = p @ R.T + T[:3, 3]
-        found = self.numbers.imaged(p_cam)
+        found = self.free_parameters.imaged(p_cam)
         arm = (p - self.middle) @ R.T
         by_turn = np.cross(arm[:, None, :], found.by_point)
         by_camera = np.concatenate([by_turn, found.by_point, found.by_camera], axis=2)
         return SeenPoints(found.q, found.ok, found.by_point @ R, by_camera)
 
     def moved(self, step: Float64[np.ndarray, " free"]) -> "PlacedCamera":
-        """Return it after a step of pose and free numbers.
+        """Return it after a step of pose and free parameters.
 
         Raises
         ------
@@ -69,5 +69,5 @@ class PlacedCamera:
         """
         to_middle = pose(np.eye(3), self.middle)
         T_cam_middle = moved_poses((self.camera.T_cam_world @ to_middle)[None], step[None, :POSE])[0]
-        camera = self.numbers.moved(step[POSE:])
+        camera = self.free_parameters.moved(step[POSE:])
         return PlacedCamera(replace(camera, T_cam_world=T_cam_middle @ inverse(to_middle)), self.middle)

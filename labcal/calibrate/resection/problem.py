@@ -27,7 +27,7 @@ class ResectionProblem:
         World points, mm.
     whitening : Whitening
     prior : float64 array, (free,)
-        Inverse variances of pose and free numbers, 0 for all but a lens's coefficients: about those of the
+        Inverse variances of pose and free parameters, 0 for all but a lens's coefficients: about those of the
         lens without distortion.
     """
 
@@ -41,17 +41,17 @@ class ResectionProblem:
         residual = parameters.camera.project(self.p).q - self.q
         if not np.isfinite(residual).all():
             return float("inf")
-        numbers = parameters.numbers.deviations
-        return float((self.whitening.whiten(residual) ** 2).sum() + self.prior[POSE:] @ numbers**2)
+        deviations = parameters.free_parameters.deviations
+        return float((self.whitening.whiten(residual) ** 2).sum() + self.prior[POSE:] @ deviations**2)
 
     def linearize(self, parameters: PlacedCamera) -> "ResectionEquations":
         """Return the normal equations at a camera."""
         seen = parameters.seen(self.p)
         J = self.whitening.whiten(seen.by_camera).reshape(-1, parameters.count)
         residual = self.whitening.whiten(seen.q - self.q).ravel()
-        numbers = np.concatenate([np.zeros(POSE), parameters.numbers.deviations])
+        deviations = np.concatenate([np.zeros(POSE), parameters.free_parameters.deviations])
         return ResectionEquations(
-            parameters, J.T @ J + np.diag(self.prior), J.T @ residual + self.prior * numbers
+            parameters, J.T @ J + np.diag(self.prior), J.T @ residual + self.prior * deviations
         )
 
 
@@ -106,7 +106,7 @@ class ResectionEquations:
 
 
 def lens_prior(at: PlacedCamera, p: Vectors3, width: PriorWidth) -> Float64[np.ndarray, " free"]:
-    """Return the inverse variances of a camera's pose and free numbers: those of its lens.
+    """Return the inverse variances of a camera's pose and free parameters: those of its lens.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def lens_prior(at: PlacedCamera, p: Vectors3, width: PriorWidth) -> Float64[np.n
     width : PriorWidth
     """
     prior = np.zeros(at.count)
-    own = at.numbers.coefficients
+    own = at.free_parameters.coefficients
     where = slice(POSE + own.start, POSE + own.stop)
     effect = np.abs(at.seen(p).by_camera[:, :, where]).max(axis=(0, 1), initial=0.0)
     prior[where] = coefficient_weights(at.camera, effect, width)

@@ -35,7 +35,7 @@ class ResectedCamera:
     ----------
     placed : PlacedCamera
     covariance : float64 array, (free, free)
-        Of pose and free numbers.
+        Of pose and free parameters.
     residual : float64 array, (n, 2)
         Predicted minus measured, px.
     sigma_px : float
@@ -54,7 +54,7 @@ class ResectedCamera:
 
     def lens(self, whitening: Whitening) -> FoundLens:
         """Return the camera with the covariance of its coefficients, by the scatter of its residuals."""
-        own = self.placed.numbers.coefficients
+        own = self.placed.free_parameters.coefficients
         at = slice(POSE + own.start, POSE + own.stop)
         freedom = max(1, self.residual.size - self.placed.count)
         scatter = float((whitening.whiten(self.residual) ** 2).sum()) / freedom

@@ -32,7 +32,7 @@ def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Ca
     p : ndarray, shape (n, 3)
         World points, mm, not all on one plane.
     kinds : sequence of Camera
-        Of each the size, lens, prescription and window; other numbers do not matter.
+        Of each the size, lens, prescription and window; other parameters do not matter.
 
     Raises
     ------
@@ -53,9 +53,9 @@ def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Ca
         if kind.model.rectilinear:
             candidates.append(_linear(q, p, kind))
     kept = _KEPT if len(kinds) == 1 else _KEPT_OF_SEVERAL
-    misses = [np.inf if camera is None else _miss(camera, q, p) for camera in candidates]
-    order = np.argsort(misses, kind="stable")[:kept]
-    starts = [candidates[i] for i in order if np.isfinite(misses[i])]
+    residuals = [np.inf if camera is None else _residual(camera, q, p) for camera in candidates]
+    order = np.argsort(residuals, kind="stable")[:kept]
+    starts = [candidates[i] for i in order if np.isfinite(residuals[i])]
     if not starts:
         raise InputError(
             "resection: no camera sees the dots anywhere near their pixels; check that columns and dots "
@@ -96,7 +96,7 @@ def camera_with_field(kind: Camera, field: float) -> Camera:
     Parameters
     ----------
     kind : Camera
-        Size, lens, prescription and window; its other numbers do not matter.
+        Size, lens, prescription and window; its other parameters do not matter.
     field : float
         Below a right angle for a rectilinear lens.
     """
@@ -136,7 +136,7 @@ def _linear(q: Pixels, p: Vectors3, kind: Camera) -> Camera | None:
     return replace(kind, K=K, dist=undistorted_dist(kind.model), T_cam_world=pose(R, t))
 
 
-def _miss(camera: Camera, q: Pixels, p: Vectors3) -> float:
+def _residual(camera: Camera, q: Pixels, p: Vectors3) -> float:
     """Return the root mean square distance, px; infinite where points cannot be imaged."""
     found = camera.project(p)
     if not found.ok.all():

@@ -22,7 +22,7 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     SourceText,
 )
-from labcal.cameras.interop.lens_numbers import (
+from labcal.cameras.interop.lens_parameters import (
     camera_record,
     fisheye_coefficients,
     fisheye_lens,
@@ -69,7 +69,7 @@ def recognises(text: str) -> bool:
 
 
 def read_colmap(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
-    """Read the texts of one folder; each camera must have taken one image, which tells where it is.
+    """Read the texts of one folder; each camera must have taken one image, which gives its pose.
 
     Raises
     ------

@@ -23,12 +23,12 @@ from labcal.run.claims import claim_outputs
 
 @dataclass(frozen=True)
 class ConvertSettings:
-    """What the files to convert do not say themselves, and what is wanted of them."""
+    """Facts that the files to convert do not state, and options of the conversion."""
 
     from_format: str | None = None
-    """Told by the content where left out."""
+    """Recognised by the content if left out."""
     to_format: str | None = None
-    """Told by the ending of the output where that is clear."""
+    """Determined by the ending of the output if that is clear."""
     only: Sequence[str] = ()
     """These cameras alone, in this order; all where empty."""
     target: str | None = None
@@ -40,7 +40,7 @@ class ConvertSettings:
     unit: str | None = None
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
-    """Of OpenCV's files with four coefficients that do not say it: ``brown5`` or ``fisheye-kb4``."""
+    """Of OpenCV's files with four coefficients that do not state it: ``brown5`` or ``fisheye-kb4``."""
 
     def refuse(self, names: Iterable[str], why: str) -> None:
         """Raise where something is given that would be dropped.
@@ -48,7 +48,7 @@ class ConvertSettings:
         Raises
         ------
         InputError
-            It is; `why`, which begins with a verb, tells what it goes with.
+            It is; `why`, which begins with a verb, states what it goes with.
         """
         for name in names:
             if getattr(self, name) not in (None, ()):
@@ -57,7 +57,7 @@ class ConvertSettings:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Conversion(PublicObject):
-    """What became of files that were converted; the JSON document of ``labcal convert``."""
+    """Result of a conversion; the JSON document of ``labcal convert``."""
 
     source: str
     """Format of what was read."""
@@ -68,13 +68,13 @@ class Conversion(PublicObject):
     points: int | None
     """Of detections; null for cameras."""
     unit: str | None
-    """What lengths in the files of cameras that were read were taken for; labcal's own are in mm."""
+    """Unit that was assumed of lengths in the files of cameras that were read; labcal's own are in mm."""
     baseline_mm: float | None
     """From the first camera to the second, of those that were read; null for one camera and detections."""
     notes: list[str]
-    """What the reader of the files should know."""
+    """Notes for the reader of the files."""
     inconsistent: list[str]
-    """Why the views that a rig was calibrated from contradict each other, the likeliest cause first."""
+    """Causes of contradictions between the views that a rig was calibrated from, the likeliest first."""
 
     def _summary(self) -> Mapping[str, object]:
         of = {"cameras": self.cameras} if self.points is None else {"points": self.points}

@@ -24,7 +24,7 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     SourceText,
 )
-from labcal.cameras.interop.lens_numbers import camera_record, held_coefficients, perspective_lens
+from labcal.cameras.interop.lens_parameters import camera_record, held_coefficients, perspective_lens
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
 from labcal.cameras.interop.placement import rig_of, rounded_pose
 from labcal.cameras.interop.vic3d import PROJECT, read_project
@@ -151,7 +151,7 @@ def _array(text: str | None) -> list[str]:
 
 
 def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
-    """Return what a camera's list says about its place, mm."""
+    """Return the pose of a camera's list, mm."""
     values = _values(camera)
     t = np.array([finite_number(values.get(key, "0"), key, path) for key in ("TX", "TY", "TZ")])
     for child in camera:

@@ -1,4 +1,4 @@
-"""What passes between a rig and the files of other systems."""
+"""Data that pass between a rig and the files of other systems."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class SourceText:
 
 
 class Unit(Enum):
-    """What lengths in a file are."""
+    """Unit of the lengths in a file."""
 
     MILLIMETRES = "mm"
     METRES = "m"
@@ -31,7 +31,7 @@ class Unit(Enum):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What a person says about files that do not say it themselves."""
+    """Facts that a user gives about files that do not state them."""
 
     size: tuple[int, int] | None = None
     """Width and height of the pictures, px."""
@@ -54,7 +54,7 @@ class ReadRig:
 
     rig: Rig
     notes: tuple[str, ...] = ()
-    """What its reader should know, for people: what was assumed, or changed."""
+    """Notes for people: assumptions and changes."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,11 @@ class RigTexts:
 
     files: tuple[OutputText, ...]
     notes: tuple[str, ...] = ()
-    """What the files do not say as the rig did, for people."""
+    """Notes for people: what the files do not state as the rig did."""
 
 
 class Home(Enum):
-    """Where a format lives on disk."""
+    """Place of a format on disk."""
 
     FILE = "file"
     FOLDER = "folder"
@@ -84,7 +84,7 @@ class Home(Enum):
 
 @dataclass(frozen=True)
 class RigFormat:
-    """How one other system writes cameras down.
+    """The camera files of one other system.
 
     Its functions raise :class:`labcal.errors.InputError` for what is damaged, and for what one side cannot
     hold.
@@ -98,14 +98,14 @@ class RigFormat:
     most_bytes: int
     """A larger file is not read."""
     recognises: Callable[[str], bool]
-    """Tells by a file's text whether it is of this format."""
+    """Returns by a file's text whether it is of this format."""
     read: Callable[[Sequence[SourceText], ReadOptions], ReadRig]
     """Lengths are taken for `unit`."""
     write: Callable[[Rig, str], RigTexts]
     """Takes the rig and the ending of the file to write."""
     mark: FileMark
-    """By which a file that labcal wrote is told from others'."""
+    """Text by which files that labcal wrote are recognised."""
     unit: Unit = Unit.MILLIMETRES
-    """What lengths are in its files, where nothing else is known."""
+    """Unit of lengths in its files, if nothing else is known."""
     options: tuple[str, ...] = ("unit",)
-    """Which of :class:`ReadOptions` reading can make use of."""
+    """The :class:`ReadOptions` that reading can make use of."""

@@ -1,4 +1,4 @@
-"""Which lens models the files of other systems hold, found by writing each."""
+"""Lens models that the files of other systems hold, found by writing each."""
 
 from dataclasses import replace
 

@@ -26,7 +26,7 @@ from labcal.cameras.interop.exchange import (
     SourceText,
     Unit,
 )
-from labcal.cameras.interop.lens_numbers import (
+from labcal.cameras.interop.lens_parameters import (
     camera_record,
     fisheye_coefficients,
     fisheye_lens,

@@ -21,7 +21,7 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     SourceText,
 )
-from labcal.cameras.interop.lens_numbers import (
+from labcal.cameras.interop.lens_parameters import (
     coefficient_count,
     fisheye_coefficients,
     held_coefficients,
@@ -62,7 +62,7 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
     Raises
     ------
     InputError
-        A file is damaged, has no camera, does not tell its lens or its picture size, or several cameras have
+        A file is damaged, has no camera, does not state its lens or its picture size, or several cameras have
         no poses.
     """
     stores = [read_storage(source) for source in sources]

@@ -8,7 +8,7 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import ReadOptions
-from labcal.cameras.interop.lens_numbers import (
+from labcal.cameras.interop.lens_parameters import (
     FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_lens,
@@ -29,7 +29,7 @@ DIST = (
     "distortion_coefficients", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "DistCoeffs", "D",
 )  # fmt: skip
 SIDES = (("1", "2"), ("L", "R"), ("_left", "_right"), ("Left", "Right"), ("_l", "_r"))
-"""What stands behind these names for the first and the second camera of a pair."""
+"""Endings of these names for the first and the second camera of a pair."""
 _WIDTH = ("image_width", "image_Width", "width")
 _HEIGHT = ("image_height", "image_Height", "height")
 _SIZE = ("image_size", "imageSize", "img_size")
@@ -38,7 +38,7 @@ _FISHEYE_WORDS = {"fisheye", "equidistant", "kannala_brandt", "kannala-brandt", 
 _PERSPECTIVE_WORDS = {"plumb_bob", "radtan", "brown", "rational_polynomial", "perspective", "pinhole"}
 _AMBIGUOUS = 4
 BROWN = "brown5"
-"""The lens model by which a person says that coefficients are those of cv2.calibrateCamera."""
+"""The lens model by which a user states that coefficients are those of cv2.calibrateCamera."""
 
 
 def side_keys(keys: tuple[str, ...], side: str) -> tuple[str, ...]:
@@ -57,7 +57,7 @@ def is_posed(storage: Storage) -> bool:
 
 
 def read_pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:
-    """Return what R and T say, and a note where a rounded rotation was mended."""
+    """Return the pose of R and T, and a note if a rounded rotation was corrected."""
     R = np.array(storage.matrix(("R",), (9,))).reshape(3, 3)
     return rounded_pose(R, np.array(storage.matrix(("T",), (3,))), storage.path)
 
@@ -68,7 +68,7 @@ def read_camera(storage: Storage, side: str, T_cam_world: Pose, given: ReadOptio
     Raises
     ------
     InputError
-        The file has no such camera, it is damaged, or nothing tells its picture size or its lens.
+        The file has no such camera, it is damaged, or nothing determines its picture size or its lens.
     """
     matrix, dist = side_keys(MATRIX, side), side_keys(DIST, side)
     for keys in (matrix, dist):
@@ -87,19 +87,19 @@ def read_camera(storage: Storage, side: str, T_cam_world: Pose, given: ReadOptio
 def _lens(
     storage: Storage, coefficients: tuple[float, ...], given: ReadOptions
 ) -> tuple[str, tuple[float, ...]]:
-    """Return the lens: what the file says, else what is given, else what the number of coefficients tells."""
+    """Return the lens: as the file states, else as given, else by the number of coefficients."""
     path = storage.path
-    said, told = _said_to_be_fisheye(storage), _given_fisheye(given)
-    if said is not None and told is not None and said != told:
+    stated, wanted = _stated_fisheye(storage), _given_fisheye(given)
+    if stated is not None and wanted is not None and stated != wanted:
         raise InputError(
-            f"{path} says that its lens is {'a' if said else 'no'} fisheye, but `lens='{given.lens}'` says "
-            "otherwise. Leave that out."
+            f"{path} states that its lens is {'a' if stated else 'no'} fisheye, but `lens='{given.lens}'` "
+            "states otherwise. Leave that out."
         )
-    fisheye = told if said is None else said
+    fisheye = wanted if stated is None else stated
     if fisheye is None and len(coefficients) == _AMBIGUOUS:
         raise InputError(
             f"{path} has four coefficients, which are k1 k2 p1 p2 of Brown's model (cv2.calibrateCamera) or "
-            "k1 to k4 of the fisheye's (cv2.fisheye.calibrate), and does not say which. Say it: "
+            "k1 to k4 of the fisheye's (cv2.fisheye.calibrate), and does not state which. Give it: "
             f"`lens='brown5'` or `lens='{FISHEYE}'`."
         )
     if not fisheye:
@@ -109,8 +109,8 @@ def _lens(
     return fisheye_lens(coefficients)
 
 
-def _said_to_be_fisheye(storage: Storage) -> bool | None:
-    """Return whether a file says that its lens is a fisheye; None where it says nothing."""
+def _stated_fisheye(storage: Storage) -> bool | None:
+    """Return whether a file states that its lens is a fisheye; None if it does not."""
     flag = storage.first(("fisheye_model", "fisheye"))
     if flag is not None:
         return finite_number(flag, "fisheye_model", storage.path) != 0.0
@@ -124,8 +124,8 @@ def _given_fisheye(given: ReadOptions) -> bool | None:
     """Return whether the lens that was named is the fisheye; None where none was."""
     if given.lens not in (None, BROWN, FISHEYE):
         raise InputError(
-            f"`lens='{given.lens}'` does not tell whose coefficients these are. Say {BROWN}, for those of "
-            f"cv2.calibrateCamera, or {FISHEYE}."
+            f"`lens='{given.lens}'` does not determine whose coefficients these are. Give {BROWN}, for those "
+            f"of cv2.calibrateCamera, or {FISHEYE}."
         )
     return None if given.lens is None else given.lens == FISHEYE
 
@@ -137,7 +137,7 @@ def _size(storage: Storage, given: ReadOptions) -> tuple[int, int]:
         if given.size is not None:
             return picture_size(given.size, storage.path)
         raise InputError(
-            f"{storage.path} does not say how large the pictures are. Say it: `size='1280x960'`. Or add "
+            f"{storage.path} does not state how large the pictures are. Give it: `size='1280x960'`. Or add "
             "the keys image_width and image_height."
         )
     size = picture_size(listed if width is None and height is None else [width, height], storage.path)

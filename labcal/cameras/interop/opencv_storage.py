@@ -17,13 +17,13 @@ from labcal.cameras.interop.yaml_tree import read_yaml_tree
 from labcal.errors import InputError
 
 Content = Mapping[str, int | str | np.ndarray]
-"""What a file is to hold, by key."""
+"""Content of a file to write, by key."""
 _ROOT = "opencv_storage"
 
 
 @dataclass(frozen=True)
 class Storage:
-    """What one file holds, by key."""
+    """Content of a file that was read, by key."""
 
     path: Path
     content: Mapping[str, object]

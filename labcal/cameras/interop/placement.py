@@ -1,4 +1,4 @@
-"""Where cameras are, and what they are called, on the way between rigs and other systems' files."""
+"""Poses and names of cameras on the way between rigs and other systems' files."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ from labcal.geometry.poses import inverse, pose, require_rigid
 
 MM_IN_M = 1000.0
 _ROUNDED = 1e-3
-"""How far a matrix that was written with few digits may be from a rotation."""
+"""Largest deviation from a rotation of a matrix that was written with few digits."""
 
 
 def poses_from_first(rig: Rig) -> tuple[list[Pose], tuple[str, ...]]:

@@ -45,7 +45,8 @@ def format_to_write(path: AnyPath) -> RigFormat:
         return fitting[0]
     names = ", ".join(one.name for one in fitting or FORMATS.values())
     raise InputError(
-        f"The name {path} does not tell the format to write. Say it: `to_format='FORMAT'`, one of {names}."
+        f"The name {path} does not determine the format to write. Give it: `to_format='FORMAT'`, "
+        f"one of {names}."
     )
 
 

@@ -35,7 +35,7 @@ _MOST_TOGETHER = 4 * _MOST_BYTES
 _MOST_FILES = 100
 _BINARY = "cameras.bin"
 _LIKELY_MM = (1.0, 1e5)
-"""Distances of two cameras that are taken for what they say."""
+"""Distances of two cameras that are taken as they stand."""
 
 
 def read_rig_files(
@@ -50,7 +50,7 @@ def read_rig_files(
     format_name : str, optional
         Found by what the files hold where not given.
     given : ReadOptions
-        What the files do not say themselves.
+        Facts that the files do not state.
 
     Returns
     -------
@@ -109,11 +109,11 @@ def baseline_mm(rig: Rig) -> float | None:
 
 
 def _require_options(chosen: RigFormat, given: ReadOptions) -> None:
-    """Raise where something is given that the files of a format say themselves."""
+    """Raise where something is given that the files of a format state themselves."""
     for name in given.named:
         if name not in chosen.options:
             raise InputError(
-                f"`{name}` does not apply to files of the format '{chosen.name}', which say it themselves. "
+                f"`{name}` does not apply to files of the format '{chosen.name}', which state it themselves. "
                 "Leave it out."
             )
 

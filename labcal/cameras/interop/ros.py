@@ -27,7 +27,7 @@ from labcal.cameras.interop.exchange import (
     SourceText,
     Unit,
 )
-from labcal.cameras.interop.lens_numbers import (
+from labcal.cameras.interop.lens_parameters import (
     FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_coefficients,
@@ -83,7 +83,7 @@ def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN)
     Raises
     ------
     InputError
-        A file is damaged, there are more than two, or nothing tells where the second camera is.
+        A file is damaged, there are more than two, or nothing determines where the second camera is.
     """
     contents = [_content(source) for source in sources]
     paths = [source.path for source in sources]
@@ -214,9 +214,9 @@ def _pair_pose(contents: Sequence[dict[str, Any]], paths: Sequence[Path]) -> tup
     step = shifts[1] - shifts[0]
     if not np.any(step):
         raise InputError(
-            f"{paths[0]} and {paths[1]} do not say how far apart their cameras are: both projection matrices "
-            "have the same fourth column, as those of cameras that were calibrated alone. Convert each file "
-            "alone."
+            f"{paths[0]} and {paths[1]} do not state how far apart their cameras are: both projection "
+            "matrices have the same fourth column, as those of cameras that were calibrated alone. "
+            "Convert each file alone."
         )
     first, note_first = rounded_pose(turns[0], np.zeros(3), paths[0])
     second, note_second = rounded_pose(turns[1], np.zeros(3), paths[1])

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from labcal.cameras.interop.exchange import ReadRig
-from labcal.cameras.interop.lens_numbers import camera_record, perspective_lens
+from labcal.cameras.interop.lens_parameters import camera_record, perspective_lens
 from labcal.cameras.interop.numbers_text import finite_numbers, picture_size
 from labcal.cameras.interop.placement import rig_of
 from labcal.cameras.record import CameraRecord
@@ -30,7 +30,7 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
     Raises
     ------
     InputError
-        There are none, they have distortion or skew, or nothing tells how large the pictures are.
+        There are none, they have distortion or skew, or nothing determines how large the pictures are.
     """
     cameras = list(root.iter("camera"))
     mask = next(root.iter("polygonmask"), None)
@@ -38,8 +38,8 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
         raise InputError(f"{path} is a project of VIC-3D without a calibration.")
     if mask is None and stated is None:
         raise InputError(
-            f"{path} does not say how large the pictures are: the project has no area of interest. Draw one, "
-            "save, and convert again, or say it: `size='1280x960'`."
+            f"{path} does not state how large the pictures are: the project has no area of interest. Draw "
+            "one, save, and convert again, or give it: `size='1280x960'`."
         )
     size = picture_size(stated if mask is None else [mask.get("width"), mask.get("height")], path)
     if stated not in (None, size):

@@ -12,7 +12,7 @@ Attributes = dict[str, str]
 
 
 class _RefusedError(ValueError):
-    """What is legal XML, and not read."""
+    """Legal XML that is not read."""
 
 
 class _Builder:

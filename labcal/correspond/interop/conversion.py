@@ -98,12 +98,12 @@ def _write(
     _require_points(found.points, path)
     write_file(output, found.text, kind=corners_vnl.KIND, force=force)
     spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
-    told = (
+    note = (
         f"For mrcal-calibrate-cameras: --corners-cache-has-weights --object-spacing {spacing_m!r} "
         f"--object-width-n {target.cols} --object-height-n {target.rows}. It takes the centroids of dots for "
         "images of their centres."
     )
-    notes = [told]
+    notes = [note]
     if found.left_out:
         alone = found.left_out == 1
         stand = "that is no measurement of the grid stands" if alone else "that are none of the grid stand"
@@ -124,11 +124,11 @@ def _taken_for_centroids(target: AnyTarget) -> list[str]:
     largest = float(target.outer_diameters_mm().max())
     if largest < _SMALL_MM:
         return []
-    told = (
+    note = (
         f"x and y are taken for centroids of the dots of '{target.name}', {largest:g} mm wide. If they are "
         "corners of a chessboard, name a target with a dot_diameter_mm of 0.001."
     )
-    return [told]
+    return [note]
 
 
 def _require_points(count: int, path: Path) -> None:

@@ -16,7 +16,7 @@ _TINY = 1e-9
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What lies around a corner.
+    """Surroundings of a corner: where it is, its squares and the nearest markers.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class CornerFit:
     roughness : float
         Root mean square residual over the step from black to white.
     sums : ndarray, shape (LAGS, SUMS)
-        What the residuals tell of the noise, see :func:`labcal.detect.noise.noise_factor`.
+        Sums of the residuals over the noise, see :func:`labcal.detect.edges.noise.noise_factor`.
     """
 
     centre: np.ndarray
@@ -104,7 +104,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     the fit begins, and ``X`` a chessboard of -1 and 1 blurred by a Gaussian: the expectation of
     ``sign(a + z1) sign(b + z2)`` for standard normal z1, z2 that are as correlated as the edges' normals.
     That is ``1 - 4 T(a, .) - 4 T(b, .)``, less 2 where a and b differ in sign, with Owen's T (Owen 1956,
-    Annals of Mathematical Statistics 27). The darkness that a marker's border spreads is taken off. Whatever
+    Annals of Mathematical Statistics 27). The darkness that a marker's border spreads is subtracted. Whatever
     else is not as modelled, but the same on opposite sides of the corner, does not move it.
 
     Parameters
@@ -118,7 +118,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     Returns
     -------
     CornerFit or None
-        None where the fit does not settle near the beginning, or on squares of the wrong colours.
+        None where the fit does not converge near the beginning, or on squares of the wrong colours.
     """
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])

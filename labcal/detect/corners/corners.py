@@ -55,7 +55,7 @@ class Corners:
 
 @dataclass(frozen=True)
 class _Standard:
-    """What a fit is held against: the usual roughness and step of a picture's corners."""
+    """The usual roughness and step of a picture's corners, which a fit is compared with."""
 
     roughness: float
     step: float
@@ -82,7 +82,7 @@ def measured_corners(
 ) -> Corners:
     """Fit the corners that are known roughly, and those of the board beside them that can be found.
 
-    A corner whose markers were not recognised is looked for where its neighbours say that it is; there it
+    A corner whose markers were not recognised is looked for where its neighbours predict it; there it
     must be one, of the right colours, within a tenth of a square.
     """
     if not rough.spans_a_plane():
@@ -139,10 +139,14 @@ class _Search:
     settings: CornerSettings
 
     def fit_at(self, node: Node, prediction: Prediction) -> CornerFit | None:
-        """Return the fit of a corner where its neighbours say that it is, if it is one."""
+        """Return the fit of a corner where its neighbours predict it, if it is one."""
         around = self.surroundings(node, prediction.position, prediction.steps)
         fit = fit_corner(self.grey, around, self.settings)
-        return None if fit is None or prediction.miss(fit.centre) > self.settings.max_miss_squares else fit
+        return (
+            None
+            if fit is None or prediction.residual(fit.centre) > self.settings.max_residual_squares
+            else fit
+        )
 
     def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
         """Return what lies around a corner of the board."""

@@ -1,10 +1,11 @@
-"""What a dot's pixels show: a blurred step along an ellipse, and its normal equations.
+"""Model of a dot's pixels, a blurred step along an ellipse, and its normal equations.
 
 A state is the centre (x, y), the entries xx, xy and yy of the symmetric matrix F that maps the outline to the
-unit circle, the blur, and an egg's two numbers c and s: the flattened radius is ``1 + c cos 3a + s sin 3a``
-at the angle a, which a bent picture makes of an ellipse and which leaves the centre of area where it is. The
-parameters are, in this order, centre 2, ellipse 3 (the matrix E of the outline ``|(1 + E) F (q - c)| = 1``),
-blur 1, egg 2, shading of the board 3 and of the dot 3 (level, slopes along the flattened x and y).
+unit circle, the blur, and the third harmonic's coefficients c and s: the flattened radius is
+``1 + c cos 3a + s sin 3a`` at the angle a, which a bent picture makes of an ellipse and which leaves the
+centre of area where it is. The parameters are, in this order, centre 2, ellipse 3 (the matrix E of the
+outline ``|(1 + E) F (q - c)| = 1``), blur 1, third harmonic 2, shading of the board 3 and of the dot 3
+(level, slopes along the flattened x and y).
 """
 
 from math import sqrt
@@ -24,7 +25,7 @@ next."""
 FAR = 6.0
 """Blurs from the edge: so far it is all over."""
 PRIORS = 4
-"""Rows of what a small dot cannot tell: the shading across a dot, and an egg's two numbers."""
+"""Rows of the priors on what a small dot does not determine: shading across it, and the third harmonic."""
 TINY = 1e-30
 
 
@@ -39,8 +40,8 @@ def normal_equations(
 ) -> None:
     """Sum the normal equations, with the priors, over the pixels of the edge and the moments of the others.
 
-    Expected are the standard deviations of the shading across a dot, of its step, a radius, and of an egg's
-    numbers, a px of radius. The workspace is a chunk, the priors' rows, which are written, and the system
+    Expected are the standard deviations of the shading across a dot, of its step, a radius, and of the third
+    harmonic, a px of radius. The workspace is a chunk, the priors' rows, which are written, and the system
     with the right side below.
     """
     chunk, priors, system = work
@@ -80,7 +81,7 @@ def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: 
     compiler take four pixels at a time. Phi is good to seven digits (Abramowitz and Stegun 26.2.17).
     """
     cx, cy, a, b, c, sharp = state[0], state[1], state[2], state[3], state[4], 1.0 / state[5]
-    egg_c, egg_s = state[6], state[7]
+    harmonic_c, harmonic_s = state[6], state[7]
     b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
     for k in range(count):
         dx, dy = chunk[k] - cx, chunk[CHUNK + k] - cy
@@ -91,7 +92,7 @@ def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: 
         rho = sqrt(rho2)
         over = 1.0 / (rho2 * rho + 1e-18)
         cosine, sine = u * (u * u - 3.0 * v * v) * over, v * (3.0 * u * u - v * v) * over  # of 3 a
-        t = (rho - 1.0 - egg_c * cosine - egg_s * sine) * rho * share * sharp
+        t = (rho - 1.0 - harmonic_c * cosine - harmonic_s * sine) * rho * share * sharp
         t = min(max(t, -FAR), FAR)
         # exp(-t^2 / 2), as the sixteenth power of a series that ends early.
         x = 0.03125 * t * t
@@ -113,8 +114,8 @@ def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: 
         chunk[3 * CHUNK + k], chunk[4 * CHUNK + k] = -pull * gx, -pull * gy
         chunk[5 * CHUNK + k], chunk[6 * CHUNK + k] = pull * u * u, 2.0 * pull * u * v
         chunk[7 * CHUNK + k], chunk[8 * CHUNK + k] = pull * v * v, -along * t
-        egg = -pull * rho
-        chunk[9 * CHUNK + k], chunk[10 * CHUNK + k] = egg * cosine, egg * sine
+        harmonic = -pull * rho
+        chunk[9 * CHUNK + k], chunk[10 * CHUNK + k] = harmonic * cosine, harmonic * sine
         chunk[11 * CHUNK + k], chunk[12 * CHUNK + k] = outside, outside * u
         chunk[13 * CHUNK + k], chunk[14 * CHUNK + k] = outside * v, inside
         chunk[15 * CHUNK + k], chunk[16 * CHUNK + k] = inside * u, inside * v
@@ -170,7 +171,7 @@ def _write_priors(
         weight = noise / (expected[0] * step)
         priors[axis, STATE + 4 + axis] = weight
         priors[axis, PARAMETERS] = -weight * shading[4 + axis]
-        # An egg grows with the radius as the picture bends under the dot.
+        # The third harmonic grows with the radius as the picture bends under the dot.
         weight = noise * sqrt(state[2] * state[4] - state[3] * state[3]) / expected[1]
         priors[2 + axis, 6 + axis] = weight
         priors[2 + axis, PARAMETERS] = -weight * state[6 + axis]

@@ -32,12 +32,12 @@ from labcal.detect.edges.residuals import (
     ResidualLimits,
     add_scatter,
     clipped_sides,
-    judge,
-    tie,
+    residual_statistics,
+    slope_difference,
 )
 
-_TOLD = 3
-"""Where a settled fit leaves how many parameters the pixels have told, in the row below the system."""
+_DETERMINED = 3
+"""Column, in the row below the system, of the number of parameters that the pixels determine."""
 _SOME = 4
 """The first levels come from one of so many pixels."""
 _SINGULAR = 1e-12
@@ -47,8 +47,8 @@ class EdgeLimits(NamedTuple):
     """The settings of the edge fit that compiled code takes."""
 
     max_iterations: int
-    settled_shift_px: float
-    settled_blur_share: float
+    shift_tolerance_px: float
+    blur_tolerance_share: float
     max_step_radii: float
     max_blur_factor: float
     max_move_radii: float
@@ -65,12 +65,12 @@ class EdgeLimits(NamedTuple):
     clutter_share: float
     clutter_px: float
     prior_shading_share: float
-    prior_egg_per_px: float
+    prior_third_harmonic_per_px: float
     near_flat_blurs: float
 
 
 class PictureLimits(NamedTuple):
-    """What holds for a picture: see :func:`fit_all`."""
+    """Limits that hold for a whole picture: see :func:`fit_all`."""
 
     reach_radii: float
     clipped_black: float
@@ -88,10 +88,10 @@ def fit_all(
     limits: tuple[EdgeLimits, ResidualLimits],
     sums: np.ndarray,
 ) -> np.ndarray:
-    """Fit dot after dot, from the states in `table` and into its rows; return which settled.
+    """Fit dot after dot, from the states in `table` and into its rows; return which converged.
 
-    Of the picture are told the reach (radii), the grey values at which it is clipped, that of no light, and
-    that every so-manieth dot tells of the noise: this goes into `sums`.
+    The limits of the picture are the reach (radii), the grey values at which it is clipped, that of no light,
+    and the step between the dots whose residuals are added to `sums`.
     """
     edge, residual = limits
     ok = np.zeros(len(table), dtype=np.bool_)
@@ -110,9 +110,9 @@ def fit_all(
         )
         is_dot = int(abs(row[STATE + 3] - picture.black) > abs(row[STATE] - picture.black))
         row[BURNT] = clipped[is_dot] - clipped[1 - is_dot]
-        if not judge(row, band, found, (system[PARAMETERS, _TOLD], clipped), residual):
+        if not residual_statistics(row, band, found, (system[PARAMETERS, _DETERMINED], clipped), residual):
             continue
-        tie(row, picture.black, system)
+        slope_difference(row, picture.black, system)
         for i in range(3):
             row[COVARIANCE + i] = row[VARIANCE] * system[PARAMETERS, i]
         ok[number] = True
@@ -129,7 +129,7 @@ def _fit_one(
     limits: EdgeLimits,
     work: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[tuple[np.ndarray, int], np.ndarray]:
-    """Fit one dot, in place; return its band and what :func:`_residuals` tells, empty where it ran away."""
+    """Fit one dot, in place; return its band and result of :func:`_residuals`, empty if it ran away."""
     state, shading = row[:STATE], row[STATE : STATE + SHADING]
     nothing = (np.empty((3, 0)), 0), np.empty((5, 0))
     band = nothing[0]
@@ -233,9 +233,9 @@ def _settle(
 ) -> bool:
     """Iterate to the least squares, in place; False where it runs away.
 
-    The row below the system is left with what :func:`_write_certainty` tells.
+    The row below the system is left with the result of :func:`_write_certainty`.
     """
-    expected = limits.prior_shading_share, limits.prior_egg_per_px
+    expected = limits.prior_shading_share, limits.prior_third_harmonic_per_px
     longest, blur_factor, least_blur = limits.max_step_radii, limits.max_blur_factor, limits.min_blur_px
     step, moments, system = np.empty(PARAMETERS), np.empty((2, MOMENTS)), work[2]
     pixels, count = band
@@ -271,10 +271,10 @@ def _settle(
             return False
         if (
             number > 0
-            and shift < limits.settled_shift_px
-            and stretch * radius < 2.0 * limits.settled_shift_px
+            and shift < limits.shift_tolerance_px
+            and stretch * radius < 2.0 * limits.shift_tolerance_px
             and (
-                abs(step[5]) < limits.settled_blur_share * state[5]
+                abs(step[5]) < limits.blur_tolerance_share * state[5]
                 or (step[5] < 0.0 and state[5] == least_blur)
             )
         ):
@@ -285,23 +285,23 @@ def _settle(
 
 @compiled
 def _write_certainty(step: np.ndarray, priors: np.ndarray, system: np.ndarray) -> None:
-    """Write, below a factorised system, what is sure of its solution; `step` is overwritten.
+    """Write, below a factorised system, how far its solution is determined; `step` is overwritten.
 
-    xx, xy and yy of the centre's covariance at unit noise, and how many parameters the pixels have told: the
-    priors tell the others.
+    xx, xy and yy of the centre's covariance at unit noise, and the number of parameters that the pixels
+    determine: priors determine the others.
     """
     for i in range(2):
         step[:] = 0.0
         step[i] = 1.0
         solve(system, step)
         system[PARAMETERS, 2 * i], system[PARAMETERS, 1] = step[i], step[1 - i]
-    told = float(PARAMETERS)
+    determined = float(PARAMETERS)
     for i in range(PRIORS):
         step[:] = priors[i, :PARAMETERS]
         solve(system, step)
         for j in range(PARAMETERS):
-            told -= priors[i, j] * step[j]
-    system[PARAMETERS, _TOLD] = told
+            determined -= priors[i, j] * step[j]
+    system[PARAMETERS, _DETERMINED] = determined
 
 
 @compiled
@@ -358,9 +358,9 @@ def _without_clutter(
     if not suspect:
         return band
     size, away = np.abs(found[0]), np.abs(found[1]) > limits.near_flat_blurs
-    odd = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away
+    clutter = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away
     keep = np.ones(count, dtype=np.bool_)
-    for j in np.flatnonzero(odd):
+    for j in np.flatnonzero(clutter):
         near = np.maximum(np.abs(pixels[0] - pixels[0, j]), np.abs(pixels[1] - pixels[1, j]))
         keep &= ~((near <= limits.clutter_px) & away)
     return pixels[:, keep], int(keep[:edge].sum())

@@ -1,4 +1,4 @@
-"""How noise that is tied from pixel to pixel widens the covariances of a picture's dots."""
+"""Effect of noise that is correlated from pixel to pixel on the covariances of a picture's dots."""
 
 import numpy as np
 
@@ -14,10 +14,10 @@ _OF_A_MEDIAN = 1.2533
 def noise_factor(sums: np.ndarray, settings: EdgeSettings, shadings: float = _SHADINGS) -> float:
     """Return by how much the covariances of a picture's fits are too small, at least 1.
 
-    Demosaicing and compression tie the noise of neighbouring pixels together. Its autocorrelation over the
+    Demosaicing and compression correlate the noise of neighbouring pixels. Its autocorrelation over the
     flat parts around a dot is weighed with that of the fit's gradients: the ratio of ``J' C J`` to ``J' J``
     for the noise's correlation matrix C. The median over dots counts, since the few that a model fits badly
-    have residuals that only look like tied noise.
+    have residuals that only look like correlated noise.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def noise_factor(sums: np.ndarray, settings: EdgeSettings, shadings: float = _SH
     if count.sum() < settings.noise_min_pixels:
         return 1.0
     pairs = np.maximum(sums[..., 0], 1.0)
-    # Residuals of a fit are tied a little even where the noise is not.
+    # Residuals of a fit are correlated a little even where the noise is not.
     correlation = sums[..., 1] / pairs * (count / energy)[:, None] + (shadings / count)[:, None]
     times = np.full(LAGS, 2.0)  # a pair up is the pair down the other way round
     times[: 2 * REACH + 1] = 1.0

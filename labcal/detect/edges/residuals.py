@@ -1,4 +1,4 @@
-"""What the residuals of a settled fit tell: of the outline, the noise, clipping, and the light."""
+"""Statistics of the residuals of a converged fit: the outline, the noise, clipping, and the light."""
 
 from math import pi, sqrt
 from typing import NamedTuple
@@ -9,7 +9,17 @@ from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
 
-COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, BURNT, PROFILE, COLUMNS = (
+(
+    COVARIANCE,
+    DEPARTURE,
+    VARIANCE,
+    CLIPPED,
+    SLOPE_DIFFERENCE,
+    SLOPE_DIFFERENCE_COVARIANCE,
+    BURNT,
+    PROFILE,
+    COLUMNS,
+) = (
     14,
     17,
     18,
@@ -21,8 +31,9 @@ COVARIANCE, DEPARTURE, VARIANCE, CLIPPED, TIE, TIE_COVARIANCE, BURNT, PROFILE, C
     31,
 )
 """Columns of a fit: state, shading, xx xy yy of the centre's covariance, departure, variance of the noise,
-how one-sidedly the board or the dot is clipped (0 to 1), the tie, see :func:`tie`, how much more of the
-brighter side is clipped than of the darker one, and by how much of the step the edge is no error function."""
+how one-sidedly the board or the dot is clipped (0 to 1), the slope difference, see
+:func:`slope_difference`, how much more of the brighter side is clipped than of the darker one, and by how
+much of the step the edge is no error function."""
 REACH = 2
 """Noise is looked at together over so many neighbouring pixels to either side."""
 LAGS = (2 * REACH + 1) * (REACH + 1)
@@ -32,7 +43,7 @@ SUMS = 3
 
 
 class ResidualLimits(NamedTuple):
-    """The settings of the edge fit by which residuals are judged."""
+    """The settings of the edge fit for the statistics of residuals."""
 
     sectors: int
     max_arcs: int
@@ -46,7 +57,7 @@ class ResidualLimits(NamedTuple):
 
 
 @compiled
-def judge(
+def residual_statistics(
     row: np.ndarray,
     band: tuple[np.ndarray, int],
     found: np.ndarray,
@@ -55,14 +66,14 @@ def judge(
 ) -> bool:
     """Write departure and variance of the noise; False for too few pixels.
 
-    `fit` tells how many parameters the pixels have told, and how much of board and of dot is clipped.
+    `fit` holds the number of parameters that the pixels determine, and the clipped shares of board and dot.
 
     The departure is the root mean square distance (px) of the outline from the ellipse over sectors. What is
     the same at every sight of this dot (a print that is no circle, an edge that is no error function) is no
     noise: where arcs of the outline lie and the mean profile across it are taken out before the variance.
     """
-    told, clipped = fit
-    pixels, count = band  # only the edge has anything to tell of the outline
+    determined, clipped = fit
+    pixels, count = band  # only the edge determines the outline
     state = row[:STATE]
     around = np.empty(count)
     for k in range(count):
@@ -81,12 +92,12 @@ def judge(
         moved = _arcs(around, along, noise, arcs)
         for k in range(count):
             noise[k] -= along[k] * moved[min(int(around[k] * arcs), arcs - 1)]
-    # The mean profile holds both levels and the blur, which the fit has told already.
+    # The mean profile holds both levels and the blur, which the fit has estimated already.
     before = noise[:count].copy()
     profile = max(_take_out_profile(noise, found[1], limits.profile_bin_blurs) - 3, 0)
     row[PROFILE] = sqrt(((before - noise[:count]) ** 2).mean()) / max(abs(row[STATE] - row[STATE + 3]), TINY)
-    freedom = len(noise) - told - max(arcs - limits.min_arcs + 1, 0) - profile
-    # Clipping cuts the noise off: such a side does not tell how much of it the edge has.
+    freedom = len(noise) - determined - max(arcs - limits.min_arcs + 1, 0) - profile
+    # Clipping cuts the noise off: such a side does not show how much of it the edge has.
     for k in range(count, len(noise)):
         if clipped[int(found[1, k] < 0.0)] > limits.clipped_side_share:
             noise[k] = 0.0
@@ -155,12 +166,12 @@ def clipped_sides(
 
 
 @compiled
-def tie(row: np.ndarray, black: float, system: np.ndarray) -> None:
-    """Write how far dot and board are from being in one light, with its covariances, from a settled fit.
+def slope_difference(row: np.ndarray, black: float, system: np.ndarray) -> None:
+    """Write how far dot and board are from being in one light, with its covariances, from a converged fit.
 
     In one light the slopes are as the levels above black. What is off that, of the step a radius, along the
-    flattened x and y, is written to TIE; to TIE_COVARIANCE uu uv vv of its covariance, and xu xv yu yv of
-    that with the centre.
+    flattened x and y, is written to SLOPE_DIFFERENCE; to SLOPE_DIFFERENCE_COVARIANCE uu uv vv of its
+    covariance, and xu xv yu yv of that with the centre.
     """
     shading = row[STATE : STATE + SHADING]
     board, dot = shading[0] - black, shading[3] - black
@@ -168,20 +179,20 @@ def tie(row: np.ndarray, black: float, system: np.ndarray) -> None:
     board, dot = board / scale, dot / scale
     solved = np.zeros((2, PARAMETERS))
     for axis in range(2):
-        row[TIE + axis] = board * shading[4 + axis] - dot * shading[1 + axis]
+        row[SLOPE_DIFFERENCE + axis] = board * shading[4 + axis] - dot * shading[1 + axis]
         solved[axis, STATE + 1 + axis], solved[axis, STATE + 4 + axis] = -dot, board
         solve(system, solved[axis])
     for axis in range(2):
         along = -dot * solved[:, STATE + 1 + axis] + board * solved[:, STATE + 4 + axis]
-        row[TIE_COVARIANCE + 2 * axis] = row[VARIANCE] * along[axis]
-        row[TIE_COVARIANCE + 1] = row[VARIANCE] * along[1 - axis]
+        row[SLOPE_DIFFERENCE_COVARIANCE + 2 * axis] = row[VARIANCE] * along[axis]
+        row[SLOPE_DIFFERENCE_COVARIANCE + 1] = row[VARIANCE] * along[1 - axis]
         for i in range(2):
-            row[TIE_COVARIANCE + 3 + 2 * i + axis] = row[VARIANCE] * solved[axis, i]
+            row[SLOPE_DIFFERENCE_COVARIANCE + 3 + 2 * i + axis] = row[VARIANCE] * solved[axis, i]
 
 
 @compiled
 def add_scatter(pixels: np.ndarray, found: np.ndarray, flat_blurs: float, sums: np.ndarray) -> None:
-    """Add what one dot's residuals tell of the noise to `sums`, shape (LAGS, SUMS).
+    """Add the products of one dot's residuals, by distance, to `sums`, shape (LAGS, SUMS).
 
     The edge itself is left out of the residuals, since what a print's outline does there is no noise.
     """

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.lattice.neighbourhood import PREDICTION, PredictionLimits, miss, predict
+from labcal.detect.lattice.neighbourhood import PREDICTION, PredictionLimits, predict, residual_in_steps
 
 _UNTRIED = -1
 
@@ -17,10 +17,10 @@ class GrowthLimits(NamedTuple):
     """The settings of the grid that growth takes."""
 
     grow_radius_log: float
-    grow_miss_steps: float
-    bridge_miss_steps: float
+    grow_residual_steps: float
+    bridge_residual_steps: float
     bridge_nodes: int
-    keep_miss_steps: float
+    keep_residual_steps: float
 
 
 @compiled
@@ -71,10 +71,10 @@ def _candidates(
     reach: int,
     limits: tuple[GrowthLimits, PredictionLimits],
 ) -> np.ndarray:
-    """Return the empty nodes near the known ones that a free spot agrees with: miss, a, b, spot."""
+    """Return the empty nodes near the known ones that a free spot agrees with: residual, a, b, spot."""
     radius, free = spots
     growth, prediction_limits = limits
-    farthest = growth.grow_miss_steps if reach == 1 else growth.bridge_miss_steps
+    farthest = growth.grow_residual_steps if reach == 1 else growth.bridge_residual_steps
     rows, columns = grid.shape
     top, bottom, left, right = _extent(grid)
     top, bottom = max(top - reach, 0), min(bottom + reach, rows - 1)
@@ -95,7 +95,7 @@ def _candidates(
             best = _nearest(centre, free, prediction)
             if best < 0 or abs(np.log(radius[best]) - typical) >= growth.grow_radius_log:
                 continue
-            off = miss(prediction, centre[best, 0], centre[best, 1])
+            off = residual_in_steps(prediction, centre[best, 0], centre[best, 1])
             if off < farthest:
                 found[count, 0], found[count, 1], found[count, 2], found[count, 3] = off, a, b, best
                 count += 1
@@ -188,33 +188,33 @@ def drop_inconsistent(
     """
     rows, columns = grid.shape
     near, prediction = limits[1].windows_nodes[1], np.empty(PREDICTION)
-    misses = np.full(grid.shape, -np.inf)
+    residuals = np.full(grid.shape, -np.inf)
     for a in range(rows):
         for b in range(columns):
             if grid[a, b] >= 0:
-                misses[a, b] = _node_miss(grid, centre, (a, b), limits[1], prediction)
+                residuals[a, b] = _node_residual(grid, centre, (a, b), limits[1], prediction)
     while True:
-        worst = int(np.argmax(misses))
+        worst = int(np.argmax(residuals))
         a, b = worst // columns, worst % columns
-        if misses[a, b] <= limits[0].keep_miss_steps:
+        if residuals[a, b] <= limits[0].keep_residual_steps:
             return
-        grid[a, b], misses[a, b] = -1, -np.inf
+        grid[a, b], residuals[a, b] = -1, -np.inf
         for i in range(max(a - near, 0), min(a + near + 1, rows)):
             for j in range(max(b - near, 0), min(b + near + 1, columns)):
                 if grid[i, j] >= 0:
-                    misses[i, j] = _node_miss(grid, centre, (i, j), limits[1], prediction)
+                    residuals[i, j] = _node_residual(grid, centre, (i, j), limits[1], prediction)
 
 
 @compiled
-def _node_miss(
+def _node_residual(
     grid: np.ndarray,
     centre: np.ndarray,
     node: tuple[int, int],
     limits: PredictionLimits,
     prediction: np.ndarray,
 ) -> float:
-    """Return how far a spot is from what its neighbours say, in steps; infinite where they say nothing."""
+    """Return the distance of a spot from its prediction, in steps; infinite if there is none."""
     if not predict(grid, centre, node, limits, prediction):
         return np.inf
     spot = grid[node]
-    return miss(prediction, centre[spot, 0], centre[spot, 1])
+    return residual_in_steps(prediction, centre[spot, 0], centre[spot, 1])

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.lattice.flattening import NONE, Flattening
 from labcal.detect.lattice.growth import GrowthLimits, drop_inconsistent, grow, keep_largest_part
 from labcal.detect.lattice.neighbourhood import PredictionLimits
+from labcal.detect.lattice.rough_undistortion import NONE, RoughUndistortion
 from labcal.detect.lattice.seeds import Seed, seed_at
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
@@ -20,8 +20,8 @@ class Lattice:
     """Spots on grid nodes; the numbering is right up to a shift and a quarter turn, and never mirrored."""
 
     spots: dict[Node, int]
-    flattening: Flattening = NONE
-    """What made the grid's lines straight."""
+    undistortion: RoughUndistortion = NONE
+    """The map under which the grid's lines are straight."""
 
     def __len__(self) -> int:
         """Return the number of nodes that hold a spot."""
@@ -29,14 +29,14 @@ class Lattice:
 
 
 def find_lattices(
-    outlines: Outlines, target: DotGrid, flattening: Flattening, settings: GridSettings
+    outlines: Outlines, target: DotGrid, undistortion: RoughUndistortion, settings: GridSettings
 ) -> list[Lattice]:
-    """Return the grids that the spots form in a flattened picture, largest first.
+    """Return the grids that the spots form in an undistorted picture, largest first.
 
     Nodes are numbered from a seed's middle so that the first axis turned by 90 degrees anticlockwise in the
     picture gives the second, as the columns and rows of a board seen from its front.
     """
-    outlines = flattening.outlines(outlines)
+    outlines = undistortion.outlines(outlines)
     radius = outlines.radius
     order = np.argsort(-radius, kind="stable")[: settings.max_outlines]
     free = np.zeros(len(radius), dtype=bool)
@@ -55,7 +55,7 @@ def find_lattices(
     for seed in sorted(doubtful, key=lambda seed: seed.misfit):
         if free[seed.middle] and len(lattices) < settings.max_lattices:
             lattices += _grown(seed, outlines, free, target, settings)
-    return sorted((Lattice(lattice.spots, flattening) for lattice in lattices), key=len, reverse=True)
+    return sorted((Lattice(lattice.spots, undistortion) for lattice in lattices), key=len, reverse=True)
 
 
 def _grown(
@@ -73,7 +73,7 @@ def _grown(
         if free[spot]:
             grid[far + a, far + b] = spot
             usable[spot] = False
-    limits = settings.numbers(GrowthLimits), settings.numbers(PredictionLimits)
+    limits = settings.limits(GrowthLimits), settings.limits(PredictionLimits)
     grow(grid, centre, radius, usable, limits)
     nodes = np.argwhere(grid >= 0)
     low, high = nodes.min(axis=0), nodes.max(axis=0)

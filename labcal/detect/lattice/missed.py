@@ -1,4 +1,4 @@
-"""Dots that the first look missed, looked for where their neighbours say they are."""
+"""Dots that the first look missed, looked for where their neighbours predict them."""
 
 import numpy as np
 
@@ -56,13 +56,13 @@ def with_missed(
         for number, pick in enumerate(which):
             node, found = expected[pick]
             apart = np.linalg.norm(known - seen.centre[number], axis=1).min() > seen.radius[number]
-            near = found.miss(seen.centre[number]) < limits.missed_miss_steps
+            near = found.residual(seen.centre[number]) < limits.missed_residual_steps
             if odds[number] < limits.missed_radius_log and apart and near:
                 spots[node] = len(outlines.centre)
                 outlines = outlines.joined(seen.select(np.array([number])))
         if len(spots) == len(lattice):
             break
-        lattice = Lattice(spots, lattice.flattening)
+        lattice = Lattice(spots, lattice.undistortion)
     return _consistent(lattice, outlines, first, limits), outlines
 
 
@@ -76,11 +76,13 @@ def _consistent(lattice: Lattice, outlines: Outlines, first: int, settings: Grid
         spots = lattice.spots
         added = [node for node, spot in spots.items() if spot >= first]
         predictions = Predictor(lattice, outlines, settings).predict(added)
-        misses = {node: found.miss(outlines.centre[spots[node]]) for node, found in predictions.items()}
-        worst = max(misses, key=lambda node: misses[node], default=None)
-        if worst is None or misses[worst] <= settings.missed_keep_steps:
+        residuals = {
+            node: found.residual(outlines.centre[spots[node]]) for node, found in predictions.items()
+        }
+        worst = max(residuals, key=lambda node: residuals[node], default=None)
+        if worst is None or residuals[worst] <= settings.missed_keep_residual_steps:
             return lattice
-        lattice = Lattice({node: spot for node, spot in spots.items() if node != worst}, lattice.flattening)
+        lattice = Lattice({node: spot for node, spot in spots.items() if node != worst}, lattice.undistortion)
 
 
 def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid, gap: int) -> list[Node]:

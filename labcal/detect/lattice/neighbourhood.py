@@ -15,7 +15,7 @@ from labcal.detect.compiled import compiled
 PREDICTION = 6
 _TERMS = 6
 _CURVED = 2
-"""Rows or columns: more tell a curvature."""
+"""Rows or columns: more determine a curvature."""
 _SINGULAR = 1e-9
 _FLAT = 1e-6
 """Least area of a cell, of the sum of its steps' squares."""
@@ -41,7 +41,7 @@ def predict(
     """Predict a node from its neighbours, by a local homography or a polynomial, whichever fits them better.
 
     The homography follows perspective, the polynomial of second degree distortion as well; what the
-    neighbours cannot tell is left out. What is known at the node itself does not enter. False where the
+    neighbours do not determine is left out. What is known at the node itself does not enter. False where the
     neighbours are too few or lie on one line.
     """
     windows = limits.windows_nodes
@@ -94,7 +94,7 @@ def _neighbours(
 
 @compiled
 def _terms(count: int, in_a: int, in_b: int) -> np.ndarray:
-    """Return which of 1, a, b, ab, aa and bb some nodes, in so many rows and columns, can tell."""
+    """Return which of 1, a, b, ab, aa and bb some nodes, in so many rows and columns, determine."""
     use = np.ones(_TERMS, dtype=np.bool_)
     spare = count - 4
     for term, can in ((3, True), (4, in_a > _CURVED), (5, in_b > _CURVED)):
@@ -194,15 +194,15 @@ def predict_all(
 ) -> np.ndarray:
     """Return the predictions of nodes (n, 2), shape (n, PREDICTION), NaN where there is none."""
     predictions = np.full((len(nodes), PREDICTION), np.nan)
-    numbers = np.empty(PREDICTION)
+    values = np.empty(PREDICTION)
     for k in range(len(nodes)):
-        if predict(grid, centre, (nodes[k, 0], nodes[k, 1]), limits, numbers):
-            predictions[k] = numbers
+        if predict(grid, centre, (nodes[k, 0], nodes[k, 1]), limits, values):
+            predictions[k] = values
     return predictions
 
 
 @compiled
-def miss(prediction: np.ndarray, x: float, y: float) -> float:
+def residual_in_steps(prediction: np.ndarray, x: float, y: float) -> float:
     """Return how many steps a place is from a prediction; infinite on a degenerate grid."""
     ax, ay, bx, by = prediction[2], prediction[3], prediction[4], prediction[5]
     determinant = ax * by - ay * bx

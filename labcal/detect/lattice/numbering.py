@@ -1,4 +1,4 @@
-"""From a lattice without a name to ids, whatever the target marks its dots with."""
+"""Numbering of a lattice, whatever the target marks its dots with."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid
 
 AnyNumbering = Numbering | DiagonalNumbering
-"""What tells (col, row) of a lattice node."""
+"""Map from a lattice node to its (col, row)."""
 
 
 def number_lattice(
@@ -30,8 +30,8 @@ def number_lattice(
     return number_by_rings(lattice, outlines, target, target.rings, settings)
 
 
-def why_unnamed(outcomes: Sequence[AnyNumbering | Refusal], target: DotGrid) -> Refusal | None:
-    """Return why a picture with these lattices has no ids; nothing where exactly one can be numbered."""
+def numbering_refusal(outcomes: Sequence[AnyNumbering | Refusal], target: DotGrid) -> Refusal | None:
+    """Return the reason why a picture with these lattices has no ids; None if exactly one has a numbering."""
     refusals = {outcome for outcome in outcomes if isinstance(outcome, Refusal)}
     named = sum(not isinstance(outcome, Refusal) for outcome in outcomes)
     if target.rings is None:

@@ -1,10 +1,10 @@
-"""From a grid of dots that are all alike to ids: by its outermost rows and columns, up to a turn.
+"""Ids of a grid whose dots are all alike, by its outermost rows and columns, up to its symmetries.
 
 Nothing marks a dot, so only a grid that is seen from edge to edge can be numbered: a part of it fits at many
 places. A symmetric grid looks the same after half a turn, a square one after a quarter; of these numberings
 that one is given whose columns run most nearly to the right in the picture, as a board is usually held, and
-the others stand in `PictureDots.others`. Whoever sees the same board in more pictures may settle it
-(`labcal.correspond.orientation`). That a picture is mirrored cannot be seen.
+the others stand in `PictureDots.others`. Several pictures of the same board may resolve the
+orientation (`labcal.correspond.orientation`). That a picture is mirrored cannot be seen.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import DotIndices
-from labcal.detect.checks.lost import LostDot
+from labcal.detect.checks.unmeasured import UnmeasuredDot
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node
@@ -62,28 +62,28 @@ def number_plain(
     if target.layout is Layout.SYMMETRIC:
         tolerance = settings.pitch_ratio_log
         fitting = [one for one in fitting if pitches_agree(one.turn, lattice, outlines, target, tolerance)]
-    alike = 1 + len(target.lookalikes(target.indices()[:1]))
+    alike = 1 + len(target.symmetric_indices(target.indices()[:1]))
     if not fitting or len(fitting) > alike:
         return Refusal.AMBIGUOUS
     return max(fitting, key=lambda found: _uprightness(found.turn, lattice, outlines, target))
 
 
-def goes_on(
-    lost: Sequence[LostDot],
+def continues_beyond_grid(
+    unmeasured: Sequence[UnmeasuredDot],
     numbering: Numbering | DiagonalNumbering,
     target: DotGrid,
     settings: GridSettings,
 ) -> bool:
     """Tell whether dots are seen beyond the grid, so that its edges are not those of the print."""
     last = (target.cols, target.rows)
-    places = np.array([numbering.index(dot.node) for dot in lost], dtype=np.int64).reshape(-1, 2)
+    places = np.array([numbering.index(dot.node) for dot in unmeasured], dtype=np.int64).reshape(-1, 2)
     beyond = int(((places < 0) | (places >= last)).any(axis=1).sum())
     return beyond > settings.max_dots_beyond
 
 
-def with_lookalikes(dots: PictureDots, target: DotGrid) -> PictureDots:
+def with_symmetric_numberings(dots: PictureDots, target: DotGrid) -> PictureDots:
     """Return the dots with every other numbering that fits the picture as well."""
-    return dots if dots.refusal is not None else replace(dots, others=target.lookalikes(dots.index))
+    return dots if dots.refusal is not None else replace(dots, others=target.symmetric_indices(dots.index))
 
 
 def _upright(turn: np.ndarray, nodes: DotIndices) -> DotIndices:

@@ -1,4 +1,4 @@
-"""Where the nodes of a lattice should be, and what outlines dots should have there."""
+"""Predicted places of the nodes of a lattice, and predicted outlines of their dots."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import PixelCovariances
-from labcal.detect.lattice.flattening import Flattening
 from labcal.detect.lattice.lattice import Lattice, Node
-from labcal.detect.lattice.neighbourhood import PredictionLimits, miss, predict_all
+from labcal.detect.lattice.neighbourhood import PredictionLimits, predict_all, residual_in_steps
+from labcal.detect.lattice.rough_undistortion import RoughUndistortion
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import inverses
@@ -19,7 +19,7 @@ _NEAR = 2
 
 @dataclass(frozen=True)
 class Prediction:
-    """Where a node should be: in the picture, and its place and local steps in the flattened picture, px."""
+    """Predicted place of a node in the picture; its place and steps in the undistorted picture, px."""
 
     position: np.ndarray
     steps: np.ndarray
@@ -27,17 +27,17 @@ class Prediction:
     outline: np.ndarray
     """Matrix of the outline that a dot should have there, shape (2, 2), px squared."""
     neighbours: int
-    flattening: Flattening
-    numbers: np.ndarray
+    undistortion: RoughUndistortion
+    values: np.ndarray
 
-    def miss(self, position: np.ndarray) -> float:
+    def residual(self, position: np.ndarray) -> float:
         """Return how many steps a pixel is from the prediction; infinite on a degenerate grid."""
-        x, y = self.flattening.forward(position)
-        return float(miss(self.numbers, float(x), float(y)))
+        x, y = self.undistortion.undistort(position)
+        return float(residual_in_steps(self.values, float(x), float(y)))
 
 
 class Predictor:
-    """A lattice, its spots in the flattened picture, and the shape of its dots.
+    """A lattice, its spots in the undistorted picture, and the shape of its dots.
 
     Parameters
     ----------
@@ -48,18 +48,18 @@ class Predictor:
     """
 
     def __init__(self, lattice: Lattice, outlines: Outlines, settings: GridSettings) -> None:
-        around = settings.missed_gap_nodes  # empty nodes that may be asked for
-        self._limits = settings.numbers(PredictionLimits)
+        around = settings.missed_gap_nodes  # empty nodes that may be predicted
+        self._limits = settings.limits(PredictionLimits)
         nodes = np.array(list(lattice.spots))
         self._corner = nodes.min(axis=0) - around
         self._nodes, self._spots = nodes - self._corner, np.array(list(lattice.spots.values()))
         self._grid = np.full(self._nodes.max(axis=0) + 1 + around, -1)
         self._grid[tuple(self._nodes.T)] = self._spots
         self.lattice, self.outlines = lattice, outlines
-        self._flat = lattice.flattening.outlines(outlines)
+        self._flat = lattice.undistortion.outlines(outlines)
 
     @cached_property
-    def _numbers(self) -> np.ndarray:
+    def _predictions(self) -> np.ndarray:
         """The predictions of the lattice's own nodes."""
         return predict_all(self._grid, self._flat.centre, self._nodes, self._limits)
 
@@ -76,10 +76,10 @@ class Predictor:
 
         Wherever a board is seen from, all its dots have one shape there. NaN where a node has no prediction.
         """
-        numbers, flat = self._numbers, self.lattice.flattening.outlines(outlines)
-        known = np.isfinite(numbers[:, 0])
-        shapes = np.full((len(numbers), 2, 2), np.nan)
-        back = inverses(np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2))
+        values, flat = self._predictions, self.lattice.undistortion.outlines(outlines)
+        known = np.isfinite(values[:, 0])
+        shapes = np.full((len(values), 2, 2), np.nan)
+        back = inverses(np.swapaxes(values[known, 2:].reshape(-1, 2, 2), 1, 2))
         shapes[known] = back @ flat.shape[self._spots[known]] @ np.swapaxes(back, 1, 2)
         return shapes
 
@@ -88,16 +88,16 @@ class Predictor:
         if not nodes:
             return {}
         places = np.array(nodes) - self._corner
-        numbers = predict_all(self._grid, self._flat.centre, places, self._limits)
-        known = np.flatnonzero(np.isfinite(numbers[:, 0]))
-        flattening = self.lattice.flattening
-        positions = flattening.backward(numbers[known, :2])
-        steps = np.swapaxes(numbers[known, 2:].reshape(-1, 2, 2), 1, 2)
-        steps = inverses(flattening.slopes(positions)) @ steps
+        values = predict_all(self._grid, self._flat.centre, places, self._limits)
+        known = np.flatnonzero(np.isfinite(values[:, 0]))
+        undistortion = self.lattice.undistortion
+        positions = undistortion.distort(values[known, :2])
+        steps = np.swapaxes(values[known, 2:].reshape(-1, 2, 2), 1, 2)
+        steps = inverses(undistortion.slopes(positions)) @ steps
         outlines = steps @ self._shape @ np.swapaxes(steps, 1, 2)
         near = self._neighbours(places[known])
         return {
-            nodes[k]: Prediction(position, step, outline, int(count), flattening, numbers[k])
+            nodes[k]: Prediction(position, step, outline, int(count), undistortion, values[k])
             for k, position, step, outline, count in zip(known, positions, steps, outlines, near, strict=True)
         }
 

@@ -1,4 +1,4 @@
-"""From a grid without a name to ids: the three rings say which node is which."""
+"""Ids of a grid's nodes by the three rings."""
 
 from dataclasses import dataclass
 

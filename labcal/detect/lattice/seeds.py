@@ -1,4 +1,4 @@
-"""Where a grid may begin: a spot with neighbours one step along both axes."""
+"""Seeds of a grid: spots with neighbours one step along both axes."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ def seed_at(
 ) -> Seed | None:
     """Return the smallest cross around spot i whose arms are square to each other on the board.
 
-    The dots' own ellipses say how the board is foreshortened there, so the angle and the ratio of the steps
+    The dots' own ellipses show how the board is foreshortened there, so the angle and the ratio of the steps
     are known without the pose. A step is measured by the geometric mean of the ellipses at its ends, which
     is right for any perspective along the step.
 
@@ -51,19 +51,19 @@ def seed_at(
     steps = outlines.centre[near] - outlines.centre[i]
     present = np.einsum("nij,nj->ni", geometric_mean(flatten[:-1], flatten[-1]), steps)
     length = np.linalg.norm(present, axis=1)
-    balanced = _nearest_miss(-present, present) < settings.seed_miss_steps * length
+    balanced = _nearest_distance(-present, present) < settings.seed_residual_steps * length
     arms = present[balanced]
     if len(arms) < 2:  # noqa: PLR2004 - an arm and its opposite
         return None
     expected = abs(float(np.log(target.cell_mm[0] / target.cell_mm[1])))
     pair = _full_cross(arms, present, expected, settings) or _half_cross(arms, present, expected, settings)
-    miss = settings.seed_miss_steps
-    if pair is None or _is_coarse(pair.first, pair.second, present, miss):
+    residual = settings.seed_residual_steps
+    if pair is None or _is_coarse(pair.first, pair.second, present, residual):
         return None
     u, v = np.linalg.solve(flatten[-1], np.stack([pair.first, pair.second], axis=-1)).T
     first, second = (pair.first, pair.second) if u[0] * v[1] - u[1] * v[0] <= 0 else (pair.second, pair.first)
     # y is down in the picture and up on the board
-    return Seed(_around(i, near, (first, second), present, miss), pair.misfit)
+    return Seed(_around(i, near, (first, second), present, residual), pair.misfit)
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,10 @@ def _full_cross(
     arms: np.ndarray, present: np.ndarray, expected: float, settings: GridSettings
 ) -> _Pair | None:
     """Return the smallest pair of arms, square to each other, with spots opposite and at three corners."""
-    opposite = _nearest_miss(-arms, present) / np.linalg.norm(arms, axis=1)
-    corners = [_corner_miss(first * arms, second * arms, present) for first in (1, -1) for second in (1, -1)]
+    opposite = _nearest_distance(-arms, present) / np.linalg.norm(arms, axis=1)
+    corners = [
+        _corner_residual(first * arms, second * arms, present) for first in (1, -1) for second in (1, -1)
+    ]
     third_best = np.sort(np.stack(corners), axis=0)[2]  # one corner may be missing
     misfit = np.maximum(np.maximum(opposite[:, None], opposite[None, :]), third_best)
     return _smallest(arms, arms, misfit, expected, settings)
@@ -93,17 +95,17 @@ def _half_cross(
 
     It is all there is where only two rows of dots are seen.
     """
-    opposite = _nearest_miss(-arms, present) / np.linalg.norm(arms, axis=1)
-    corners = np.maximum(_corner_miss(arms, present, present), _corner_miss(-arms, present, present))
+    opposite = _nearest_distance(-arms, present) / np.linalg.norm(arms, axis=1)
+    corners = np.maximum(_corner_residual(arms, present, present), _corner_residual(-arms, present, present))
     return _smallest(arms, present, np.maximum(opposite[:, None], corners), expected, settings)
 
 
-def _corner_miss(first: np.ndarray, second: np.ndarray, present: np.ndarray) -> np.ndarray:
-    """Return by how much of a step the nearest spot misses the corner of each pair of arms."""
+def _corner_residual(first: np.ndarray, second: np.ndarray, present: np.ndarray) -> np.ndarray:
+    """Return the distance of the nearest spot from the corner of each pair of arms, in steps."""
     corner = (first[:, None] + second[None, :]).reshape(-1, 2)
     shorter = np.minimum(np.linalg.norm(first, axis=1)[:, None], np.linalg.norm(second, axis=1)[None, :])
-    miss: np.ndarray = _nearest_miss(corner, present).reshape(shorter.shape) / shorter
-    return miss
+    residual: np.ndarray = _nearest_distance(corner, present).reshape(shorter.shape) / shorter
+    return residual
 
 
 def _smallest(
@@ -114,7 +116,7 @@ def _smallest(
     cosine = np.abs(first @ second.T) / (length[0] * length[1])
     ratio = np.abs(np.log(length[0] / length[1]))
     skew = np.maximum(cosine, np.abs(ratio - expected))
-    fits = (skew < settings.seed_shape_log) & (misfit < settings.seed_miss_steps)
+    fits = (skew < settings.seed_shape_log) & (misfit < settings.seed_residual_steps)
     if not fits.any():
         return None
     area = np.where(fits, length[0] * length[1], np.inf)
@@ -130,9 +132,9 @@ def _around(
     spots = {(0, 0): i}
     limit = most * min(float(np.linalg.norm(arm)) for arm in arms)
     for a, b in ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
-        miss = np.linalg.norm(present - (a * arms[0] + b * arms[1]), axis=1)
-        nearest = int(miss.argmin())
-        if miss[nearest] < limit and int(near[nearest]) not in spots.values():
+        residual = np.linalg.norm(present - (a * arms[0] + b * arms[1]), axis=1)
+        nearest = int(residual.argmin())
+        if residual[nearest] < limit and int(near[nearest]) not in spots.values():
             spots[a, b] = int(near[nearest])
     return spots
 
@@ -143,10 +145,12 @@ def _is_coarse(u: np.ndarray, v: np.ndarray, present: np.ndarray, most: float) -
     corners = np.array([u + v, u - v, -u + v, -u - v]) / 2
     across = np.array([a / 2 + k * v for a in (u, -u) for k in (-1, 0, 1)])
     along = np.array([b / 2 + k * u for b in (v, -v) for k in (-1, 0, 1)])
-    return any(int((_nearest_miss(halves, present) < limit).sum()) > 1 for halves in (corners, across, along))
+    return any(
+        int((_nearest_distance(halves, present) < limit).sum()) > 1 for halves in (corners, across, along)
+    )
 
 
-def _nearest_miss(wanted: np.ndarray, present: np.ndarray) -> np.ndarray:
+def _nearest_distance(wanted: np.ndarray, present: np.ndarray) -> np.ndarray:
     """Return the distance of each wanted place to the nearest present spot."""
     squares = (wanted**2).sum(1)[:, None] + (present**2).sum(1)[None, :] - 2 * wanted @ present.T
     nearest: np.ndarray = np.sqrt(np.maximum(squares.min(axis=1), 0))

@@ -1,4 +1,4 @@
-"""Whether a whole grid lies on one smooth surface of the picture: the last check before ids are given."""
+"""Check that a whole grid lies on one smooth surface of the picture, the last one before ids are given."""
 
 import numpy as np
 
@@ -40,4 +40,4 @@ def is_smooth(lattice: Lattice, positions: Pixels, settings: GridSettings) -> bo
     design = np.stack([scaled[:, 0] ** i * scaled[:, 1] ** j for i, j in powers], axis=-1)
     left = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
     steps = np.linalg.norm(left, axis=1) * np.ptp(nodes, axis=0).max()
-    return bool(steps.max() < settings.smooth_miss_steps)
+    return bool(steps.max() < settings.smooth_residual_steps)

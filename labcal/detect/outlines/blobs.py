@@ -79,7 +79,7 @@ def joined(parts: list[Blobs]) -> Blobs:
 
 
 def _range(grey: GreyPicture, cut_percent: float) -> tuple[float, float]:
-    """Return a low and a high grey value, a few odd pixels left aside."""
+    """Return a low and a high grey value, a few outliers left aside."""
     sample = grey[:: 1 + grey.shape[0] // 128, :: 1 + grey.shape[1] // 128]
     if sample.size == 0:
         return 0.0, 0.0

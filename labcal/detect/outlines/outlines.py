@@ -92,7 +92,7 @@ def trace_from(
     Rays are cast a second time, from the ellipse that the first time gave, where that lies off.
     """
     reach = min(settings.ray_length_radii, clear_reach(target, settings))
-    limits, rays = settings.numbers(RayLimits), ray_directions(settings.ray_count)
+    limits, rays = settings.limits(RayLimits), ray_directions(settings.ray_count)
     which = np.arange(len(centre) if min(grey.shape) > 1 else 0)
     spots = _for_rays(centre[which], shape[which])
     table = np.zeros((len(which), COLUMNS))

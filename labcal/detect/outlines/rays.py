@@ -11,7 +11,7 @@ from labcal.detect.compiled import compiled
 _QUARTERS = 1.349
 """Standard deviations between a quarter and three quarters of an error function."""
 _SHARPEST = 0.1
-"""Of an edge's squared width: so much is left when that of sampling is taken off."""
+"""Of an edge's squared width: so much is left when that of sampling is subtracted."""
 _TERMS = 5
 _SINGULAR = 1e-12
 _ROUND = 0.05

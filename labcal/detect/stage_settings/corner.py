@@ -20,12 +20,12 @@ class CornerSettings(StageSettings):
         le=1000,
         description="Side of the smallest marker looked for. Larger: faster, small markers are lost.",
     )
-    many_markers: int = Field(
+    other_board_markers: int = Field(
         6,
         ge=2,
         le=1000,
-        description="Markers without a corner between them that prove another board. Larger: 'other-board' "
-        "is rarer.",
+        description="Number of markers without a corner between them that prove another board. Larger: "
+        "'other-board' is rarer.",
     )
     range_cut_percent: float = Field(
         0.1,
@@ -34,7 +34,7 @@ class CornerSettings(StageSettings):
         description="Pixels left out at either end of the range. Larger: reflections matter less.",
     )
     max_iterations: int = Field(
-        30, ge=2, le=1000, description="Steps of Gauss-Newton. Larger: slower, a few more corners settle."
+        30, ge=2, le=1000, description="Steps of Gauss-Newton. Larger: slower, a few more corners converge."
     )
     first_tolerance_px: float = Field(
         0.05, gt=0, le=1, description="Step at which the first round ends. Larger: faster, rougher windows."
@@ -59,15 +59,14 @@ class CornerSettings(StageSettings):
         0.2,
         gt=0,
         lt=0.5,
-        description="Most distance of the result from the start. Larger: may settle on another.",
+        description="Most distance of the result from the start. Larger: may converge to another.",
     )
     reach_bend_px: float = Field(
         0.08,
         gt=0,
         le=10,
         description="Squared reach of a fit over the picture's width: 0.08 px let a wide lens bend an edge "
-        "by 0.01 px. "
-        "Larger: more pixels, more bias of wide lenses.",
+        "by 0.01 px. Larger: more pixels, more bias of wide lenses.",
     )
     min_reach_px: float = Field(
         5.0, ge=3, le=1000, description="Least reach of a fit. Larger: more pixels, more bias."
@@ -100,7 +99,8 @@ class CornerSettings(StageSettings):
         6,
         ge=1,
         le=100,
-        description="Grey levels to either side at which a tone curve is told from noise. Larger: finer.",
+        description="Grey levels to either side at which a tone curve is distinguished from noise. Larger: "
+        "finer.",
     )
     min_variance_share: float = Field(
         0.1,
@@ -123,10 +123,9 @@ class CornerSettings(StageSettings):
         lt=1,
         description="Least step from black to white, of the usual one. Larger: faint corners are bad-fit.",
     )
-    max_miss_squares: float = Field(
+    max_residual_squares: float = Field(
         0.1,
         gt=0,
         lt=0.5,
-        description="Most distance of a corner without markers from where its neighbours say. Larger: more "
-        "wrong ones.",
+        description="Most distance of a corner without markers from its prediction. Larger: more wrong ones.",
     )

@@ -1,4 +1,4 @@
-"""Settings of stage 3: the least-squares fit of a dot's blurred edge, and what its residuals tell."""
+"""Settings of stage 3: the least-squares fit of a dot's blurred edge, and the statistics of its residuals."""
 
 from pydantic import Field
 
@@ -13,13 +13,13 @@ class EdgeSettings(StageSettings):
         12,
         ge=2,
         le=1000,
-        description="Steps of Gauss-Newton. Larger: slower, a few more dots settle; smaller: more dots are "
-        "bad-fit.",
+        description="Steps of Gauss-Newton. Larger: slower, a few more dots converge; smaller: more dots "
+        "are bad-fit.",
     )
-    settled_shift_px: float = Field(
+    shift_tolerance_px: float = Field(
         0.02, gt=0, le=1, description="The fit ends after a step so small. Larger: faster, less exact."
     )
-    settled_blur_share: float = Field(
+    blur_tolerance_share: float = Field(
         0.04, gt=0, le=1, description="And after so small a change of the blur. Larger: faster, less exact."
     )
     max_step_radii: float = Field(
@@ -38,7 +38,7 @@ class EdgeSettings(StageSettings):
         0.5,
         gt=0,
         le=2,
-        description="Most distance of the result from the start. Larger: may settle on a neighbour.",
+        description="Most distance of the result from the start. Larger: may converge to a neighbour.",
     )
     first_blur_px: float = Field(
         0.4, gt=0, le=10, description="Least blur to begin with. Larger: for soft pictures."
@@ -104,38 +104,36 @@ class EdgeSettings(StageSettings):
         le=100,
         description="Pixels so near to clutter are left out with it. Larger: leaves out more.",
     )
-    # What a small dot cannot tell.
+    # Priors on what a small dot does not determine.
     prior_shading_share: float = Field(
         0.1,
         gt=0,
         le=100,
         description="Standard deviation expected of the shading across a dot, of its step, a radius. "
-        "Larger: small "
-        "dots have larger covariances.",
+        "Larger: small dots have larger covariances.",
     )
-    prior_egg_per_px: float = Field(
+    prior_third_harmonic_per_px: float = Field(
         1e-4,
         gt=0,
         le=1,
-        description="Standard deviation expected of an outline's third harmonic, a pixel of radius. Larger: "
-        "bent "
-        "pictures of small dots fit better, and cost covariance.",
+        description="Standard deviation expected of an outline's third harmonic, a pixel of radius. "
+        "Larger: bent pictures of small dots fit better, and cost covariance.",
     )
     shared_light_share: float = Field(
         0.005,
         ge=0,
         le=1,
-        description="How far a dot's slope is from the board's light before the picture tells, of its step "
-        "a radius. "
-        "Larger: dots are tied less to the board's light.",
+        description="Deviation of a dot's slope from the board's light as a prior, of its step a radius. "
+        "Larger: the board's light determines dots less.",
     )
     shared_light_count: int = Field(
         2,
         ge=0,
         le=1000,
-        description="How many measurements that counts for. Larger: the picture's own tell less.",
+        description="Number of measurements that this prior counts for. Larger: the picture's own count "
+        "less.",
     )
-    # What residuals tell.
+    # Statistics of residuals.
     sectors: int = Field(
         12,
         ge=4,
@@ -179,7 +177,7 @@ class EdgeSettings(StageSettings):
         0.01,
         ge=0,
         le=1,
-        description="A side with more clipped pixels does not tell the noise. Larger: clipped sides do.",
+        description="A side with more clipped pixels does not enter the noise. Larger: clipped sides do.",
     )
     clipped_chance_sigma: float = Field(
         2.0,
@@ -204,7 +202,7 @@ class EdgeSettings(StageSettings):
         500,
         ge=10,
         le=10_000_000,
-        description="Fewest pixels that tell it; else noise counts as white. Larger: rarer.",
+        description="Fewest pixels that determine it; else noise counts as white. Larger: rarer.",
     )
     noise_chance_sigma: float = Field(
         2.0,
@@ -217,6 +215,5 @@ class EdgeSettings(StageSettings):
         ge=0,
         le=10,
         description="Variance times radius of the centre of an outline that runs in steps from pixel to "
-        "pixel. "
-        "Larger: larger covariances in pictures drawn without grey.",
+        "pixel. Larger: larger covariances in pictures drawn without grey.",
     )

@@ -1,4 +1,4 @@
-"""Settings of stage 2: how outlines become a lattice, and a lattice a numbered grid."""
+"""Settings of stage 2: from outlines to a lattice, and from a lattice to a numbered grid."""
 
 from typing import Annotated
 
@@ -21,8 +21,7 @@ class GridSettings(StageSettings):
         gt=0,
         le=1,
         description="Part of the outlines of a dot's size that a grid holds if nothing is missed. Larger: "
-        "wide "
-        "lenses are tried more often.",
+        "wide lenses are tried more often.",
     )
     similar_radius_share: float = Field(
         0.2,
@@ -33,8 +32,8 @@ class GridSettings(StageSettings):
     fisheye_fields_deg: tuple[_Degrees, ...] = Field(
         (100.0, 140.0, 170.0),
         max_length=20,
-        description="Diagonal fields of view of the equidistant fisheyes that are tried. More: slower, more "
-        "wide lenses.",
+        description="Diagonal fields of view of the equidistant fisheyes that are tried. More: slower, "
+        "more wide lenses.",
     )
     # Seeds: crosses from which a lattice grows.
     max_outlines: int = Field(
@@ -67,14 +66,13 @@ class GridSettings(StageSettings):
         gt=0,
         le=1,
         description="Most cosine between the arms of a cross, and difference of the log ratio of its steps "
-        "from the "
-        "target's. Larger: more seeds, more wrong ones.",
+        "from the target's. Larger: more seeds, more wrong ones.",
     )
-    seed_miss_steps: float = Field(
+    seed_residual_steps: float = Field(
         0.15,
         gt=0,
         lt=0.5,
-        description="Most distance from where the cross wants a spot. Larger: more wrong seeds.",
+        description="Most distance of a spot from its place in the cross. Larger: more wrong seeds.",
     )
     good_seed_steps: float = Field(
         0.06,
@@ -107,8 +105,7 @@ class GridSettings(StageSettings):
     windows_nodes: tuple[_Nodes, _Nodes, _Nodes, _Nodes] = Field(
         (2, 3, 5, 7),
         description="Nodes to either side that predict a node, wider where too few are known. Larger: "
-        "steadier, "
-        "follows distortion less.",
+        "steadier, follows distortion less.",
     )
     min_near_nodes: int = Field(
         5,
@@ -126,13 +123,13 @@ class GridSettings(StageSettings):
         description="Least depth of a neighbour over the node's in a perspective prediction. Larger: less "
         "near the horizon.",
     )
-    grow_miss_steps: float = Field(
+    grow_residual_steps: float = Field(
         0.25,
         gt=0,
         lt=0.5,
         description="Most distance of a spot from its prediction. Larger: more dots, more wrong ones.",
     )
-    bridge_miss_steps: float = Field(
+    bridge_residual_steps: float = Field(
         0.15,
         gt=0,
         lt=0.5,
@@ -144,13 +141,12 @@ class GridSettings(StageSettings):
         le=20,
         description="Widest gap of hidden nodes that is bridged. Larger: slower, more guesses.",
     )
-    keep_miss_steps: float = Field(
+    keep_residual_steps: float = Field(
         0.12,
         gt=0,
         lt=0.5,
         description="Most distance of a spot from its prediction once all neighbours are known. Larger: "
-        "keeps "
-        "inconsistent nodes; smaller: distortion costs dots.",
+        "keeps inconsistent nodes; smaller: distortion costs dots.",
     )
     part_gap_nodes: int = Field(
         5,
@@ -165,12 +161,12 @@ class GridSettings(StageSettings):
         description="Farthest node from a seed, times the target's longer side. Larger: larger prints.",
     )
     # The grid as a whole.
-    smooth_miss_steps: float = Field(
+    smooth_residual_steps: float = Field(
         0.25,
         gt=0,
         lt=0.5,
-        description="Most distance of a spot from the smooth surface through all. Larger: bent boards pass, "
-        "wrong numbers may.",
+        description="Most distance of a spot from the smooth surface through all. Larger: bent boards "
+        "pass, wrong numbers may.",
     )
     smooth_max_degree: int = Field(
         4,
@@ -181,18 +177,18 @@ class GridSettings(StageSettings):
     smooth_dots_factor: float = Field(
         2.0, ge=1, le=20, description="Dots for each of its coefficients. Larger: stiffer where dots are few."
     )
-    dropped_shape_log: float = Field(
+    max_lattice_shape_log: float = Field(
         0.45,
         gt=0,
         le=5,
-        description="Log of the ratio of a semi-axis to the usual one from which an outline is no dot of the "
-        "lattice. Larger: keeps more clutter.",
+        description="Log of the ratio of a semi-axis to the usual one from which an outline is no dot of "
+        "the lattice. Larger: keeps more clutter.",
     )
     shape_px: float = Field(
         0.5,
         ge=0,
         le=10,
-        description="Part of a semi-axis that pixels may change. Larger: small dots are judged less.",
+        description="Part of a semi-axis that pixels may change. Larger: small dots are checked less.",
     )
     # Rings, and grids without.
     ring_hole_share: float = Field(
@@ -200,8 +196,7 @@ class GridSettings(StageSettings):
         gt=0,
         lt=1,
         description="Brightness of a ring's middle, of the step from dot to board. Larger: faint rings are "
-        "lost; "
-        "smaller: dots with a glint count as rings.",
+        "lost; smaller: dots with a glint count as rings.",
     )
     faint_hole_share: float = Field(
         0.1,
@@ -251,7 +246,7 @@ class GridSettings(StageSettings):
         le=20,
         description="Nodes over which missed dots are looked for. Larger: slower, more guesses.",
     )
-    missed_miss_steps: float = Field(
+    missed_residual_steps: float = Field(
         0.12,
         gt=0,
         lt=0.5,
@@ -260,7 +255,7 @@ class GridSettings(StageSettings):
     missed_radius_log: float = Field(
         0.35, gt=0, le=5, description="Most error of its log radius. Larger: more wrong ones."
     )
-    missed_keep_steps: float = Field(
+    missed_keep_residual_steps: float = Field(
         0.2,
         gt=0,
         lt=0.5,

@@ -1,4 +1,4 @@
-"""Settings of stage 4: when a dot is no measurement, and when a picture is refused."""
+"""Settings of stage 4: flags of dots and refusals of pictures."""
 
 from pydantic import Field
 
@@ -25,8 +25,8 @@ class QualitySettings(StageSettings):
         2.5,
         ge=1,
         le=100,
-        description="Departure from the ellipse, in usual ones, above which a dot is bad-fit. Larger: fewer "
-        "are.",
+        description="Departure from the ellipse, in usual ones, above which a dot is bad-fit. Larger: "
+        "fewer are.",
     )
     departure_share: float = Field(
         0.001, ge=0, le=1, description="The same of the radius, added. Larger: fewer are."
@@ -36,8 +36,7 @@ class QualitySettings(StageSettings):
         gt=1,
         le=100,
         description="Standard deviation of the residuals, over the usual one in such light, above which a "
-        "dot is "
-        "bad-fit. Larger: fewer are.",
+        "dot is bad-fit. Larger: fewer are.",
     )
     max_ring_misfit_factor: float = Field(
         2.0,
@@ -50,16 +49,14 @@ class QualitySettings(StageSettings):
         gt=0,
         le=10,
         description="Brightness of a dot above the usual one in such light, of the step, above which it is "
-        "bad-fit. "
-        "Larger: fewer are.",
+        "bad-fit. Larger: fewer are.",
     )
     max_shape_log: float = Field(
         0.2,
         gt=0,
         le=5,
-        description="Log of the ratio of a semi-axis to the one that the grid wants, amid other dots, above "
-        "which a "
-        "dot is bad-fit. Larger: fewer are.",
+        description="Log of the ratio of a semi-axis to the one that the grid predicts, within the grid, "
+        "above which a dot is bad-fit. Larger: fewer are.",
     )
     max_rim_shape_log: float = Field(
         0.3,
@@ -67,24 +64,26 @@ class QualitySettings(StageSettings):
         le=5,
         description="The same at the grid's rim, where steps are less sure. Larger: fewer are bad-fit.",
     )
-    amid_neighbours: int = Field(
+    interior_neighbours: int = Field(
         12,
         ge=1,
         le=24,
-        description="Neighbours within two nodes of a dot that is amid others. Larger: more are at the rim.",
+        description="Neighbours within two nodes of a dot that is within the grid. Larger: more are at its "
+        "rim.",
     )
     # What is usual in a picture's light.
     trend_min_dots: int = Field(
         8,
         ge=4,
         le=1000,
-        description="Fewer dots tell no trend with the light. Larger: a median is taken more often.",
+        description="Fewer dots determine no trend with the light. Larger: a median is taken more often.",
     )
     trend_min_span_share: float = Field(
         0.05,
         ge=0,
         lt=1,
-        description="Light must differ by so much to tell a trend. Larger: a median is taken more often.",
+        description="Light must differ by so much to determine a trend. Larger: a median is taken more "
+        "often.",
     )
     min_noise_share: float = Field(
         0.01,
@@ -105,13 +104,13 @@ class QualitySettings(StageSettings):
         le=100,
         description="An outline expected so near to the frame may be cut. Larger: more dots are cut.",
     )
-    cut_miss_radii: float = Field(
+    cut_residual_radii: float = Field(
         0.35,
         gt=0,
         le=2,
         description="Most error of a cut spot's box against the one expected. Larger: more are cut.",
     )
-    unclean_miss_radii: float = Field(
+    unclean_residual_radii: float = Field(
         0.5,
         gt=0,
         le=2,
@@ -124,22 +123,22 @@ class QualitySettings(StageSettings):
         5,
         ge=1,
         le=24,
-        description="Neighbours that tell where a dot without a clean outline is. Larger: fewer are told.",
+        description="Neighbours that predict a dot without a clean outline. Larger: fewer are reported.",
     )
     hidden_neighbours: int = Field(
         8,
         ge=1,
         le=24,
-        description="Neighbours that tell where a hidden dot is. Larger: fewer hidden dots are told.",
+        description="Neighbours that predict a hidden dot. Larger: fewer hidden dots are reported.",
     )
     no_id_radius_log: float = Field(
         0.5,
         gt=0,
         le=5,
-        description="Spots of about a dot's size are told as no-id. Larger: more clutter is told.",
+        description="Spots of about a dot's size are reported as no-id. Larger: more clutter is reported.",
     )
-    no_id_apart_radii: float = Field(
-        0.5, gt=0, le=5, description="Distance of such spots from every dot. Larger: fewer are told."
+    no_id_distance_radii: float = Field(
+        0.5, gt=0, le=5, description="Distance of such spots from every dot. Larger: fewer are reported."
     )
     # Pictures.
     min_usable_share: float = Field(
@@ -147,14 +146,13 @@ class QualitySettings(StageSettings):
         ge=0,
         lt=1,
         description="Part of the whole dots that must be measured, or the picture is refused "
-        "(no-usable-dots). "
-        "Larger: more refusals.",
+        "(no-usable-dots). Larger: more refusals.",
     )
     max_clipped_picture_share: float = Field(
         0.5,
         gt=0,
         le=1,
-        description="Clipped part of a picture without a grid above which the refusal says saturated. "
+        description="Clipped part of a picture without a grid above which the refusal is saturated. "
         "Larger: rarer.",
     )
     soft_share: float = Field(
@@ -162,8 +160,7 @@ class QualitySettings(StageSettings):
         gt=0,
         le=2,
         description="Median blur over minor semi-axis above which the refusal of a picture without a grid "
-        "says blurred. "
-        "Larger: rarer.",
+        "is blurred. Larger: rarer.",
     )
     soft_px: float = Field(
         1.5, ge=0, le=100, description="And the median blur must be above this. Larger: rarer."
@@ -172,9 +169,8 @@ class QualitySettings(StageSettings):
         0.8,
         gt=0,
         le=1,
-        description="Median clipped part of the bright side above which, with burnt_profile_share, all dots "
-        "are "
-        "saturated. Larger: rarer.",
+        description="Median clipped part of the bright side above which, with burnt_profile_share, all "
+        "dots are saturated. Larger: rarer.",
     )
     burnt_profile_share: float = Field(
         0.028,

@@ -1,4 +1,4 @@
-"""Settings of stage 1: how dark spots are found, and the ellipses of their edges traced."""
+"""Settings of stage 1: the search for dark spots, and the tracing of their ellipses."""
 
 from pydantic import Field, model_validator
 
@@ -23,8 +23,7 @@ class SegmentationSettings(StageSettings):
         gt=1,
         le=1000,
         description="Semi-axis, in pixels of the first level, above which coarser levels are searched as "
-        "well. "
-        "Larger: large dots are looked for in fewer levels.",
+        "well. Larger: large dots are looked for in fewer levels.",
     )
     min_resolved_axis_px: float = Field(
         3.5,
@@ -37,16 +36,15 @@ class SegmentationSettings(StageSettings):
         0.8,
         ge=0.1,
         le=3,
-        description="Standard deviation of the 3 x 3 Gaussian before thresholding. Larger: less noise, small "
-        "dots fade.",
+        description="Standard deviation of the 3 x 3 Gaussian before thresholding. Larger: less noise, "
+        "small dots fade.",
     )
     threshold_reach_px: int = Field(
         9,
         ge=2,
         le=200,
         description="Half the window, of a level, whose extremes set the threshold. Larger: follows the "
-        "light "
-        "less closely, finds larger dots in one level.",
+        "light less closely, finds larger dots in one level.",
     )
     min_contrast_sigma: float = Field(
         8.0,
@@ -60,8 +58,7 @@ class SegmentationSettings(StageSettings):
         ge=0,
         lt=1,
         description="Least range of grey values in a window, of the picture's range. Larger: fewer false "
-        "spots, "
-        "dots in shade are lost.",
+        "spots, dots in shade are lost.",
     )
     range_cut_percent: float = Field(
         0.5,
@@ -73,9 +70,8 @@ class SegmentationSettings(StageSettings):
         0.15,
         gt=0,
         le=1,
-        description="Most changes between dark and bright a pixel along a row, around a spot. Larger: spots "
-        "in "
-        "texture and noise are kept.",
+        description="Most changes between dark and bright a pixel along a row, around a spot. Larger: "
+        "spots in texture and noise are kept.",
     )
     texture_reach_px: int = Field(
         15, ge=2, le=500, description="Half the window in which these changes are counted. Larger: smoother."
@@ -87,16 +83,15 @@ class SegmentationSettings(StageSettings):
         1.2,
         gt=0,
         le=100,
-        description="Least minor semi-axis of a spot, of a level. Larger: fewer false spots, small dots are "
-        "lost.",
+        description="Least minor semi-axis of a spot, of a level. Larger: fewer false spots, small dots "
+        "are lost.",
     )
     min_axis_ratio_share: float = Field(
         0.2,
         gt=0,
         lt=1,
         description="Least minor over major semi-axis (0.2: a disc seen at 78 degrees). Larger: dots of a "
-        "board "
-        "at a grazing angle are lost.",
+        "board at a grazing angle are lost.",
     )
     max_axis_share: float = Field(
         0.2,
@@ -153,8 +148,8 @@ class SegmentationSettings(StageSettings):
         0.5,
         ge=0.05,
         lt=1,
-        description="Where along a ray the search for the edge begins. Larger: holes of rings disturb less, "
-        "rough sizes must be better.",
+        description="Where along a ray the search for the edge begins. Larger: holes of rings disturb "
+        "less, rough sizes must be better.",
     )
     dot_level_from_radii: float = Field(
         0.6,
@@ -173,16 +168,14 @@ class SegmentationSettings(StageSettings):
         ge=0,
         lt=1,
         description="From where on, of the way from the edge to the ray's end, a ray shows the board. "
-        "Larger: "
-        "soft edges matter less, neighbours more.",
+        "Larger: soft edges matter less, neighbours more.",
     )
     clear_gap_share: float = Field(
         0.7,
         gt=0,
         lt=1,
         description="Part of the gap between two dots that belongs to one of them. Larger: wider bands, "
-        "which "
-        "neighbours may reach into.",
+        "which neighbours may reach into.",
     )
     min_ray_share: float = Field(
         0.75,
@@ -208,8 +201,7 @@ class SegmentationSettings(StageSettings):
         ge=0,
         lt=1,
         description="Most median distance of edge points from the ellipse, of the radius. Larger: more "
-        "ragged "
-        "dots, more false ones.",
+        "ragged dots, more false ones.",
     )
     max_roughness_px: float = Field(
         0.15, ge=0, le=10, description="The same in pixels, added. Larger: more false dots."

@@ -1,11 +1,11 @@
-"""What the settings of all stages have in common: frozen, checked, and handed to compiled code as numbers."""
+"""Base class of the settings of all stages: frozen, checked, and handed to compiled code as tuples."""
 
 from collections.abc import Callable
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
-Numbers = TypeVar("Numbers")
+Limits = TypeVar("Limits")
 
 
 class StageSettings(BaseModel):
@@ -21,6 +21,6 @@ class StageSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    def numbers(self, kind: Callable[..., Numbers]) -> Numbers:
+    def limits(self, kind: Callable[..., Limits]) -> Limits:
         """Return the settings that a named tuple has fields for, as compiled code takes them."""
         return kind(*(getattr(self, name) for name in vars(kind)["_fields"]))

@@ -73,9 +73,9 @@ def field_scale(
 
     Notes
     -----
-    The likelihood is restricted to what the camera's numbers cannot take up (Patterson and Thompson 1971), so
-    that the field is neither starved by a camera that has absorbed it nor asked to explain what the camera
-    can. The noise's variance follows in closed form.
+    The likelihood is restricted to what the camera's parameters cannot take up (Patterson and Thompson
+    1971), so that the field is neither starved by a camera that has absorbed it nor asked to explain what
+    the camera can. The noise's variance follows in closed form.
     """
     likelihood = _Restricted(x, residual, by_camera)
     if near is not None and near.amplitude_px > 0.0:

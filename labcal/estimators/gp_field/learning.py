@@ -8,7 +8,7 @@ import numpy as np
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted
 from labcal.estimators.gp_field.evidence import FieldScale, field_scale
-from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
+from labcal.estimators.gp_field.fitted_camera import Asked, FittedCamera, FittedField
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
 from labcal.optim.whitening import CorrelatedNoise
@@ -25,7 +25,7 @@ _EXACT_PX = 1e-4
 
 
 @one_blas_thread()
-def learned_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> LearnedCamera:
+def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera:
     """Return a camera with the field that its residuals require, or without if they require none.
 
     Parameters
@@ -44,11 +44,11 @@ def learned_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> LearnedCame
     tried, and the likelier one is taken.
     """
     if start.sigma_px < _EXACT_PX:
-        return LearnedCamera(start.placed, start.covariance, start.sigma_px)
-    ideal = _learned(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
+        return FittedCamera(start.placed, start.covariance, start.sigma_px)
+    ideal = _fitted(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
     if ideal is None:
-        return LearnedCamera(start.placed, start.covariance, start.sigma_px)
-    arrived = _learned(_Stage(ideal.found, ideal.scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
+        return FittedCamera(start.placed, start.covariance, start.sigma_px)
+    arrived = _fitted(_Stage(ideal.found, ideal.scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
     best = ideal if arrived is None or arrived.likelihood < ideal.likelihood else arrived
     return best.camera
 
@@ -70,12 +70,12 @@ class _Learned:
     scale: FieldScale
     restricted: float
     """The restricted log-likelihood of the scale."""
-    learned: LearnedField
+    fitted: FittedField
 
     @property
-    def camera(self) -> LearnedCamera:
+    def camera(self) -> FittedCamera:
         """The camera with its field."""
-        return LearnedCamera(self.found.placed, self.found.covariance, self.scale.noise_px, self.learned)
+        return FittedCamera(self.found.placed, self.found.covariance, self.scale.noise_px, self.fitted)
 
     @property
     def likelihood(self) -> float:
@@ -84,24 +84,24 @@ class _Learned:
         A field that is asked where light arrives gives the density of measured minus explained pixels; that
         of the pixels takes the determinant of how the former change with the latter.
         """
-        if self.learned.asked is Asked.IDEAL:
+        if self.fitted.asked is Asked.IDEAL:
             return self.scale.gain
-        field = self.learned.field
-        turn = np.eye(2) - field.slopes(field.x)[:, :, :2] / self.learned.places.width_px
+        field = self.fitted.field
+        turn = np.eye(2) - field.slopes(field.x)[:, :, :2] / self.fitted.places.width_px
         with np.errstate(divide="ignore"):
             return self.scale.gain + float(np.log(np.maximum(np.linalg.det(turn), 0.0)).sum())
 
     def arrived(self, q: Pixels) -> Pixels:
         """Return the true images of training points, by lens and field."""
-        return np.asarray(q + self.found.residual + self.learned.field.smoothed())
+        return np.asarray(q + self.found.residual + self.fitted.field.smoothed())
 
 
-def _learned(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | None:
+def _fitted(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | None:
     """Return camera and field after some rounds, or None if no field is required."""
     ends = list(_rounds(stage, q, p, asked))
     if len(ends) < ROUNDS:
         return None
-    before, last = (end.learned.field.smoothed() for end in ends[-2:])
+    before, last = (end.fitted.field.smoothed() for end in ends[-2:])
     if np.linalg.norm(last - before) <= _SETTLED * np.linalg.norm(last):
         return ends[-1]
     return max(ends, key=lambda end: end.restricted)
@@ -124,7 +124,7 @@ def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Le
         camera = found.camera
         places = Places.of(camera, p)
         field = PixelField(scale, places.inputs(camera, at, p), -found.residual)
-        end = _Learned(found, scale, likelihood, LearnedField(field, places, asked, np.array(p)))
+        end = _Learned(found, scale, likelihood, FittedField(field, places, asked, np.array(p)))
         if asked is Asked.ARRIVED:
             at = end.arrived(q)
         yield end

@@ -39,7 +39,7 @@ CAMERAS, UNKNOWN_POINTS = 2, 6
 ROUGH_EPOCHS = 60
 """Of a first training without decay, after which the networks themselves tell what a miss is in pixels.
 
-Where the evidence rules from the start, it may take the waves of a pane for noise and never learn them;
+Where the evidence rules from the start, it may take the waves of a window for noise and never learn them;
 where it comes in after this, noise that was learned by then may stay. Both are done, and that of the less
 error to expect of new data is kept.
 """
@@ -55,8 +55,8 @@ class RayNet(PointEstimator):
     Each camera has a network from a pixel to the points where its ray meets two planes across its view, one
     at each end of the trained volume. It is trained by Levenberg-Marquardt with Bayesian regularisation
     (Foresee and Hagan 1997) on the distances of the known points from their rays, in pixels. A point is where
-    the misses of all cameras' rays, in pixels, are least in squares. Two planes for a ray: Martins, Birk and
-    Kelley 1981.
+    the distances of all cameras' rays, in pixels, are least in squares. Two planes for a ray: Martins,
+    Birk and Kelley 1981.
 
     The covariance of a point comes from the noise of its pixels and from the weights' uncertainty, which is
     propagated through as if it were noise of pixels, too.
@@ -185,7 +185,7 @@ class RayNet(PointEstimator):
     ) -> RayProblem:
         """Return the problem of all cameras, with pixels per mm at every point."""
         frames = self._frames()
-        slopes = [frame.miss_per_crossing(points) for frame in frames]
+        slopes = [frame.distance_slopes_by_crossing(points) for frame in frames]
         places = [frame.local(points)[:, :2, None] for frame in frames]
         return RayProblem(
             self._network(),
@@ -207,10 +207,10 @@ class RayNet(PointEstimator):
                 normal, gradient = np.zeros((len(p), 3, 3)), np.zeros((len(p), 3))
                 for k, (frame, own) in enumerate(zip(frames, crossings, strict=True)):
                     scale = self._pixels_per_mm(k, pixels, p)
-                    slopes = scale @ frame.miss_slopes(own)
-                    misses = scale @ frame.misses(own, p)[:, :, None]
+                    slopes = scale @ frame.distance_slopes(own)
+                    distances = scale @ frame.distances(own, p)[:, :, None]
                     normal += slopes.mT @ slopes
-                    gradient += (slopes.mT @ misses)[:, :, 0]
+                    gradient += (slopes.mT @ distances)[:, :, 0]
                 p = p - np.linalg.solve(normal, gradient[:, :, None])[:, :, 0]
         return np.asarray(p)
 
@@ -225,7 +225,7 @@ class RayNet(PointEstimator):
             for k, frame in enumerate(self._frames()):
                 weights = torch.from_numpy(self.parameters_[k])
                 jacobian = self._network().jacobian(weights, self._scaled(k, pixels)).numpy()
-                slopes = self._pixels_per_mm(k, pixels, points) @ frame.miss_per_crossing(points)
+                slopes = self._pixels_per_mm(k, pixels, points) @ frame.distance_slopes_by_crossing(points)
                 in_pixels = slopes @ jacobian
                 flat = in_pixels.reshape(-1, jacobian.shape[2])
                 whitened = solve_triangular(self.weight_factors_[k], flat.T, lower=True).T
@@ -241,11 +241,11 @@ class RayNet(PointEstimator):
     def _pixels_per_mm(
         self, camera: int, pixels: Float64[np.ndarray, "n inputs"], p: Vectors3
     ) -> Float64[np.ndarray, "n 2 2"]:
-        """Return what a miss at each point is in pixels: the inverse of how its ray moves with the pixel."""
+        """Return the pixels of a distance at each point: the inverse of how its ray moves with the pixel."""
         weights = torch.from_numpy(self.parameters_[camera])
         slopes = self._network().input_jacobian(weights, self._scaled(camera, pixels)).numpy()
         slopes = slopes / self.input_half_range_[2 * camera : 2 * camera + 2]
-        return np.asarray(np.linalg.inv(self._frames()[camera].miss_per_crossing(p) @ slopes))
+        return np.asarray(np.linalg.inv(self._frames()[camera].distance_slopes_by_crossing(p) @ slopes))
 
     def _scaled(self, camera: int, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[torch.Tensor, "n 2"]:
         """Return a camera's pixels as its network takes them."""

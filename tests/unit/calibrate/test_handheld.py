@@ -20,7 +20,7 @@ See = Callable[..., Detections]
 Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
 
-CENTRES = HandheldSettings(bias_rounds=0)
+CENTRES = HandheldSettings(eccentricity_rounds=0)
 """The pixels are images of centres, not centroids."""
 
 
@@ -166,8 +166,8 @@ def test_centroids_are_corrected(centroids: See, pair: Cameras, grid: DotGrid, p
     detections = centroids({"left": true}, large, poses)
     raw = calibrate_handheld(detections, large, "brown-k1k2", CENTRES)
     found = calibrate_handheld(detections, large, "brown-k1k2")
-    assert raw.bias.rms == raw.bias.max == 0.0
-    assert 0.02 < found.bias.rms < found.bias.max < 1.0
+    assert raw.eccentricity.rms == raw.eccentricity.max == 0.0
+    assert 0.02 < found.eccentricity.rms < found.eccentricity.max < 1.0
     assert found.rms_px < 0.01 * raw.rms_px
     off, off_raw = (np.array(f.rig.camera("left").intrinsics) - true.intrinsics for f in (found, raw))
     assert np.abs(off).max() < 0.02 * np.abs(off_raw).max()

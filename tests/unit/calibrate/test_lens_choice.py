@@ -35,7 +35,7 @@ def measured(
 
 
 def chosen(detections: Detections, grid: DotGrid) -> LensChoice:
-    return choose_lens(detections, grid, HandheldSettings(bias_rounds=0), NoProgress())
+    return choose_lens(detections, grid, HandheldSettings(eccentricity_rounds=0), NoProgress())
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,10 @@ def test_a_fisheye_is_told_from_a_lens_that_is_none(centroids: See, grid: DotGri
     exact = centroids({"only": true}, grid, poses)
     noise = 0.03 * random.normal(size=exact.position.shape)
     choice = choose_lens(
-        replace(exact, position=exact.position + noise), grid, HandheldSettings(bias_rounds=1), NoProgress()
+        replace(exact, position=exact.position + noise),
+        grid,
+        HandheldSettings(eccentricity_rounds=1),
+        NoProgress(),
     )
     assert choice.lens == "fisheye-kb4"
     simple = {trial.lens: trial for trial in choice.trials}["brown-k1k2"]
@@ -85,7 +88,7 @@ def test_a_fisheye_is_told_from_a_lens_that_is_none(centroids: See, grid: DotGri
 
 def test_what_a_lens_leaves_open_is_told(measured: Callable[..., Detections], grid: DotGrid) -> None:
     dots = measured("brown-k1k2", [-0.3, 0.09, 0.0, 0.0, 0.0])
-    settings = HandheldSettings(bias_rounds=0)
+    settings = HandheldSettings(eccentricity_rounds=0)
     assert calibrate_handheld(dots, grid, "brown5", settings).fits["only"].undetermined == ()
     left_open = calibrate_handheld(dots, grid, "rational8", settings).fits["only"].undetermined
     assert {"k4", "k5"} <= set(left_open)
@@ -115,7 +118,7 @@ def test_lenses_are_compared_with_free_dots_where_these_will_be_freed(
         shift[rows] = scale * off[number[rows]] @ T[:2, :2].T
     uneven = replace(dots, position=dots.position + shift)
     held, freed = (
-        choose_lens(uneven, grid, HandheldSettings(bias_rounds=0, free_dots=free), NoProgress())
+        choose_lens(uneven, grid, HandheldSettings(eccentricity_rounds=0, free_dots=free), NoProgress())
         for free in (False, True)
     )
     flat = {trial.lens: trial.held_out_px for trial in held.trials}

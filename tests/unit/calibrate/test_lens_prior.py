@@ -98,7 +98,7 @@ def test_a_calibrated_lens_images_the_whole_picture(lens: str) -> None:
         q.append(camera.project(transform(T, target.points())).q)
     noisy = [one + random.normal(0.0, NOISE_PX, one.shape) for one in q]
     dots = dots_at(noisy, [np.isfinite(one[:, 0]) for one in q], target, SIZE, NOISE_PX)
-    found = calibrate_handheld(dots, target, lens, HandheldSettings(bias_rounds=0))
+    found = calibrate_handheld(dots, target, lens, HandheldSettings(eccentricity_rounds=0))
     (name,) = found.rig.cameras
     assert found.rig.camera(name).share_without_rays == 0.0
     assert np.abs(found.rig.camera(name).dist).max() < 2.0

@@ -49,12 +49,12 @@ class Turned(Perspective):
     def formula(self, m, dist):  # noqa: ANN001, ANN201 -- as the protocol has it
         return super().formula(m, in_opencvs_order(dist))
 
-    def forward_numbers(self, m, dist):  # noqa: ANN001, ANN201 -- as the protocol has it
-        return super().forward_numbers(m, in_opencvs_order(dist))
+    def forward_parameters(self, m, dist):  # noqa: ANN001, ANN201 -- as the protocol has it
+        return super().forward_parameters(m, in_opencvs_order(dist))
 
-    def numbers(self, m, dist, reach):  # noqa: ANN001, ANN201 -- as the protocol has it
-        forward = Perspective.forward_numbers(self, m, in_opencvs_order(dist))
-        whole = Perspective("brown5", 5).numbers(m, in_opencvs_order(dist), reach)
+    def parameters(self, m, dist, reach):  # noqa: ANN001, ANN201 -- as the protocol has it
+        forward = Perspective.forward_parameters(self, m, in_opencvs_order(dist))
+        whole = Perspective("brown5", 5).parameters(m, in_opencvs_order(dist), reach)
         return (*forward, *whole[len(forward) :])
 
 
@@ -150,7 +150,7 @@ def test_both_are_calibrated(
             name: replace(camera, lens="brown-k1k2", dist=np.array([*camera.dist[:2], 0.0, 0.0, 0.0]))
             for name, camera in pair.items()
         }
-    found = calibrate_handheld(see(pair, grid, poses), grid, lens, HandheldSettings(bias_rounds=0))
+    found = calibrate_handheld(see(pair, grid, poses), grid, lens, HandheldSettings(eccentricity_rounds=0))
     for name, camera in pair.items():
         record = found.rig.camera(name)
         np.testing.assert_allclose(record.K, camera.K, atol=0.02)

@@ -17,7 +17,7 @@ from labcal.targets.catalogue import load_target
 See = Callable[..., Detections]
 TARGET = load_target("rings-10x8")
 HELD = HandViews(views=9, tilt_deg=35.0, radius_px=14.0)
-CENTRES = HandheldSettings(bias_rounds=0)
+CENTRES = HandheldSettings(eccentricity_rounds=0)
 NOISE_PX = 0.03
 
 

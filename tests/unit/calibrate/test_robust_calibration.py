@@ -18,7 +18,7 @@ See = Callable[..., Detections]
 Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
 
-CENTRES = HandheldSettings(bias_rounds=0)
+CENTRES = HandheldSettings(eccentricity_rounds=0)
 NOISE_PX = 0.1
 
 

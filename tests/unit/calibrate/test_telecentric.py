@@ -9,10 +9,10 @@ import pytest
 from labcal.calibrate.calibration import calibrated
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
-from labcal.calibrate.parallel_rig import parallel_notes, told_by_each_other
+from labcal.calibrate.parallel_rig import parallel_notes, with_determined_poses
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import resect
-from labcal.calibrate.rig_start import LoneCamera
+from labcal.calibrate.rig_start import SingleCamera
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import triangulate
@@ -118,8 +118,8 @@ def test_beside_a_camera_that_sees_depth_there_is_no_mirror_image() -> None:
     other = true["right"].T_cam_world @ first
     blind = np.stack([mirrored(T) if view % 2 else T for view, T in enumerate(other)])
     blind[:, 2, 3] += 7.0 * views
-    lone = [LoneCamera("left", left, views, first), LoneCamera("right", true["right"], views, blind)]
-    told = told_by_each_other(lone, None)
+    single = [SingleCamera("left", left, views, first), SingleCamera("right", true["right"], views, blind)]
+    told = with_determined_poses(single, None)
     np.testing.assert_array_equal(told[0].T_cam_target, first)
     T = told[1].T_cam_target @ np.linalg.inv(first)
     expected = np.tile(true["right"].T_cam_world, (6, 1, 1))

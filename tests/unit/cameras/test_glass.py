@@ -97,7 +97,7 @@ def test_light_takes_the_quickest_path_through_a_window(window: FlatWindow, pixe
     to_camera = POSE[:3, 3]
     end = rays.origin + 700.0 * rays.direction + to_camera
     far = rays.origin + to_camera
-    normal = np.array(window.numbers[:3])
+    normal = np.array(window.parameters[:3])
     straight = make("pinhole").rays(pixels).direction
     near = straight * (window.distance_mm / (straight @ normal))[:, None]
     np.testing.assert_allclose(far @ normal, window.distance_mm + window.thickness_mm, atol=1e-9)

@@ -46,31 +46,31 @@ class Division:
     def formula(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
         return dist[:1]
 
-    def forward_numbers(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
+    def forward_parameters(self, _m: Mathematics, dist: tuple[Number, ...]) -> tuple[Number, ...]:
         return dist[:1]
 
-    def numbers(self, _m: Mathematics, dist: tuple[Number, ...], _reach: float) -> tuple[Number, ...]:
+    def parameters(self, _m: Mathematics, dist: tuple[Number, ...], _reach: float) -> tuple[Number, ...]:
         return dist[:1]
 
-    def image(
-        self, m: Mathematics, numbers: tuple[Number, ...], a: Number, b: Number
+    def distort(
+        self, m: Mathematics, parameters: tuple[Number, ...], a: Number, b: Number
     ) -> tuple[Number, Number]:
-        ratio = 2.0 / (1.0 + m.sqrt(1.0 - 4.0 * numbers[0] * (a * a + b * b)))
+        ratio = 2.0 / (1.0 + m.sqrt(1.0 - 4.0 * parameters[0] * (a * a + b * b)))
         return a * ratio, b * ratio
 
-    def field(self, m: Mathematics, numbers: tuple[Number, ...], direction: Direction) -> FieldPoint:
+    def field_point(self, m: Mathematics, parameters: tuple[Number, ...], direction: Direction) -> FieldPoint:
         X, Y, Z = direction
         depth = m.where(Z > 0.0, Z, 1.0)
-        return FieldPoint(X / depth, Y / depth, (Z > 0.0) & self.in_field(numbers, X / depth, Y / depth))
+        return FieldPoint(X / depth, Y / depth, (Z > 0.0) & self.is_imaged(parameters, X / depth, Y / depth))
 
-    def field_at(self, _m: Mathematics, numbers: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
-        below = 1.0 + numbers[0] * (x * x + y * y)
+    def undistort(self, _m: Mathematics, parameters: tuple[Number, ...], x: Number, y: Number) -> FieldPoint:
+        below = 1.0 + parameters[0] * (x * x + y * y)
         return FieldPoint(x / below, y / below, below > 0.0)
 
-    def in_field(self, numbers: tuple[Number, ...], a: Number, b: Number) -> Number:
-        return 4.0 * numbers[0] * (a * a + b * b) < 1.0
+    def is_imaged(self, parameters: tuple[Number, ...], a: Number, b: Number) -> Number:
+        return 4.0 * parameters[0] * (a * a + b * b) < 1.0
 
-    def ray(self, m: Mathematics, _numbers: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
+    def chief_ray(self, m: Mathematics, _parameters: tuple[Number, ...], a: Number, b: Number) -> SceneRay:
         Z = 1.0 / m.sqrt(a * a + b * b + 1.0)
         return SceneRay((0.0 * Z, 0.0 * Z, 0.0 * Z), (a * Z, b * Z, Z), Z > 0.0)
 
@@ -131,7 +131,7 @@ def test_a_rig_with_it_is_calibrated_from_dots_within_what_it_states(
         covariance=np.tile(0.02**2 * np.eye(2), (count, 1, 1)),
         flag=np.full(count, "ok", dtype="<U16"),
     )
-    made = pipeline.calibrate(grid, dots, division, HandheldSettings(bias_rounds=0))
+    made = pipeline.calibrate(grid, dots, division, HandheldSettings(eccentricity_rounds=0))
     assert made.found.rms_px == pytest.approx(0.02 * np.sqrt(2.0), rel=0.2)
     for name in ("left", "right"):
         found, sigma = made.rig.camera(name), made.found.fits[name].sigma
@@ -196,7 +196,7 @@ def test_what_is_no_lens_is_told_what_it_lacks(division: str) -> None:
     class Half:
         name = "half"
 
-    with pytest.raises(InputTypeError, match=r"it lacks coefficients, names, .*in_field, ray"):
+    with pytest.raises(InputTypeError, match=r"it lacks coefficients, names, .*is_imaged, chief_ray"):
         register_lens(Half())  # type: ignore[arg-type]
     assert register_lens(replace(Division(), rectilinear=False)).name == division  # a cell, run again
 

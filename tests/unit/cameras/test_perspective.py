@@ -46,24 +46,26 @@ def test_the_fold_agrees_with_a_scan() -> None:
 
 def test_a_pinhole_ignores_no_direction_in_front() -> None:
     lens = Perspective("pinhole", 0)
-    found = lens.field(NUMPY, lens.numbers(NUMPY, padded(), 1.0), (np.array([99.0]), np.array([-3.0]), 1.0))
+    found = lens.field_point(
+        NUMPY, lens.parameters(NUMPY, padded(), 1.0), (np.array([99.0]), np.array([-3.0]), 1.0)
+    )
     np.testing.assert_array_equal([found.a[0], found.b[0], found.ok[0]], [99.0, -3.0, True])
 
 
 def test_a_weak_lens_is_inverted_in_a_single_step() -> None:
     lens = lens_by_name("brown5")
-    numbers = lens.numbers(NUMPY, padded(-0.3, 0.09, 6e-4, -4e-4, 0.0), 0.6)
+    parameters = lens.parameters(NUMPY, padded(-0.3, 0.09, 6e-4, -4e-4, 0.0), 0.6)
     x, y = np.random.default_rng(3).uniform(-0.4, 0.4, (2, 1000))
-    quick = lens.field_at(NumpyMathematics(1, settled=1e-4), numbers, x, y)
+    quick = lens.undistort(NumpyMathematics(1, settled=1e-4), parameters, x, y)
     assert np.all(quick.ok)
-    back = lens.image(NUMPY, numbers, quick.a, quick.b)
+    back = lens.distort(NUMPY, parameters, quick.a, quick.b)
     np.testing.assert_allclose(back, [x, y], rtol=0, atol=1e-10)
 
 
 def test_an_inverse_that_has_not_settled_says_so() -> None:
     lens = lens_by_name("rational8")
-    numbers = lens.numbers(NUMPY, padded(0.9, -0.4, 6e-4, -4e-4, 0.05, 1.25, -0.2, 0.03), 0.1)
-    found = lens.field_at(NumpyMathematics(1, settled=1e-8), numbers, np.array([0.9]), np.array([0.6]))
+    parameters = lens.parameters(NUMPY, padded(0.9, -0.4, 6e-4, -4e-4, 0.05, 1.25, -0.2, 0.03), 0.1)
+    found = lens.undistort(NumpyMathematics(1, settled=1e-8), parameters, np.array([0.9]), np.array([0.6]))
     assert not found.ok.any()  # far beyond the reach of the first guess
 
 

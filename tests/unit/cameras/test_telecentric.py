@@ -150,9 +150,9 @@ def test_its_ideal_camera_is_one_without_distortion() -> None:
 
 def test_an_open_aperture_has_the_same_cone_around_every_ray() -> None:
     pupil, chief = ParallelPupil(4.0, 80.0), camera(np.eye(4))
-    traced = chief.optics.trace(NUMPY, chief.numbers, np.array([10.0, 500.0]), np.array([400.0, 30.0]))
+    traced = chief.optics.trace(NUMPY, chief.parameters, np.array([10.0, 500.0]), np.array([400.0, 30.0]))
     disc = (np.array([0.6, -0.2]), np.array([0.3, 0.9]))
-    ray = pupil.ray(NUMPY, pupil.numbers, traced, (0.0, 0.0, *disc)).ray
+    ray = pupil.ray(NUMPY, pupil.parameters, traced, (0.0, 0.0, *disc)).ray
     start, direction = np.stack(ray.origin, axis=-1), np.stack(ray.direction, axis=-1)
     middle = np.stack(traced.origin, axis=-1)
     np.testing.assert_allclose(start - middle, 4.0 * np.stack([*disc, np.zeros(2)], axis=-1), atol=1e-12)

@@ -194,7 +194,7 @@ def test_kalibrs_own_order_is_read() -> None:
   resolution: [640, 480]
   rostopic: /a/image_raw
 """
-    for model, numbers, distortion, lens, dist in (
+    for model, parameters, distortion, lens, dist in (
         ("ds", "-0.2, 0.6", ("none", "[]"), "double-sphere", (-0.2, 0.6, 0, 0, 0)),
         ("eucm", "0.6, 1.1", ("none", "[]"), "eucm", (0.6, 1.1, 0, 0, 0)),
         (
@@ -206,7 +206,7 @@ def test_kalibrs_own_order_is_read() -> None:
         ),
         ("omni", "1.2", ("none", "[]"), "omni-radtan", (1.2, 0, 0, 0, 0)),
     ):
-        own = text.replace("ds\n", f"{model}\n").replace("-0.2, 0.6", numbers)
+        own = text.replace("ds\n", f"{model}\n").replace("-0.2, 0.6", parameters)
         own = own.replace("model: none", f"model: {distortion[0]}").replace("[]\n  distortion_m", "@")
         own = own.replace("@", f"{distortion[1]}\n  distortion_m")
         record = read_text("kalibr", "camchain.yaml", own).cameras["a"]

@@ -40,7 +40,12 @@ def test_a_missing_picture_is_a_page_in_part(folder: Path, capsys: pytest.Captur
 
 @pytest.mark.parametrize(
     ("content", "said"),
-    [(None, "labcal reproduce"), ("{", "is no JSON"), ('{"rows": []}', "not_reported"), ("[]", "not a")],
+    [
+        (None, "labcal reproduce"),
+        ("{", "is not valid JSON"),
+        ('{"rows": []}', "not_reported"),
+        ("[]", "not a"),
+    ],
 )
 def test_a_folder_without_results(
     tmp_path: Path, content: str | None, said: str, capsys: pytest.CaptureFixture[str]

@@ -27,7 +27,7 @@ def picture(camera: Camera, T_world_target: np.ndarray, target: DotGrid, own: in
     dots = PictureDots(
         (640, 480), Polarity.BLACK_ON_WHITE, None, index, np.ones(n, dtype=bool), q[:, 0],
         np.tile(np.eye(2), (n, 1, 1)), np.ones(n), (DotFlag.OK,) * n, q[:, 0], np.tile(np.eye(2), (n, 1, 1)),
-        target.lookalikes(index),
+        target.symmetric_indices(index),
     )  # fmt: skip
     return dots if own == 0 else dots.renumbered(own - 1)
 
@@ -58,7 +58,7 @@ def called(dots: PictureDots, target: DotGrid, camera: Camera, T: np.ndarray) ->
     truth = picture(camera, T, target, 0)
     places = {tuple(q): index for q, index in zip(truth.position.tolist(), truth.index.tolist(), strict=True)}
     true_index = np.array([places[tuple(q)] for q in dots.position.tolist()])
-    numberings = (true_index, *target.lookalikes(true_index))
+    numberings = (true_index, *target.symmetric_indices(true_index))
     return next(k for k, index in enumerate(numberings) if np.array_equal(index, dots.index))
 
 
@@ -67,7 +67,7 @@ def settle(
 ) -> dict[str, list[int | None]]:
     """Return, by camera, how every view's dots are called after settling; None where refused."""
     rng = np.random.default_rng(seed)
-    fold = 1 + len(target.lookalikes(target.indices()[:1]))
+    fold = 1 + len(target.symmetric_indices(target.indices()[:1]))
     keys = [(view, name) for view in poses for name in cameras]
     sources = [Source(view, name, f"{view}_{name}.png", None) for view, name in keys]
     seen = [picture(cameras[name], poses[view], target, int(rng.integers(fold))) for view, name in keys]

@@ -57,5 +57,5 @@ def test_what_names_no_picture_is_refused(folder: Path) -> None:
 def test_a_picture_of_another_size_is_refused(tmp_path: Path) -> None:
     write_picture(tmp_path / "a.png", np.zeros((30, 40), dtype=np.uint8))
     assert Source("a", "left", str(tmp_path / "a.png"), (40, 30)).read().shape == (30, 40)
-    with pytest.raises(InputError, match="is 40 x 30, but the shoot says that camera 'left' takes 30 x 40"):
+    with pytest.raises(InputError, match="is 40 x 30, but the shoot states that camera 'left' takes 30 x 40"):
         Source("a", "left", str(tmp_path / "a.png"), (30, 40)).read()

@@ -8,7 +8,7 @@ import pytest
 from labcal.detect import compiled
 from labcal.detect.compiled import _SOURCES, _digest_of, is_kept
 from labcal.detect.edges.gauss_newton import fit_all
-from labcal.detect.lattice.neighbourhood import miss
+from labcal.detect.lattice.neighbourhood import residual_in_steps
 
 
 def test_the_digest_sees_every_source(tmp_path: Path) -> None:
@@ -28,7 +28,7 @@ def test_machine_code_is_kept_under_the_digest() -> None:
 
 
 def test_code_is_kept_once_it_was_used_and_not_that_of_other_sources(monkeypatch: pytest.MonkeyPatch) -> None:
-    miss(np.array([0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), 0.5, 0.5)
-    assert is_kept(miss)
+    residual_in_steps(np.array([0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), 0.5, 0.5)
+    assert is_kept(residual_in_steps)
     monkeypatch.setattr(compiled, "_SOURCES", "0123456789ab")
-    assert not is_kept(miss)
+    assert not is_kept(residual_in_steps)

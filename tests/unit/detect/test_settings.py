@@ -115,7 +115,7 @@ def test_defaults_are_what_holds_where_no_settings_are_given(picture: np.ndarray
 
 
 def test_fewer_steps_of_gauss_newton_settle_fewer_dots(picture: np.ndarray) -> None:
-    exact = "edge.settled_shift_px=1e-6"
+    exact = "edge.shift_tolerance_px=1e-6"
     few = found(picture, exact, "edge.max_iterations=2")
     enough = found(picture, exact)
     assert few.refusal is Refusal.NO_USABLE_DOTS

@@ -39,11 +39,11 @@ def test_noise_stays_near_what_triangulation_allows(
     seen = stereo(other_volume)
     seen_noisy = seen + 0.05 * random.standard_normal(seen.shape)
     exact = Dlt().fit(stereo(volume), volume)
-    learned, limit = (
+    fitted, limit = (
         np.sqrt(np.mean(np.sum((method.predict(seen_noisy) - other_volume) ** 2, axis=1)))
         for method in (Dlt().fit(noisy, volume), exact)
     )
-    assert limit < learned < 1.15 * limit
+    assert limit < fitted < 1.15 * limit
 
 
 def test_one_plane_is_refused(stereo: View, plane: np.ndarray) -> None:

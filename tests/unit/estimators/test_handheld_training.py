@@ -55,15 +55,15 @@ def test_dots_are_where_they_were_and_pixels_are_those_of_centres(
     seen = [camera.project(np.array(expected)).q for camera in pair.values()]
     np.testing.assert_allclose(data.X, np.hstack(seen), atol=2e-3)
     assert training.cameras is not None
-    assert training.bias is not None
-    assert training.bias.max > 0.01
+    assert training.eccentricity is not None
+    assert training.eccentricity.max > 0.01
 
 
 def test_dots_that_were_freed_are_where_they_were_found(
     see: See, pair: Cameras, grid: DotGrid, poses: Poses
 ) -> None:
     dots = see(pair, grid, poses)
-    found = calibrate_handheld(dots, grid, LENS, HandheldSettings(free_dots=True, bias_rounds=0))
+    found = calibrate_handheld(dots, grid, LENS, HandheldSettings(free_dots=True, eccentricity_rounds=0))
     assert found.freed is not None
     moved = found.freed.place.copy()
     moved[4, 0] += 1.0

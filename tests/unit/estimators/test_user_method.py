@@ -32,7 +32,7 @@ PIPELINE = make_pipeline(StandardScaler(), PolynomialFeatures(2), Ridge(1e-4))
 
 
 class Plain:
-    """A method of somebody who has never heard of scikit-learn: the mean of what was learned."""
+    """A method of somebody who has never heard of scikit-learn: the mean of what was fitted."""
 
     def fit(self, X: np.ndarray, Y: np.ndarray) -> None:  # noqa: ARG002 - the form of a method
         self.mean = Y.mean(axis=0)
@@ -59,7 +59,7 @@ class Moody(Plain):
 
 
 class Median(PointEstimator):
-    """The middle of all points that were learned.
+    """The middle of all points that were fitted.
 
     A whole method in labcal's own form.
     """
@@ -317,7 +317,7 @@ def test_a_method_in_labcals_own_form_is_registered_from_outside(
     assert (load_model(path, Median).estimator.predict(X) == np.median(volume, axis=0)).all()
     assert register_method(Median) is Median
     assert "median" in method_names()
-    assert registry.method_entries()["median"].summary == "The middle of all points that were learned."
+    assert registry.method_entries()["median"].summary == "The middle of all points that were fitted."
     assert type(make_estimator("median")) is Median
     assert (load_model(path).estimator.predict(X) == np.median(volume, axis=0)).all()
     register_method(Median)  # a cell of a notebook, run again

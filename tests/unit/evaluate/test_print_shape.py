@@ -67,7 +67,7 @@ def test_words(freed: FreedDots) -> None:
     held = print_words(print_shape(replace(freed, held=Constrained.STRETCH | Constrained.HEIGHTS)))
     assert "stretch, x over y: not determined by these views" in held
     assert "bow along x: not determined by these views" in held
-    assert "kept as declared, since the views do not tell: heights, stretch" in held
+    assert "kept as declared, since the views do not determine them: heights, stretch" in held
 
 
 def test_agreement(freed: FreedDots) -> None:

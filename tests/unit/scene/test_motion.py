@@ -103,7 +103,7 @@ def test_every_part_of_a_dot_is_where_it_is_when_its_row_is_read() -> None:
     take = taken(np.array([900.0, 500.0, -300.0]), np.array([1.0, 2.0, 3.0]), 0.02, 0.04, "brown5")
     random = np.random.default_rng(3)
     p = np.concatenate([random.uniform(0.0, 80.0, (50, 2)), np.zeros((50, 1))], axis=1)
-    for point, q, seconds in zip(p, take.image(p).q, take.instants(p), strict=True):
+    for point, q, seconds in zip(p, take.project(p).q, take.instants(p), strict=True):
         T = take.track.at(float(seconds))
         seen = take.device.project(T[:3, :3] @ point + T[:3, 3]).q
         np.testing.assert_allclose(seen, q, atol=1e-8)
@@ -113,9 +113,9 @@ def test_every_part_of_a_dot_is_where_it_is_when_its_row_is_read() -> None:
 def test_a_point_that_outruns_the_rows_is_not_imaged() -> None:
     # The picture is read at 479 rows / 0.04 s, and the target moves faster than that.
     take = taken(np.array([0.0, 40_000.0, 0.0]), STILL, 0.0, 0.04)
-    assert not take.image(np.array([[5.0, 5.0, 0.0]])).ok.any()
+    assert not take.project(np.array([[5.0, 5.0, 0.0]])).ok.any()
     behind = taken(np.array([0.0, 10.0, 0.0]), STILL, 0.0, 0.04)
-    assert not behind.image(np.array([[5.0, 5.0, 2.0 * AWAY]])).ok.any()
+    assert not behind.project(np.array([[5.0, 5.0, 2.0 * AWAY]])).ok.any()
 
 
 @pytest.mark.parametrize("lens", ["pinhole", "brown5"])

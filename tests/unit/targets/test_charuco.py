@@ -28,7 +28,7 @@ def test_it_is_a_target_like_any_other() -> None:
     assert np.array_equal(BOARD.points(np.array([[3, 0]])), [[60.0, 0.0, 0.0]])
     assert BOARD.extent_mm == (-30.0, -30.0, 230.0, 170.0)
     assert not BOARD.outer_diameters_mm().any()
-    assert BOARD.lookalikes(BOARD.indices()) == ()
+    assert BOARD.symmetric_indices(BOARD.indices()) == ()
 
 
 @pytest.mark.parametrize("pattern", Pattern)

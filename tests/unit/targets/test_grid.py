@@ -104,7 +104,7 @@ def test_rows_with_an_odd_number_are_shifted_as_by_opencv() -> None:
 @pytest.mark.parametrize("cols", [2, 3, 4, 5])
 @pytest.mark.parametrize("rows", [2, 3, 4, 5, 8, 10])
 @pytest.mark.parametrize("make", [asymmetric, lambda cols, rows: without_rings(cols=cols, rows=rows)])
-def test_lookalikes_are_all_turns_after_which_a_grid_looks_the_same(
+def test_symmetric_indices_are_of_all_turns_after_which_a_grid_looks_the_same(
     make: Callable[[int, int], DotGrid], cols: int, rows: int
 ) -> None:
     target = make(cols, rows)
@@ -118,7 +118,7 @@ def test_lookalikes_are_all_turns_after_which_a_grid_looks_the_same(
         }
         == places
     ]
-    found = target.lookalikes(target.indices())
+    found = target.symmetric_indices(target.indices())
     assert len(found) == len(turns)
     middle = (target.points().min(axis=0) + target.points().max(axis=0))[:2] / 2
     for index, turn in zip(found, turns, strict=True):
@@ -127,14 +127,14 @@ def test_lookalikes_are_all_turns_after_which_a_grid_looks_the_same(
 
 
 def test_with_rings_nothing_looks_the_same(grid: DotGrid) -> None:
-    assert grid.lookalikes(grid.indices()) == ()
+    assert grid.symmetric_indices(grid.indices()) == ()
     assert grid.key_indices == grid.ring_indices
     assert len(without_rings().key_indices) == 20
 
 
 def test_unequal_pitches_leave_half_a_turn() -> None:
     target = without_rings(cols=4, pitch_y_mm=21.0)
-    (half,) = target.lookalikes(np.array([[0, 1], [-1, 5]]))
+    (half,) = target.symmetric_indices(np.array([[0, 1], [-1, 5]]))
     assert np.array_equal(half, [[3, 2], [4, -2]])
 
 

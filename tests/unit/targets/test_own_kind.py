@@ -71,7 +71,7 @@ class Chessboard(BaseModel):
     def outer_diameters_mm(self) -> Lengths:
         return np.zeros(self.count)
 
-    def lookalikes(self, indices: DotIndices) -> tuple[DotIndices, ...]:
+    def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         return (np.array([self.cols - 1, self.rows - 1]) - indices,)
 
 
@@ -100,7 +100,7 @@ def detect(grey: np.ndarray, board: Chessboard, _settings: DetectSettings) -> Pi
         refusal=None if found else Refusal.NO_GRID, index=board.indices()[:n], has_id=np.ones(n, dtype=bool),
         position=q, covariance=np.tile(0.0025 * np.eye(2), (n, 1, 1)), misfit=np.full(n, np.nan),
         flag=(DotFlag.OK,) * n, seen_at=q, outline=np.full((n, 2, 2), np.nan),
-        others=(board.lookalikes(board.indices())[0],) if found else (),
+        others=(board.symmetric_indices(board.indices())[0],) if found else (),
     )  # fmt: skip
 
 

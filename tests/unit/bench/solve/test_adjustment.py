@@ -32,7 +32,7 @@ def test_growth_is_measured_for_every_size() -> None:
 
 def test_halves_of_a_sound_rig_agree_and_of_a_changed_one_do_not() -> None:
     dots = HeldRig.drawn(8, seed=2).detections()
-    settings = HandheldSettings(bias_rounds=0)
+    settings = HandheldSettings(eccentricity_rounds=0)
     one, other = (calibrate_handheld(half, TARGET, "brown5", settings) for half in halves(dots))
     assert [len(half.views) for half in halves(dots)] == [4, 4]
     apart = disagreement(one, other)

@@ -74,7 +74,7 @@ def test_noise_puts_no_pole_beside_the_dots() -> None:
     added = noise * generator(103, "m", "n").standard_normal((40, target.count, 2))
     dots = dots_at(list(q + added), [np.isfinite(one[:, 0]) for one in q], target, camera.size, noise)
     training = np.isin(dots.view, dots.views[::2])
-    settings = HandheldSettings(bias_rounds=0)
+    settings = HandheldSettings(eccentricity_rounds=0)
     found = calibrate_handheld(dots.where(training), target, "rational8", settings).rig.camera("only")
     held_out = [found.project(transform(T, target.points())) for T in poses[1::2]]
     assert all(one.ok.all() for one in held_out)

@@ -15,7 +15,7 @@ from labcal.calibrate.agreement.finding import ContradictionError
 from labcal.calibrate.agreement.hypotheses import times, together
 from labcal.calibrate.agreement.pair import PairAgreement
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
-from labcal.calibrate.lone_calibration import CameraAlone, calibrate_alone
+from labcal.calibrate.single_calibration import SingleCalibration, calibrate_single
 from labcal.cli.failure import FailureDocument, explain
 from labcal.correspond.detections import Detections
 from labcal.report.inconsistent_result import InconsistentResult
@@ -23,13 +23,13 @@ from labcal.run.json_text import to_json
 
 Seen = Callable[..., Detections]
 
-CENTRES = HandheldSettings(bias_rounds=0)
+CENTRES = HandheldSettings(eccentricity_rounds=0)
 KNOCK = np.array([1e-4, -5e-5, 5e-5, 0.1, -0.05, 0.1])
 """rad, mm: it moves dots by some 0.1 px, twice their noise."""
 
 
 def pair_of(dots: Detections, lens: str = "brown5") -> PairAgreement:
-    first, second = (calibrate_alone(name, dots, TARGET, lens, CENTRES) for name in CAMERAS)
+    first, second = (calibrate_single(name, dots, TARGET, lens, CENTRES) for name in CAMERAS)
     found = PairAgreement.of(first, second)
     assert found is not None
     return found
@@ -91,8 +91,8 @@ def test_pictures_exchanged_in_half_of_the_views_are_told(seen: Seen) -> None:
     other = np.where(dots.camera == CAMERAS[0], CAMERAS[1], CAMERAS[0])
     swapped = replace(dots, camera=np.where(later, other, dots.camera))
 
-    def alone(name: str, table: Detections) -> CameraAlone:
-        return calibrate_alone(name, table, TARGET, "brown5", CENTRES)
+    def alone(name: str, table: Detections) -> SingleCalibration:
+        return calibrate_single(name, table, TARGET, "brown5", CENTRES)
 
     found = disagreement(Calibrated([alone(name, swapped) for name in CAMERAS], swapped, alone))
     assert found is not None
@@ -185,9 +185,9 @@ def test_only_the_camera_that_loses_a_picture_is_calibrated_anew(
 
     def counted(name: str, *rest: object) -> object:
         called.append(name)
-        return calibrate_alone(name, *rest)  # type: ignore[arg-type]
+        return calibrate_single(name, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("labcal.calibrate.handheld.calibrate_alone", counted)
+    monkeypatch.setattr("labcal.calibrate.handheld.calibrate_single", counted)
     found = calibrate_handheld(replace(dots, index=index), TARGET, "brown5", CENTRES)
     assert called == ["left", "right", "right"]
     assert len(found.skipped) == 1

@@ -10,10 +10,10 @@ from scipy.stats import chi2
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import resect
 from labcal.cameras.camera import Camera
-from labcal.cameras.free_numbers import FreeNumbers
+from labcal.cameras.free_parameters import FreeParameters
 from labcal.cameras.window import WATER, FlatWindow
 from labcal.errors import InputError, UnknownNameError
-from labcal.estimators.gp_field.learned_camera import LearnedCamera
+from labcal.estimators.gp_field.fitted_camera import FittedCamera
 
 SIZE = (640, 480)
 K = np.array([[600.0, 0.0, 322.0], [0.0, 603.0, 237.0], [0.0, 0.0, 1.0]])
@@ -59,7 +59,9 @@ def test_a_prescription_and_a_window_under_water_are_found() -> None:
     true = Camera(K, "pinhole", np.zeros(5), T, SIZE, window=window)
     start = FlatWindow(distance_mm=100.0, behind_index=WATER)
     found = resect("test", true.project(POINTS).q, POINTS, camera_of_lens("pinhole", SIZE, start)).camera
-    np.testing.assert_allclose(FreeNumbers(found).values, FreeNumbers(true).values, rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(
+        FreeParameters(found).values, FreeParameters(true).values, rtol=1e-4, atol=1e-5
+    )
 
 
 def test_stated_covariances_are_those_of_repeated_resections() -> None:
@@ -73,7 +75,7 @@ def test_stated_covariances_are_those_of_repeated_resections() -> None:
         )
         assert found.sigma_px == pytest.approx(sigma, rel=0.15)
         error = found.camera.project(asked).q - truth
-        learned = LearnedCamera(found.placed, found.covariance, found.sigma_px)
+        learned = FittedCamera(found.placed, found.covariance, found.sigma_px)
         stated = learned.pixel_covariance(truth, asked, nothing)
         statistic += np.einsum("ni,nij,nj->", error, np.linalg.inv(stated), error)
     assert 0.001 < chi2(4 * runs).cdf(statistic) < 0.999

@@ -120,7 +120,7 @@ def test_ros_files_rectify_as_they_should(make_rig: MakeRig, points: np.ndarray)
 
 def test_ros_files_of_cameras_calibrated_alone_have_no_pose(make_rig: MakeRig) -> None:
     texts = [write_ros(make_rig("pinhole", count=1), ".yaml").files[0].text for _ in range(2)]
-    with pytest.raises(InputError, match="do not say how far apart"):
+    with pytest.raises(InputError, match="do not state how far apart"):
         read_ros([SourceText(Path(f"{n}.yaml"), text) for n, text in enumerate(texts)])
 
 

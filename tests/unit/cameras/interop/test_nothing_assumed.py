@@ -64,7 +64,7 @@ def test_four_coefficients_are_asked_about(four: Path) -> None:
     np.testing.assert_allclose(fisheye.camera().project(v).q, expected[:, 0], atol=1e-9)
     assert np.abs(brown.camera().project(v).q - expected[:, 0]).max() > 20.0
     for name in ("prescription", "rational8", "browny"):
-        with pytest.raises(InputError, match="does not tell whose coefficients these are"):
+        with pytest.raises(InputError, match="does not determine whose coefficients these are"):
             read(four, lens=name)
 
 
@@ -83,7 +83,7 @@ def test_a_file_may_say_itself_whose_they_are(four: Path, key: str, value: objec
     four.write_text(text + f"{key}: {value}\n")
     assert next(iter(read(four).cameras.values())).lens == lens
     other = "brown5" if lens == "fisheye-kb4" else "fisheye-kb4"
-    with pytest.raises(InputError, match=r"says otherwise\. Leave that out"):
+    with pytest.raises(InputError, match=r"states otherwise\. Leave that out"):
         read(four, lens=other)
 
 

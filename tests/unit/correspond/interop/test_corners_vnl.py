@@ -178,7 +178,7 @@ def test_a_file_of_mrcal_calibrates_to_the_cameras_that_saw_it(
         }
     )
     found = read_corners(path, points, SIDES, size_of).detections
-    rig = calibrate_handheld(found, points, "brown5", HandheldSettings(bias_rounds=0)).rig
+    rig = calibrate_handheld(found, points, "brown5", HandheldSettings(eccentricity_rounds=0)).rig
     for name, camera in pair.items():
         np.testing.assert_allclose(rig.camera(name).K, camera.K, atol=0.01)
         np.testing.assert_allclose(rig.camera(name).T_cam_world, camera.T_cam_world, atol=0.01)
@@ -231,7 +231,7 @@ def test_mrgingham_numbers_the_dots_that_labcal_finds(tmp_path: Path, roll_deg: 
     ours = detections_of([measure_picture(source, target)])
     assert theirs.ok.all()
     assert ours.ok.all()
-    numberings = (ours.index, *target.lookalikes(ours.index))
+    numberings = (ours.index, *target.symmetric_indices(ours.index))
     misses = []
     for index in numberings:
         number = index[:, 1] * target.cols + index[:, 0]
@@ -289,7 +289,7 @@ def test_images_that_pair_up_are_not_taken_for_one_camera(
 ) -> None:
     path = tmp_path / "corners.vnl"
     path.write_text(corners_text(seen, square).text)
-    with pytest.raises(InputError, match=r"names tell of 2 cameras .*`cameras="):
+    with pytest.raises(InputError, match=r"names are those of 2 cameras .*`cameras="):
         read_corners(path, square, {}, lambda _: (640, 480))
 
 

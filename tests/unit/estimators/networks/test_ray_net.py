@@ -107,12 +107,12 @@ def test_frames_look_along_the_view_and_misses_vanish_on_rays(stereo: View, volu
     near, far = frame.ends(crossings)
     share = np.random.default_rng(6).uniform(-0.5, 1.5, (40, 1))
     on_ray = (1 - share) * near + share * far
-    np.testing.assert_allclose(frame.misses(crossings, on_ray), 0.0, atol=1e-9)
+    np.testing.assert_allclose(frame.distances(crossings, on_ray), 0.0, atol=1e-9)
     np.testing.assert_allclose(frame.share(on_ray), share[:, 0], atol=1e-12)
     # The derivative by the point, against differences.
     step = np.array([0.3, -0.2, 0.5])
-    moved = frame.misses(crossings, on_ray + step) - frame.misses(crossings, on_ray)
-    np.testing.assert_allclose(moved, frame.miss_slopes(crossings) @ step, atol=1e-9)
+    moved = frame.distances(crossings, on_ray + step) - frame.distances(crossings, on_ray)
+    np.testing.assert_allclose(moved, frame.distance_slopes(crossings) @ step, atol=1e-9)
 
 
 def test_what_rays_cannot_be_learned_from_is_refused(

@@ -1,10 +1,10 @@
-"""Derivatives by a camera's free numbers against differences of its own projection."""
+"""Derivatives by a camera's free parameters against differences of its own projection."""
 
 import numpy as np
 import pytest
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.free_numbers import FreeNumbers
+from labcal.cameras.free_parameters import FreeParameters
 from labcal.cameras.prescription import load_prescription
 from labcal.cameras.window import WATER, FlatWindow
 
@@ -29,15 +29,15 @@ CAMERAS = {
 @pytest.mark.parametrize("name", CAMERAS)
 def test_derivatives_are_those_of_the_projection(name: str) -> None:
     camera = CAMERAS[name]
-    numbers = FreeNumbers(camera)
-    found = numbers.imaged(POINTS)
+    parameters = FreeParameters(camera)
+    found = parameters.imaged(POINTS)
     assert found.ok.all()
     np.testing.assert_allclose(found.q, camera.project(POINTS).q, atol=1e-9)
     np.testing.assert_allclose(found.by_point, camera.point_jacobian(POINTS), atol=1e-9)
-    for number, value in enumerate(numbers.values):
-        step = np.zeros(numbers.count)
+    for number, value in enumerate(parameters.values):
+        step = np.zeros(parameters.count)
         step[number] = 1e-6 * max(1.0, abs(value))
-        slope = numbers.moved(step).project(POINTS).q - numbers.moved(-step).project(POINTS).q
+        slope = parameters.moved(step).project(POINTS).q - parameters.moved(-step).project(POINTS).q
         slope /= 2.0 * step[number]
         assert np.abs(found.by_camera[:, :, number] - slope).max() <= 1e-5 * max(1.0, np.abs(slope).max())
 
@@ -47,7 +47,7 @@ def test_derivatives_are_those_of_the_projection(name: str) -> None:
     [("brown5", 9), ("rational8", 12), ("fisheye-kb4", 8), ("water", 9), ("prescription", 3)],
 )
 def test_what_is_free(name: str, count: int) -> None:
-    numbers = FreeNumbers(CAMERAS[name])
-    assert numbers.count == count
-    own = numbers.values[numbers.coefficients]
+    parameters = FreeParameters(CAMERAS[name])
+    assert parameters.count == count
+    own = parameters.values[parameters.coefficients]
     np.testing.assert_array_equal(own, CAMERAS[name].dist[: len(own)])

@@ -8,7 +8,7 @@ from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
-from labcal.calibrate.centre_bias import ROUNDS
+from labcal.calibrate.eccentricity import ROUNDS
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.lens_start import (
     LensStart,
@@ -17,7 +17,7 @@ from labcal.calibrate.lens_start import (
     start_from_pictures,
 )
 from labcal.calibrate.one_lens import TwoLenses
-from labcal.calibrate.rig_start import LoneCamera
+from labcal.calibrate.rig_start import SingleCamera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
@@ -35,7 +35,7 @@ class HandheldSettings:
     Examples
     --------
     >>> from labcal.pipeline import HandheldSettings
-    >>> HandheldSettings(free_dots=True).bias_rounds
+    >>> HandheldSettings(free_dots=True).eccentricity_rounds
     2
     """
 
@@ -45,7 +45,7 @@ class HandheldSettings:
     """Initial values; OpenCV gives them if this is None."""
     free_dots: bool = False
     """True to estimate the places of dots on the print."""
-    bias_rounds: int = ROUNDS
+    eccentricity_rounds: int = ROUNDS
     """Number of computations of the eccentricity; 0 if pixels are images of centres."""
 
 
@@ -59,48 +59,48 @@ class AdjustedDots:
 
 
 @dataclass(frozen=True)
-class CameraAlone:
+class SingleCalibration:
     """A camera calibrated from all its views."""
 
     name: str
     dots: Detections
     result: AdjustedDots
-    lone: LoneCamera
+    single: SingleCamera
     """Its input to the adjustment of the rig."""
     two_lenses: TwoLenses | None = None
     """Groups of its views that were taken through different lenses; None where one lens explains all."""
 
-    def on_print(self, dots: FreedDots, settings: HandheldSettings) -> "CameraAlone":
+    def on_print(self, dots: FreedDots, settings: HandheldSettings) -> "SingleCalibration":
         """Return the camera adjusted once more, with dots where several cameras together found them."""
         before = self.result
         seen = before.observations.where(dots.freed[before.observations.dot])
         state = replace(before.adjusted.state, dots=dots.place)
         freedom = Freedom(settings.lenses, np.zeros((dots.place.size, 0)))
         radii = 0.5 * dots.target.outer_diameters_mm()
-        adjusted = adjust_in_rounds(state, seen, freedom, radii, settings.bias_rounds)
-        lone = replace(
-            self.lone, camera=adjusted.state.cameras[0], T_cam_target=adjusted.state.T_world_target
+        adjusted = adjust_in_rounds(state, seen, freedom, radii, settings.eccentricity_rounds)
+        single = replace(
+            self.single, camera=adjusted.state.cameras[0], T_cam_target=adjusted.state.T_world_target
         )
-        return replace(self, result=AdjustedDots(adjusted, seen, None), lone=lone)
+        return replace(self, result=AdjustedDots(adjusted, seen, None), single=single)
 
-    def among(self, views: tuple[str, ...]) -> "CameraAlone":
+    def among(self, views: tuple[str, ...]) -> "SingleCalibration":
         """Return the same camera with its views numbered as they stand among `views`, the rig's."""
         number = {view: place for place, view in enumerate(views)}
         numbers = np.array([number[view] for view in self.dots.views], dtype=np.int64)
-        return replace(self, lone=replace(self.lone, views=numbers))
+        return replace(self, single=replace(self.single, views=numbers))
 
 
-def calibrate_alone(
+def calibrate_single(
     name: str, entering: Detections, target: AnyTarget, lens: str, settings: HandheldSettings
-) -> CameraAlone:
+) -> SingleCalibration:
     """Calibrate one camera from all its views."""
     dots = entering.where(entering.camera == name)
     start = _lens_start(dots, name, target, lens, settings)
     state = RigState((start.camera,), start.T_cam_target, target.points())
     result = adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
     end, unnumbered = result.adjusted.state, np.arange(len(dots.views))
-    lone = LoneCamera(name, end.cameras[0], unnumbered, end.T_world_target)
-    return CameraAlone(name, dots, result, lone).among(entering.views)
+    single = SingleCamera(name, end.cameras[0], unnumbered, end.T_world_target)
+    return SingleCalibration(name, dots, result, single).among(entering.views)
 
 
 def _lens_start(
@@ -136,8 +136,8 @@ def adjusted(
     """Adjust with the dots as declared and, where asked, once more with free dots."""
     freedom = Freedom(settings.lenses, np.zeros((3 * target.count, 0)))
     radii = 0.5 * target.outer_diameters_mm()
-    flat = adjust_in_rounds(start, observations, freedom, radii, settings.bias_rounds)
+    flat = adjust_in_rounds(start, observations, freedom, radii, settings.eccentricity_rounds)
     if not settings.free_dots:
         return AdjustedDots(flat, observations, None)
-    free = adjust_dots(flat, observations, target, settings.lenses, settings.bias_rounds)
+    free = adjust_dots(flat, observations, target, settings.lenses, settings.eccentricity_rounds)
     return AdjustedDots(free.adjusted, free.observations, free.dots)

@@ -16,7 +16,7 @@ from labcal.detect.stage_settings.quality import QualitySettings
 
 
 @dataclass(frozen=True)
-class LostDot:
+class UnmeasuredDot:
     """A node whose dot is seen but not measured; `outline` as in `PictureDots`, NaN where it is cut."""
 
     node: Node
@@ -25,13 +25,13 @@ class LostDot:
     outline: np.ndarray
 
 
-def lost_dots(
+def unmeasured_dots(
     predictor: Predictor,
     blobs: Blobs,
     size: tuple[int, int],
     declared: Callable[[Node], bool],
     settings: QualitySettings,
-) -> list[LostDot]:
+) -> list[UnmeasuredDot]:
     """Return the nodes beside the lattice that the frame cuts, that are hidden, or have no clean outline.
 
     Parameters
@@ -43,7 +43,7 @@ def lost_dots(
     size : tuple of int
         Width and height of the picture, px.
     declared : callable
-        Tells whether a node belongs to the declared grid: only such ones can be hidden.
+        Returns whether a node belongs to the declared grid: only such ones can be hidden.
     settings : QualitySettings
     """
     span, spots = (-1, 0, 1), predictor.lattice.spots
@@ -60,18 +60,18 @@ def lost_dots(
     unclean = np.where(likely, _unclean(position, shape, blobs, settings), -1)
     in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= settings.hidden_neighbours)
     nothing = np.full((2, 2), np.nan)
-    lost = []
+    unmeasured = []
     for k, node in enumerate(nodes):
         if cut[k] >= 0:
-            lost.append(LostDot(node, DotFlag.CUT, blobs.centre[cut[k]], nothing))
+            unmeasured.append(UnmeasuredDot(node, DotFlag.CUT, blobs.centre[cut[k]], nothing))
         elif unclean[k] >= 0:
             spot = unclean[k]
-            lost.append(LostDot(node, DotFlag.BAD_FIT, blobs.centre[spot], blobs.shape[spot]))
+            unmeasured.append(UnmeasuredDot(node, DotFlag.BAD_FIT, blobs.centre[spot], blobs.shape[spot]))
         elif in_picture[k] and declared(node):
-            lost.append(LostDot(node, DotFlag.HIDDEN, position[k], nothing))
+            unmeasured.append(UnmeasuredDot(node, DotFlag.HIDDEN, position[k], nothing))
     taken = predictor.outlines.centre[list(spots.values())]
     radius = dict(zip(nodes, mean_radius(shape), strict=True))
-    return [dot for dot in lost if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
+    return [dot for dot in unmeasured if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
 
 
 def _cut(
@@ -92,9 +92,9 @@ def _cut(
     half = np.sqrt(np.diagonal(blobs.shape[spots], axis1=1, axis2=2))
     corners = np.concatenate([blobs.centre[spots] - half, blobs.centre[spots] + half], axis=1)
     wanted = np.concatenate([low, high], axis=1)[crossed]
-    miss = np.abs(corners - wanted[:, None]).max(axis=2) / extent[crossed].max(axis=1)[:, None]
-    best = miss.argmin(axis=1)
-    found[crossed] = np.where(miss.min(axis=1) <= settings.cut_miss_radii, spots[best], -1)
+    residual = np.abs(corners - wanted[:, None]).max(axis=2) / extent[crossed].max(axis=1)[:, None]
+    best = residual.argmin(axis=1)
+    found[crossed] = np.where(residual.min(axis=1) <= settings.cut_residual_radii, spots[best], -1)
     return found
 
 
@@ -107,7 +107,7 @@ def _unclean(
         return np.full(len(position), -1)
     radius = mean_radius(shape)[:, None]
     distance = np.linalg.norm(blobs.centre[spots] - position[:, None], axis=2) / radius
-    odds = np.abs(np.log(mean_radius(blobs.shape[spots]) / radius))
-    distance[odds > settings.unclean_radius_log] = np.inf
-    near = distance.min(axis=1) <= settings.unclean_miss_radii
+    size_log = np.abs(np.log(mean_radius(blobs.shape[spots]) / radius))
+    distance[size_log > settings.unclean_radius_log] = np.inf
+    near = distance.min(axis=1) <= settings.unclean_residual_radii
     return np.where(near, spots[distance.argmin(axis=1)], -1)

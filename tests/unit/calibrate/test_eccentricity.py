@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal.calibrate.centre_bias import CentreBias, centred
+from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
@@ -38,18 +38,18 @@ def pinholes(pair: Cameras) -> Cameras:
 
 
 def test_figures() -> None:
-    bias = CentreBias.of(np.array([[3.0, 4.0], [0.0, 0.0]]))
-    assert (bias.rms, bias.max) == (pytest.approx(np.sqrt(12.5)), 5.0)
-    assert CentreBias.of(np.zeros((0, 2))) == CentreBias(0.0, 0.0)
+    eccentricity = CorrectedEccentricity.of(np.array([[3.0, 4.0], [0.0, 0.0]]))
+    assert (eccentricity.rms, eccentricity.max) == (pytest.approx(np.sqrt(12.5)), 5.0)
+    assert CorrectedEccentricity.of(np.zeros((0, 2))) == CorrectedEccentricity(0.0, 0.0)
 
 
 def test_matches_come_to_the_centres(centroids: See, pair: Cameras, large: DotGrid, poses: Poses) -> None:
     matches = match(centroids(pair, large, poses), ("left", "right"))
     p = stage_points(matches, large, poses)
     true = np.stack([camera.project(p).q for camera in pair.values()], axis=1)
-    found, bias = centred(tuple(pair.values()), matches, large)
+    found, eccentricity = centred(tuple(pair.values()), matches, large)
     raw = np.linalg.norm(matches.q - true, axis=-1)
-    assert bias.max == pytest.approx(raw.max(), rel=0.02)
+    assert eccentricity.max == pytest.approx(raw.max(), rel=0.02)
     assert np.linalg.norm(found.q - true, axis=-1).max() < 0.02 * raw.max()
 
 
@@ -72,8 +72,8 @@ def test_a_rig_reconstructs_centres(centroids: See, pair: Cameras, large: DotGri
     for points in (raw.points, found.points):
         matches = match(dots, ("left", "right"))
         errors.append(np.linalg.norm(points.point - stage_points(matches, large, poses), axis=1).max())
-    assert raw.bias is None
-    assert found.bias is not None
+    assert raw.eccentricity is None
+    assert found.eccentricity is not None
     assert errors[1] < 0.03 * errors[0]
 
 
@@ -84,7 +84,7 @@ def test_a_method_learns_and_gives_centres(
     stage = {name: poses[name] for name in names[:5]}
     data = training(centroids(pinholes, large, stage), large, stage)
     taught = centred_training(data, large, stage)
-    assert taught.bias is not None
+    assert taught.eccentricity is not None
     assert taught.reason is None
     box = TrainingBox.of(data.X, data.Y)
     tests = {name: poses[name] for name in names[5:]}
@@ -111,7 +111,7 @@ def test_one_plane_is_left_as_it_is(centroids: See, pinholes: Cameras, large: Do
     data = training(centroids(pinholes, large, stage), large, stage)
     found = centred_training(data, large, stage)
     assert found.data is data
-    assert found.cameras is found.bias is None
+    assert found.cameras is found.eccentricity is None
     assert found.reason is not None
     assert "one plane" in found.reason
 

@@ -1,4 +1,4 @@
-"""A guess at what a wide lens does to a picture, taken back so that a grid's lines are nearly straight."""
+"""Undistortion of a wide lens's picture by a rough guess, after which a grid's lines are nearly straight."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ _STRAIGHT_ON, _STEEPEST = float(np.tan(_LIMIT)), float(1.0 + np.tan(_LIMIT) ** 2
 
 
 @dataclass(frozen=True)
-class Flattening:
+class RoughUndistortion:
     """The map from the picture of an equidistant fisheye to a perspective one with the same focal length.
 
     Attributes
@@ -28,16 +28,16 @@ class Flattening:
     centre: np.ndarray
     focal: float
 
-    def forward(self, q: Pixels) -> Pixels:
-        """Return where pixels lie in the flattened picture, px."""
+    def undistort(self, q: Pixels) -> Pixels:
+        """Return where pixels lie in the undistorted picture, px."""
         if not np.isfinite(self.focal):
             return q
         away, angle = self._polar(q)
         flat: np.ndarray = self.centre + away * (self._radius(angle) / angle)[..., None]
         return flat
 
-    def backward(self, q: Pixels) -> Pixels:
-        """Return the pixels of places in the flattened picture."""
+    def distort(self, q: Pixels) -> Pixels:
+        """Return the pixels of places in the undistorted picture."""
         if not np.isfinite(self.focal):
             return q
         away, radius = self._polar(q)
@@ -47,7 +47,7 @@ class Flattening:
         return seen
 
     def slopes(self, q: Pixels) -> PixelCovariances:
-        """Return the derivatives of :meth:`forward` at pixels, shape (..., 2, 2)."""
+        """Return the derivatives of :meth:`undistort` at pixels, shape (..., 2, 2)."""
         if not np.isfinite(self.focal):
             return np.broadcast_to(np.eye(2), (*q.shape[:-1], 2, 2)).copy()
         away, angle = self._polar(q)
@@ -59,10 +59,10 @@ class Flattening:
         return slopes
 
     def outlines(self, outlines: Outlines) -> Outlines:
-        """Return outlines as they lie in the flattened picture."""
+        """Return outlines as they lie in the undistorted picture."""
         slopes = self.slopes(outlines.centre)
         shape = slopes @ outlines.shape @ np.swapaxes(slopes, -1, -2)
-        return Outlines(self.forward(outlines.centre), shape, outlines.hole, outlines.blur)
+        return Outlines(self.undistort(outlines.centre), shape, outlines.hole, outlines.blur)
 
     def _polar(self, q: Pixels) -> tuple[np.ndarray, np.ndarray]:
         """Return the vectors from the centre, and their lengths over the focal length, nowhere zero."""
@@ -71,18 +71,18 @@ class Flattening:
 
     @staticmethod
     def _radius(angle: np.ndarray) -> np.ndarray:
-        """Return the flattened radius of an angle, over the focal length."""
+        """Return the undistorted radius of an angle, over the focal length."""
         straight = _STRAIGHT_ON + _STEEPEST * (angle - _LIMIT)
         radius: np.ndarray = np.where(angle < _LIMIT, np.tan(np.minimum(angle, _LIMIT)), straight)
         return radius
 
 
-NONE = Flattening(np.zeros(2), float("inf"))
+NONE = RoughUndistortion(np.zeros(2), float("inf"))
 """For a lens that images straight lines straight."""
 
 
-def fisheyes(size: tuple[int, int], fields_deg: Sequence[float]) -> list[Flattening]:
+def fisheyes(size: tuple[int, int], fields_deg: Sequence[float]) -> list[RoughUndistortion]:
     """Return equidistant fisheyes about the middle of a picture (width, height, px), by diagonal field."""
     centre = (np.array(size, dtype=np.float64) - 1.0) / 2.0
     diagonal = float(np.hypot(*size))
-    return [Flattening(centre, diagonal / float(np.radians(field))) for field in fields_deg]
+    return [RoughUndistortion(centre, diagonal / float(np.radians(field))) for field in fields_deg]

@@ -12,7 +12,9 @@ from labcal.geometry.two_by_two import eigenvalues, inverses
 from labcal.targets.grid import DotGrid
 
 
-def odd_shapes(predictor: Predictor, outlines: Outlines, target: DotGrid, settings: DetectSettings) -> Mask:
+def deviating_shapes(
+    predictor: Predictor, outlines: Outlines, target: DotGrid, settings: DetectSettings
+) -> Mask:
     """Tell which of a lattice's spots, in their order, have another shape than the others: hidden in part.
 
     In units of the grid's steps all dots of a board have one shape, wherever it is seen from.
@@ -22,26 +24,28 @@ def odd_shapes(predictor: Predictor, outlines: Outlines, target: DotGrid, settin
     predictor : Predictor
         Of the lattice.
     outlines : Outlines
-        The same spots as the predictor's, of whatever shapes are to be judged.
+        The same spots as the predictor's, of whatever shapes are to be compared.
     target : DotGrid
     settings : DetectSettings
     """
     quality = settings.quality
-    amid = predictor.neighbours() >= quality.amid_neighbours
-    limit = np.where(amid, quality.max_shape_log, quality.max_rim_shape_log)
+    interior = predictor.neighbours() >= quality.interior_neighbours
+    limit = np.where(interior, quality.max_shape_log, quality.max_rim_shape_log)
     return _off(predictor, outlines, target, settings.grid) > limit
 
 
-def without_odd(lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings) -> Lattice:
-    """Return a lattice without spots of very odd shapes, as they are where it skips every other dot."""
+def without_deviating_shapes(
+    lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings
+) -> Lattice:
+    """Return a lattice without spots whose shapes deviate very much, as if it skips every other dot."""
     off = _off(Predictor(lattice, outlines, settings), outlines, target, settings)
-    odd = off > settings.dropped_shape_log
-    kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), odd, strict=True) if not out}
-    return Lattice(kept, lattice.flattening) if kept else lattice
+    deviating = off > settings.max_lattice_shape_log
+    kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), deviating, strict=True) if not out}
+    return Lattice(kept, lattice.undistortion) if kept else lattice
 
 
 def _off(predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings) -> np.ndarray:
-    """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 where none can tell."""
+    """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 if undetermined."""
     spots = list(predictor.lattice.spots.values())
     found = predictor.shapes_in_steps(outlines)
     found[outlines.hole[spots] > settings.ring_hole_share] /= target.ring_size**2

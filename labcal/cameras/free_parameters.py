@@ -1,4 +1,4 @@
-"""The numbers of a camera that a calibration may find: intrinsics, lens coefficients, a window's place."""
+"""The parameters of a camera that a calibration may find: intrinsics, lens coefficients, a window's place."""
 
 from dataclasses import dataclass, replace
 
@@ -9,7 +9,7 @@ from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import POINT, ProjectionDerivatives, has_field, projection_derivatives
 from labcal.cameras.dual import Dual, DualMathematics, constants, variables
-from labcal.cameras.jacobians import dual_numbers, slopes_of
+from labcal.cameras.jacobians import dual_parameters, slopes_of
 from labcal.cameras.lens import LENGTH
 from labcal.cameras.mathematics import NUMPY
 from labcal.cameras.optics import INTRINSICS
@@ -20,24 +20,24 @@ PLACE = 3
 
 
 @dataclass(frozen=True)
-class FreeNumbers:
-    """Which numbers of a camera are free.
+class FreeParameters:
+    """The free parameters of a camera.
 
     Of a lens formula fx fy cx cy and all coefficients, without cx and cy where its rays are parallel; of a
     prescription, whose glass is known, f cx cy. Of a flat window its place: both tilts and the distance. A
-    wavy pane is known or not there.
+    wavy window is known or not there.
     """
 
     camera: Camera
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of free parameters."""
         return len(self.values)
 
     @property
     def coefficients(self) -> slice:
-        """Where the lens's coefficients stand."""
+        """Places of the lens's coefficients."""
         if self._prescribed:
             return slice(INTRINSICS - 1, INTRINSICS - 1)
         first = len(self._intrinsics)
@@ -45,7 +45,7 @@ class FreeNumbers:
 
     @property
     def values(self) -> Float64[np.ndarray, " free"]:
-        """The numbers: intrinsics (px), coefficients, window."""
+        """The parameters: intrinsics (px), coefficients, window."""
         camera = self.camera
         window = camera.window
         place = (
@@ -57,14 +57,14 @@ class FreeNumbers:
 
     @property
     def deviations(self) -> Float64[np.ndarray, " free"]:
-        """The numbers; of the lens's coefficients, how far they are from those of no distortion."""
+        """The parameters; of the lens's coefficients, how far they are from those of no distortion."""
         found = self.values
         if not self._prescribed:
             found[self.coefficients] -= self.camera.model.undistorted
         return found
 
     def moved(self, step: Float64[np.ndarray, " free"]) -> Camera:
-        """Return the camera with the step added to its numbers.
+        """Return the camera with the step added to its parameters.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class FreeNumbers:
         return replace(camera, K=K, dist=dist, window=window)
 
     def imaged(self, p_cam: Vectors3) -> ProjectionDerivatives:
-        """Return images of points of the camera's frame, with derivatives by points and free numbers.
+        """Return images of points of the camera's frame, with derivatives by points and free parameters.
 
         Parameters
         ----------
@@ -113,23 +113,23 @@ class FreeNumbers:
         varied = variables(*np.moveaxis(p_cam, -1, 0), *self.values)
         p, free = varied[:POINT], varied[POINT:]
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = camera.optics.project(m, self._dual_numbers(m, free), (p[0], p[1], p[2]))
+            found = camera.optics.project(m, self._dual_parameters(m, free), (p[0], p[1], p[2]))
         J = slopes_of(found.u.slopes, found.v.slopes, p_cam.shape[:-1])
         q = np.stack(np.broadcast_arrays(found.u.value, found.v.value), axis=-1)
         return ProjectionDerivatives(q, np.asarray(found.ok), J[..., :POINT], J[..., POINT:])
 
-    def _dual_numbers(self, m: DualMathematics, free: tuple[Dual, ...]) -> tuple[Dual, ...]:
-        """Return ``Camera.forward_numbers`` with the free ones varying."""
+    def _dual_parameters(self, m: DualMathematics, free: tuple[Dual, ...]) -> tuple[Dual, ...]:
+        """Return ``Camera.forward_parameters`` with the free ones varying."""
         camera = self.camera
         intrinsics = (free[0], *free[:3]) if self._prescribed else free[:INTRINSICS]
         if camera.model.parallel:
             intrinsics = (*free[:2], *constants(camera.intrinsics[2:], POINT + self.count))
         rest = constants(camera.padded_dist[camera.model.coefficients :], POINT + self.count)
-        numbers = dual_numbers(camera, m, intrinsics, (*free[self.coefficients], *rest))
+        parameters = dual_parameters(camera, m, intrinsics, (*free[self.coefficients], *rest))
         if not isinstance(camera.window, FlatWindow):
-            return numbers
-        pane = camera.window.formula(m, free[-PLACE:])
-        return (*intrinsics, *pane, *numbers[camera.optics.lens_at :])
+            return parameters
+        glass = camera.window.formula(m, free[-PLACE:])
+        return (*intrinsics, *glass, *parameters[camera.optics.lens_at :])
 
     @property
     def _intrinsics(self) -> tuple[float, ...]:

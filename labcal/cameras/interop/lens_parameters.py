@@ -23,7 +23,7 @@ def perspective_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, .
     Parameters
     ----------
     coefficients : sequence of float
-        k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y, as many as there are. Zeros at the end say nothing,
+        k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y, as many as there are. Zeros at the end mean nothing,
         since a lens without them images alike.
     """
     k1, k2, p1, p2, *_ = padded = (*coefficients, *(0.0,) * LENGTH)
@@ -120,7 +120,7 @@ def held_coefficients(name: str, record: CameraRecord, most: int, holder: str) -
     Raises
     ------
     InputError
-        The format cannot hold the camera; the message says what, and what to do instead.
+        The format cannot hold the camera; the message states what, and what to do instead.
     """
     if opencv_model(name, record, holder) is not PERSPECTIVE:
         raise InputError(

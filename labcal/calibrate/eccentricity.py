@@ -2,7 +2,7 @@
 
 A detector measures the centre of area of a dot's outline in the picture. Camera models speak of the image of
 the dot's centre. The difference depends on lens, pose and size of the dot, all of which a calibration knows
-well enough after a first round, so it is predicted and taken off.
+well enough after a first round, so it is predicted and subtracted.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,16 +27,16 @@ ROUNDS = 2
 
 
 @dataclass(frozen=True)
-class CentreBias:
+class CorrectedEccentricity:
     """RMS and maximum of the corrected eccentricity, px, as 2-D lengths."""
 
     rms: float
     max: float
 
     @classmethod
-    def of(cls, shift: Float64[np.ndarray, "*n 2"]) -> "CentreBias":
+    def of(cls, eccentricity: Float64[np.ndarray, "*n 2"]) -> "CorrectedEccentricity":
         """Return the figures of an eccentricity, px; 0 for none."""
-        length = np.linalg.norm(shift, axis=-1).ravel()
+        length = np.linalg.norm(eccentricity, axis=-1).ravel()
         if len(length) == 0:
             return cls(0.0, 0.0)
         return cls(float(np.sqrt((length**2).mean())), float(length.max()))
@@ -57,7 +57,7 @@ class Discs:
         return cls(target.points(), 0.5 * target.outer_diameters_mm())
 
 
-def centre_shift(
+def dot_eccentricities(
     camera: Camera, T_world_target: Pose, discs: Discs, dots: Int64[np.ndarray, " n"]
 ) -> Float64[np.ndarray, "n 2"]:
     """Return the eccentricity of dots in one picture, px.
@@ -80,7 +80,7 @@ def centre_shift(
     return np.where(images.ok[:, None], images.centroid - images.centre, 0.0)
 
 
-def shifts_at_poses(
+def eccentricities_at_poses(
     cameras: Sequence[Camera],
     view: np.ndarray,
     dots: Int64[np.ndarray, " n"],
@@ -104,26 +104,28 @@ def shifts_at_poses(
     ndarray, shape (n, cameras, 2)
         0 in views without a pose.
     """
-    return _shifts(cameras, rows_by_name(view), dots, T_world_target, discs)
+    return _eccentricities(cameras, rows_by_name(view), dots, T_world_target, discs)
 
 
-def _shifts(
+def _eccentricities(
     cameras: Sequence[Camera],
     rows_by_view: Mapping[str, Int64[np.ndarray, " rows"]],
     dots: Int64[np.ndarray, " n"],
     T_world_target: Mapping[str, Pose],
     discs: Discs,
 ) -> Float64[np.ndarray, "n cameras 2"]:
-    """Return the result of :func:`shifts_at_poses` by the rows of each view."""
-    shift = np.zeros((len(dots), len(cameras), 2))
+    """Return the result of :func:`eccentricities_at_poses` by the rows of each view."""
+    eccentricity = np.zeros((len(dots), len(cameras), 2))
     for name, rows in rows_by_view.items():
         if name in T_world_target:
             for number, camera in enumerate(cameras):
-                shift[rows, number] = centre_shift(camera, T_world_target[name], discs, dots[rows])
-    return shift
+                eccentricity[rows, number] = dot_eccentricities(
+                    camera, T_world_target[name], discs, dots[rows]
+                )
+    return eccentricity
 
 
-def shifts_of_matches(
+def eccentricities_of_matches(
     cameras: Sequence[Camera], matches: Matches, p: Float64[np.ndarray, "n 3"], target: Target
 ) -> Float64[np.ndarray, "n cameras 2"]:
     """Return the eccentricity of matched dots, with the target pose from its reconstructed points.
@@ -157,7 +159,7 @@ def shifts_of_matches(
         except InputError:
             continue
         _refuse_other_size(p[known], discs.centres[dots[known]], target)
-    return _shifts(cameras, matches.rows_by_view, dots, T_world_target, discs)
+    return _eccentricities(cameras, matches.rows_by_view, dots, T_world_target, discs)
 
 
 def _refuse_other_size(
@@ -172,7 +174,9 @@ def _refuse_other_size(
         )
 
 
-def centred(cameras: Sequence[Camera], matches: Matches, target: Target) -> tuple[Matches, CentreBias]:
+def centred(
+    cameras: Sequence[Camera], matches: Matches, target: Target
+) -> tuple[Matches, CorrectedEccentricity]:
     """Return matches at the images of centres, and the eccentricity that was subtracted.
 
     Parameters
@@ -186,9 +190,9 @@ def centred(cameras: Sequence[Camera], matches: Matches, target: Target) -> tupl
 
     Notes
     -----
-    The target's pose comes from the points that the centroids themselves give: the bias moves them by so
-    little that predicting it once is enough.
+    The target's pose comes from the points that the centroids themselves give: the eccentricity moves them so
+    little that one prediction is enough.
     """
     p = triangulate(cameras, matches.q, matches.covariance).point
-    shift = shifts_of_matches(cameras, matches, p, target)
-    return replace(matches, q=matches.q - shift), CentreBias.of(shift)
+    eccentricity = eccentricities_of_matches(cameras, matches, p, target)
+    return replace(matches, q=matches.q - eccentricity), CorrectedEccentricity.of(eccentricity)

@@ -1,4 +1,4 @@
-"""What a dot should show by the other dots of its picture: noise and darkness that go with the light."""
+"""Noise and darkness of a dot against those of the picture's other dots in the same light."""
 
 import numpy as np
 from jaxtyping import Float64

@@ -13,8 +13,8 @@ from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 from labcal.estimators.gp_field.evidence import FieldScale
+from labcal.estimators.gp_field.fitted_camera import Asked, FittedCamera, FittedField
 from labcal.estimators.gp_field.kernel import FieldKernel
-from labcal.estimators.gp_field.learned_camera import Asked, LearnedCamera, LearnedField
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
 from labcal.run.json_reading import json_content
@@ -25,7 +25,7 @@ _RECORDS = TypeAdapter(tuple[CameraRecord, ...])
 
 
 @dataclass(frozen=True)
-class LearnedArrays:
+class FittedArrays:
     """The result of :func:`to_arrays`; for cameras without a field the last two are 0.
 
     Attributes
@@ -35,7 +35,7 @@ class LearnedArrays:
     middle : float64 array, (3,)
     figures : float64 array, (cameras, FIGURES)
     covariance : float64 array, (cameras, free, free)
-        Padded with zeros to the camera with most free numbers.
+        Padded with zeros to the camera with most free parameters.
     inputs : float64 array, (cameras, n, 3)
     residuals : float64 array, (cameras, n, 2)
     """
@@ -49,7 +49,7 @@ class LearnedArrays:
 
 
 def free_count(text: str) -> tuple[int, int]:
-    """Return the number of cameras, and the most free numbers that one has, of a text of `LearnedArrays`.
+    """Return the number of cameras, and the most free parameters that one has, of a text of `FittedArrays`.
 
     Raises
     ------
@@ -62,8 +62,8 @@ def free_count(text: str) -> tuple[int, int]:
     return len(counts), max(counts, default=0)
 
 
-def to_arrays(cameras: Sequence[LearnedCamera], n: int) -> LearnedArrays:
-    """Return learned cameras, trained on n points, as plain arrays."""
+def to_arrays(cameras: Sequence[FittedCamera], n: int) -> FittedArrays:
+    """Return fitted cameras, trained on n points, as plain arrays."""
     most = max(camera.placed.count for camera in cameras)
     figures, covariance = np.zeros((len(cameras), FIGURES)), np.zeros((len(cameras), most, most))
     inputs, residuals = np.zeros((len(cameras), n, 3)), np.zeros((len(cameras), n, 2))
@@ -72,22 +72,22 @@ def to_arrays(cameras: Sequence[LearnedCamera], n: int) -> LearnedArrays:
         count = camera.placed.count
         covariance[number, :count, :count] = camera.covariance
         figures[number, 0] = camera.noise_px
-        asked.append(None if camera.learned is None else camera.learned.asked.value)
-        if camera.learned is None:
+        asked.append(None if camera.fitted is None else camera.fitted.asked.value)
+        if camera.fitted is None:
             continue
-        scale, places = camera.learned.field.scale, camera.learned.places
+        scale, places = camera.fitted.field.scale, camera.fitted.places
         figures[number, 1:] = [
             scale.amplitude_px, scale.kernel.across, scale.kernel.along, scale.noise_px, scale.gain,
             places.width_px, places.farthest, places.span,
         ]  # fmt: skip
-        inputs[number], residuals[number] = camera.learned.field.x, camera.learned.field.residual
+        inputs[number], residuals[number] = camera.fitted.field.x, camera.fitted.field.residual
     records = [CameraRecord.of(camera.camera).model_dump(mode="json") for camera in cameras]
     text = json.dumps({"cameras": records, "asked": asked}, sort_keys=True, allow_nan=False)
-    return LearnedArrays(text, cameras[0].placed.middle, figures, covariance, inputs, residuals)
+    return FittedArrays(text, cameras[0].placed.middle, figures, covariance, inputs, residuals)
 
 
-def from_arrays(arrays: LearnedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[LearnedCamera, ...]:
-    """Return learned cameras from plain arrays, and the points (mm) that they were trained on.
+def from_arrays(arrays: FittedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[FittedCamera, ...]:
+    """Return fitted cameras from plain arrays, and the points (mm) that they were trained on.
 
     Raises
     ------
@@ -103,13 +103,13 @@ def from_arrays(arrays: LearnedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[L
         noise, amplitude, across, along, field_noise, gain, width, farthest, span = arrays.figures[
             number
         ].tolist()
-        learned = None
+        fitted = None
         if how is not None:
             scale = FieldScale(FieldKernel(across, along), amplitude, field_noise, gain)
             field = PixelField(scale, arrays.inputs[number], arrays.residuals[number])
-            learned = LearnedField(field, Places(width, farthest, span), Asked(how), p)
+            fitted = FittedField(field, Places(width, farthest, span), Asked(how), p)
         own = slice(placed.count)
-        found.append(LearnedCamera(placed, arrays.covariance[number, own, own], noise, learned))
+        found.append(FittedCamera(placed, arrays.covariance[number, own, own], noise, fitted))
     return tuple(found)
 
 

@@ -32,7 +32,7 @@ class Asked(StrEnum):
 
 
 @dataclass(frozen=True)
-class LearnedField:
+class FittedField:
     """A field, its input, and its training points, mm."""
 
     field: PixelField
@@ -42,24 +42,24 @@ class LearnedField:
 
 
 @dataclass(frozen=True)
-class LearnedCamera:
+class FittedCamera:
     """A camera with a lens formula and, if the residuals require it, a field in pixels.
 
     Attributes
     ----------
     placed : PlacedCamera
     covariance : float64 array, (free, free)
-        Of its pose and free numbers.
+        Of its pose and free parameters.
     noise_px : float
         What measured pixels scatter along each axis.
-    learned : LearnedField, optional
+    fitted : FittedField, optional
         None where the lens formula explains all.
     """
 
     placed: PlacedCamera
     covariance: Float64[np.ndarray, "free free"]
     noise_px: float
-    learned: LearnedField | None = None
+    fitted: FittedField | None = None
 
     @property
     def camera(self) -> Camera:
@@ -68,14 +68,14 @@ class LearnedCamera:
 
     def explained(self, q: Pixels, p: Vectors3) -> Pixels:
         """Return the field at pixels that see points (mm), px."""
-        if self.learned is None:
+        if self.fitted is None:
             return np.zeros_like(q)
-        return self.learned.field.at(self.inputs(self.learned, q, p))
+        return self.fitted.field.at(self.inputs(self.fitted, q, p))
 
-    def inputs(self, learned: LearnedField, q: Pixels, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
+    def inputs(self, fitted: FittedField, q: Pixels, p: Vectors3) -> Float64[np.ndarray, "n 3"]:
         """Return the inputs of the field for points (mm) measured at pixels."""
-        at = q if learned.asked is Asked.ARRIVED else self.camera.project(p).q
-        return learned.places.inputs(self.camera, at, p)
+        at = q if fitted.asked is Asked.ARRIVED else self.camera.project(p).q
+        return fitted.places.inputs(self.camera, at, p)
 
     def project(self, p: Vectors3) -> Pixels:
         """Return the images of world points (mm), (n, 2), px; NaN where the lens has none.
@@ -84,11 +84,11 @@ class LearnedCamera:
         the picture by less than its own slope converges.
         """
         q = ideal = self.camera.project(p).q
-        if self.learned is None:
+        if self.fitted is None:
             return q
         known = np.isfinite(ideal).all(axis=1)
         q = q.copy()
-        for _ in range(_SUBSTITUTIONS if self.learned.asked is Asked.ARRIVED else 1):
+        for _ in range(_SUBSTITUTIONS if self.fitted.asked is Asked.ARRIVED else 1):
             q[known] = ideal[known] + self.explained(q[known], p[known])
         return q
 
@@ -104,33 +104,33 @@ class LearnedCamera:
 
         Notes
         -----
-        With what was learned as a linear model with correlated errors, this is universal kriging (Cressie
-        1993, section 3.4): the field's own variance, and that of the camera's numbers as far as the field
+        With what was fitted as a linear model with correlated errors, this is universal kriging (Cressie
+        1993, section 3.4): the field's own variance, and that of the camera's parameters as far as the field
         does not take up their errors.
         """
         seen = self.placed.seen(p).by_camera
-        if self.learned is None:
+        if self.fitted is None:
             return np.asarray(measured + seen @ self.covariance @ seen.transpose(0, 2, 1))
-        field = self.learned.field
-        x = self.inputs(self.learned, q, p)
+        field = self.fitted.field
+        x = self.inputs(self.fitted, q, p)
         reach = field.reach(x)
         own = np.maximum(field.scale.amplitude_px**2 - (reach**2).sum(axis=0), 0.0)
         taken_up = (reach.T @ self._white_derivatives).reshape(seen.shape)
         J = seen - taken_up
         noise = measured
-        if self.learned.asked is Asked.ARRIVED:  # a measured pixel moves the place, too
-            turn = np.eye(2) - field.slopes(x)[:, :, :2] / self.learned.places.width_px
+        if self.fitted.asked is Asked.ARRIVED:  # a measured pixel moves the place, too
+            turn = np.eye(2) - field.slopes(x)[:, :, :2] / self.fitted.places.width_px
             noise = turn @ measured @ turn.transpose(0, 2, 1)
         return np.asarray(noise + own[:, None, None] * np.eye(2) + J @ self.covariance @ J.transpose(0, 2, 1))
 
     @cached_property
     def _white_derivatives(self) -> Float64[np.ndarray, "n columns"]:
-        if self.learned is None:
+        if self.fitted is None:
             return np.zeros((0, 0))
-        J = self.placed.seen(self.learned.p).by_camera
+        J = self.placed.seen(self.fitted.p).by_camera
         flat = J.reshape(len(J), -1)
         return np.asarray(
-            scipy.linalg.solve_triangular(self.learned.field.root, flat, lower=True, check_finite=False)
+            scipy.linalg.solve_triangular(self.fitted.field.root, flat, lower=True, check_finite=False)
         )
 
 
@@ -142,34 +142,32 @@ class _Measured:
     less than it moves them.
     """
 
-    camera: LearnedCamera
+    camera: FittedCamera
     q: Pixels
 
     def imaged(self, p: Vectors3) -> Imaged:
         """Return the images of the points of the pixels, and their derivatives."""
-        lens, learned = self.camera.camera, self.camera.learned
+        lens, fitted = self.camera.camera, self.camera.fitted
         found = imaged(lens, p)
-        if learned is None:
+        if fitted is None:
             return found
-        places = learned.places
-        arrived = learned.asked is Asked.ARRIVED
+        places = fitted.places
+        arrived = fitted.asked is Asked.ARRIVED
         x = places.inputs(lens, self.q if arrived else found.q, p)
-        by_place = learned.field.slopes(x)
+        by_place = fitted.field.slopes(x)
         slope = by_place[:, :, 2, None] * places.depth_slopes(lens, p)[:, None, :]
         if not arrived:
             slope = slope + by_place[:, :, :2] @ found.by_point / places.width_px
-        return Imaged(found.q + learned.field.at(x), found.by_point + slope)
+        return Imaged(found.q + fitted.field.at(x), found.by_point + slope)
 
 
-def measured_by(
-    cameras: Sequence[LearnedCamera], q: Float64[np.ndarray, "n cameras 2"]
-) -> tuple[Imager, ...]:
-    """Return learned cameras that image the points of pixels, in the order of both."""
+def measured_by(cameras: Sequence[FittedCamera], q: Float64[np.ndarray, "n cameras 2"]) -> tuple[Imager, ...]:
+    """Return fitted cameras that image the points of pixels, in the order of both."""
     return tuple(_Measured(camera, q[:, number]) for number, camera in enumerate(cameras))
 
 
 def triangulated(
-    cameras: Sequence[LearnedCamera],
+    cameras: Sequence[FittedCamera],
     q: Float64[np.ndarray, "n cameras 2"],
     covariance: Float64[np.ndarray, "n cameras 2 2"],
 ) -> TriangulatedPoints:
@@ -177,7 +175,7 @@ def triangulated(
 
     Parameters
     ----------
-    cameras : sequence of LearnedCamera
+    cameras : sequence of FittedCamera
         At least two, in the order of `q`.
     q : ndarray, shape (n, cameras, 2)
         Pixels of the same points.
@@ -193,7 +191,7 @@ def triangulated(
     return refined(imagers, found.point, q, total)
 
 
-def _start(cameras: Sequence[LearnedCamera], q: Float64[np.ndarray, "n cameras 2"]) -> Vectors3:
+def _start(cameras: Sequence[FittedCamera], q: Float64[np.ndarray, "n cameras 2"]) -> Vectors3:
     """Return the points nearest to the rays of pixels after subtraction of the field."""
     lenses = [camera.camera for camera in cameras]
     middle = np.mean([camera.placed.middle for camera in cameras], axis=0)
