@@ -6,7 +6,7 @@ from itertools import chain
 
 import numpy as np
 
-from labcal.calibrate.agreement.hypotheses import MOST_ODD
+from labcal.calibrate.agreement.hypotheses import MOST_INCONSISTENT
 from labcal.calibrate.agreement.slight import slight_contradictions
 from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.calibrate.view_agreement import InconsistentPicture, contradictions, seen_from_behind
@@ -26,26 +26,26 @@ class SingleCameras:
     left_out: tuple[str, ...]
     """Pictures that are not among it, and why, for people."""
 
-    def without(self, odd: Sequence[InconsistentPicture], again: CalibrateSingle) -> "SingleCameras":
+    def without(self, inconsistent: Sequence[InconsistentPicture], again: CalibrateSingle) -> "SingleCameras":
         """Leave out pictures, and repeat the calibrations of their cameras."""
         enters, reasons = np.full(len(self.entering), fill_value=True), []
-        for picture in odd:
+        for picture in inconsistent:
             view = self.entering.views[picture.view]
             enters &= ~((self.entering.view == view) & (self.entering.camera == picture.camera))
             reasons.append(f"view '{view}' of camera '{picture.camera}': {picture.reason}")
-        entering, touched = self.entering.where(enters), {picture.camera for picture in odd}
+        entering, touched = self.entering.where(enters), {picture.camera for picture in inconsistent}
         cameras = [
             again(camera.name, entering) if camera.name in touched else camera.among(entering.views)
             for camera in self.cameras
         ]
         return SingleCameras(cameras, entering, (*self.left_out, *reasons))
 
-    def too_many(self, odd: Sequence[InconsistentPicture], before: "SingleCameras") -> bool:
+    def too_many(self, inconsistent: Sequence[InconsistentPicture], before: "SingleCameras") -> bool:
         """Tell whether so many pictures of a camera are inconsistent that none is an exception."""
         for camera in self.cameras:
             all_ = next(len(one.dots.views) for one in before.cameras if one.name == camera.name)
-            out = all_ - len(camera.dots.views) + sum(one.camera == camera.name for one in odd)
-            if out > max(1, int(MOST_ODD * all_)):
+            out = all_ - len(camera.dots.views) + sum(one.camera == camera.name for one in inconsistent)
+            if out > max(1, int(MOST_INCONSISTENT * all_)):
                 return True
         return False
 
@@ -76,10 +76,10 @@ def of_agreeing_views(
     while mirrored := list(chain.from_iterable(seen_from_behind(one.single) for one in found.cameras)):
         found = found.without(mirrored, again)
     rest = found
-    while odd := _contradictions(rest.cameras, target, free_dots=free_dots):
-        if rest.too_many(odd, found):
+    while inconsistent := _contradictions(rest.cameras, target, free_dots=free_dots):
+        if rest.too_many(inconsistent, found):
             return found
-        rest = rest.without(odd, again)
+        rest = rest.without(inconsistent, again)
     return rest
 
 

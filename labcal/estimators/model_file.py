@@ -208,10 +208,10 @@ def _estimator(
             f"The model {path} names parameters that the method '{header.method}' does not have."
         )
     if not isinstance(estimator, UserMethod):
-        odd = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
-        if odd:
+        unknown = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
+        if unknown:
             raise InputError(
-                f"The model {path} has a '{odd[0]}' that '{header.method}' does not take. Fit it again."
+                f"The model {path} has a '{unknown[0]}' that '{header.method}' does not take. Fit it again."
             )
         estimator.set_params(**header.parameters)
     estimator.n_features_in_ = header.inputs

@@ -26,10 +26,10 @@ as modelled: a sheet of paper bends from view to view. Only what increases error
 by a fifth is reported."""
 SMOOTH = 3.0
 """Inflation from which on the lens model, or the flat board, does not suit."""
-MOST_ODD = 0.2
-"""Largest share of views that are odd ones among others; where more are, nothing says which are right."""
-_TIMES_ODD = 20.0
-"""Times the misfit that errors explain, from which on a view is an odd one."""
+MOST_INCONSISTENT = 0.2
+"""Largest share of views that are inconsistent with the others; beyond it, none is known to be right."""
+_TIMES_INCONSISTENT = 20.0
+"""Times the misfit that errors explain, from which on a view is inconsistent."""
 _FEWEST = 5
 """Number of shared views that is enough to identify an inconsistent one."""
 _VIEWS_A_MOVE = 3
@@ -74,21 +74,21 @@ def inconsistent_views(pair: PairAgreement) -> list[int]:
     groups = together(pair)
     if len(groups) < _FEWEST:
         return []
-    odd: list[int] = []
+    inconsistent: list[int] = []
     while True:
         gain = _gains(pair, groups)
-        gain[odd] = 0.0
+        gain[inconsistent] = 0.0
         best = int(np.argmax(gain))
         surely = _chance_of_view(pair, float(gain[best])) < FALSE_ALARMS / len(groups)
-        if not surely or gain[best] < _TIMES_ODD * POSE * pair.inflation:
+        if not surely or gain[best] < _TIMES_INCONSISTENT * POSE * pair.inflation:
             break
-        odd.append(best)
+        inconsistent.append(best)
         groups = _alone(groups, best)
-        if len(odd) > max(1, int(MOST_ODD * len(groups))):
+        if len(inconsistent) > max(1, int(MOST_INCONSISTENT * len(groups))):
             return []
-    freedom = POSE * (len(groups) - 1 - len(odd))
+    freedom = POSE * (len(groups) - 1 - len(inconsistent))
     agree = pair.misfit(groups) <= LEAST_TIMES * freedom * pair.inflation
-    return sorted(odd) if agree else []
+    return sorted(inconsistent) if agree else []
 
 
 def moves(pair: PairAgreement) -> Int64[np.ndarray, " n"]:

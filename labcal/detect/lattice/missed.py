@@ -50,14 +50,14 @@ def with_missed(
         if not expected:
             break
         seen, which = trace_from(grey, centre, shape, target, settings.segmentation)
-        odds = np.abs(np.log(seen.radius / mean_radius(shape[which])))
+        size_log = np.abs(np.log(seen.radius / mean_radius(shape[which])))
         known = outlines.centre[list(lattice.spots.values())]
         spots = dict(lattice.spots)
         for number, pick in enumerate(which):
             node, found = expected[pick]
             apart = np.linalg.norm(known - seen.centre[number], axis=1).min() > seen.radius[number]
             near = found.residual(seen.centre[number]) < limits.missed_residual_steps
-            if odds[number] < limits.missed_radius_log and apart and near:
+            if size_log[number] < limits.missed_radius_log and apart and near:
                 spots[node] = len(outlines.centre)
                 outlines = outlines.joined(seen.select(np.array([number])))
         if len(spots) == len(lattice):
