@@ -29,11 +29,12 @@ extensions = [
     "column_table",
     "command_pages",
     "decision_table",
+    "detector_settings",
     "member_table",
     "registry_table",
     "settings_table",
 ]
-exclude_patterns = ["_build", "_ext", "tutorials", "gallery/.labcal-made"]
+exclude_patterns = ["_build", "_ext", "tutorials", "gallery/.labcal-made", "**sg_execution_times.rst"]
 suppress_warnings = ["config.cache"]  # the configuration of sphinx-gallery is not kept between builds
 
 smartquotes = False  # an option begins with two hyphens and not with a dash

@@ -4,17 +4,22 @@ Nothing is rendered or detected, so that all of it is there at once; every call 
 examples of the documentation start from these.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
-from labcal.cameras.dot_image import dot_images
+from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import Points
 from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.rng import generator
+from labcal.shoot.dataset import Shoot, write_manifest
+from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
 
@@ -25,6 +30,8 @@ _VIEWS = 8
 _SIZE = (640, 480)
 _TILT_RAD = 0.45
 _DISTANCE_MM = 550.0
+_PAPER, _INK = 220, 30
+"""Grey values of a drawn picture."""
 
 
 def rig() -> Rig:
@@ -58,18 +65,12 @@ def detections() -> Detections:
     >>> detections().views[:3]
     ('hand-0', 'hand-1', 'hand-2')
     """
-    target, cameras = load_target(TARGET), rig()
-    assert isinstance(target, DotGrid)  # noqa: S101 -- for the checker of types
-    rng = generator(0, "examples")
-    centres, radii, n = target.points(), 0.5 * target.outer_diameters_mm(), target.count
+    target, rng = _target(), generator(0, "examples")
+    n = target.count
     parts: list[tuple[str, str, np.ndarray, np.ndarray]] = []
-    for number in range(_VIEWS):
-        T_world_target = _held(number, centres.mean(axis=0))
-        for name in cameras.cameras:
-            camera = cameras.camera(name)
-            seen = dot_images(camera, T_world_target, centres, radii)
-            whole = seen.ok & camera.in_picture(seen.outline).all(axis=-1)
-            parts.append((f"hand-{number}", name, whole, seen.centroid + rng.normal(0.0, SIGMA_PX, (n, 2))))
+    for view, name, seen in _seen(_VIEWS):
+        whole = seen.ok & rig().camera(name).in_picture(seen.outline).all(axis=-1)
+        parts.append((view, name, whole, seen.centroid + rng.normal(0.0, SIGMA_PX, (n, 2))))
     whole = np.concatenate([part[2] for part in parts])
     position = np.concatenate([part[3] for part in parts])
     return Detections(
@@ -94,6 +95,79 @@ def points() -> Points:
     3
     """
     return reconstruct_points(rig(), detections(), load_target(TARGET))
+
+
+def shoot(folder: AnyPath, views: int = 2) -> Shoot:
+    """Return a shoot of the first views of :func:`detections`, whose pictures are drawn into a folder.
+
+    The pictures are 8-bit PNGs without noise: white, with dark dots. The last view has the role ``test``.
+
+    Parameters
+    ----------
+    folder : path
+        The folder to appear, with ``shoot.json`` and the pictures.
+    views : int
+        Number of views, 1 to 8.
+
+    Raises
+    ------
+    OutputError
+        The folder or a file in it cannot be written, or a picture exists already.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     print([view.name for view in shoot(folder).views()])
+    ['hand-0', 'hand-1']
+    """
+    from labcal.shoot.pictures import write_picture  # noqa: PLC0415 -- imports OpenCV, which points do not need
+
+    place, pictures = as_path(folder), dict[str, dict[str, str]]()
+    (place / "images").mkdir(parents=True, exist_ok=True)
+    for view, name, seen in _seen(views):
+        pictures.setdefault(view, {})[name] = path = f"images/{view}_{name}.png"
+        write_picture(place / path, _drawn(seen))
+    roles = [*[Role.TRAIN] * (views - 1), Role.TEST]
+    entries = [
+        ViewEntry(name=view, images=images, role=role, T_world_target_nominal=None)
+        for (view, images), role in zip(pictures.items(), roles, strict=True)
+    ]
+    cameras = {name: CameraEntry(size=_SIZE) for name in rig().cameras}
+    manifest = Manifest(target=load_target(TARGET), cameras=cameras, views=tuple(entries))
+    write_manifest(place, manifest)
+    return Shoot(place, manifest)
+
+
+def _target() -> DotGrid:
+    """Return the target :data:`TARGET`."""
+    target = load_target(TARGET)
+    assert isinstance(target, DotGrid)  # noqa: S101 -- for the checker of types
+    return target
+
+
+def _seen(views: int) -> Iterator[tuple[str, str, DotImages]]:
+    """Return view, camera and the images of all dots, for each picture of the first views."""
+    target, cameras = _target(), rig()
+    centres, radii = target.points(), 0.5 * target.outer_diameters_mm()
+    for number in range(views):
+        T_world_target = _held(number, centres.mean(axis=0))
+        for name in cameras.cameras:
+            yield f"hand-{number}", name, dot_images(cameras.camera(name), T_world_target, centres, radii)
+
+
+def _drawn(seen: DotImages) -> np.ndarray:
+    """Return a picture of dots, uint8, shape (height, width): each pixel is the mean of 8 x 8 samples."""
+    import cv2  # noqa: PLC0415 -- takes 0.3 s to import, and only pictures need it
+
+    fine, bits = 8, 4
+    width, height = _SIZE
+    picture = np.full((fine * height, fine * width), _PAPER, dtype=np.uint8)
+    # The centre of pixel 0 is at 0 in the picture, and at (fine - 1) / 2 in the fine one.
+    corners = np.rint((fine * (seen.outline[seen.ok] + 0.5) - 0.5) * 2**bits).astype(np.int32)
+    for outline in corners:
+        cv2.fillConvexPoly(picture, outline, _INK, cv2.LINE_8, bits)
+    return np.asarray(cv2.resize(picture, _SIZE, interpolation=cv2.INTER_AREA))
 
 
 def _held(number: int, middle: np.ndarray) -> Pose:

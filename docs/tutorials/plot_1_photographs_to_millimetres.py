@@ -44,41 +44,27 @@ print(sorted(path.name for path in photos.iterdir())[:4])
 # The dots
 # --------
 #
-# The target is named: labcal must know how many dots it has and how far apart they are. ``find_sources``
+# The target is named: labcal must know how many dots it has and how far apart they are. ``open_pictures``
 # reads view and camera from the names of the files: ``_0`` is the left camera and ``_1`` the right one.
 #
 # ``measure`` detects the dots in every picture. A picture that cannot be used is not an error: it has a
 # ``reason`` instead of dots, so that one bad picture does not stop the others.
 
 target = labcal.load_target("paper-13x10")
-sources = pipeline.find_sources([str(photos)], {"_0": "left", "_1": "right"})
-measurements = pipeline.measure(sources, target)
+pictures = pipeline.open_pictures(photos, cameras="_0=left,_1=right")
+measurements = pipeline.measure(pictures, target)
 for measurement in measurements:
     if not measurement.indexed:
         print(measurement.source.image, measurement.reason)
 detections = pipeline.detections_of(measurements)
-print(f"{int(detections.ok.sum())} dots measured in {len(measurements)} pictures")
+print(detections)
 
 # %%
 # Look at a picture before you trust its numbers. A dot has a flag: ``ok`` is a measurement; every other
-# word says why it is none (:doc:`/reference/flags`). The ellipses are the stated standard deviations, 500
-# times enlarged.
+# word says why it is none (:doc:`/reference/flags`). The ellipses are the stated 95% confidence ellipses,
+# enlarged as the figure says.
 
-
-def ellipse(covariance: np.ndarray, scale: float) -> np.ndarray:
-    """Return the outline of one standard deviation, `scale` times enlarged, shape (2, 60)."""
-    angle = np.linspace(0.0, 2.0 * np.pi, 60)
-    return scale * np.linalg.cholesky(covariance) @ np.stack([np.cos(angle), np.sin(angle)])
-
-
-seen = measurements[0]
-figure, axes = plt.subplots(figsize=(8, 6), layout="constrained")
-axes.imshow(seen.source.read(), cmap="gray")
-for position, covariance, flag in zip(seen.dots.position, seen.dots.covariance, seen.dots.flag, strict=True):
-    if flag == "ok":
-        axes.plot(*(position[:, None] + ellipse(covariance, 500.0)), color="tab:orange", linewidth=1)
-axes.set(title=Path(seen.source.image).name, xlabel="x / px", ylabel="y / px")
-axes.set(xlim=(-0.5, 639.5), ylim=(479.5, -0.5))
+figure = detections.plot("a", "left")
 
 # %%
 # Have the dots been everywhere?
@@ -87,12 +73,7 @@ axes.set(xlim=(-0.5, 639.5), ylim=(479.5, -0.5))
 # A lens is known only where dots were. The dots of all pictures together should cover the picture of each
 # camera, up to its corners.
 
-figure, axes = plt.subplots(1, 2, figsize=(9, 4.0), sharey=True, layout="constrained")
-for camera, axis in zip(detections.cameras, axes, strict=True):
-    dots = detections.where(detections.ok & (detections.camera == camera))
-    axis.plot(*dots.position.T, ".", markersize=2)
-    axis.set(title=camera, xlim=(0, 640), ylim=(480, 0), xlabel="x / px", aspect="equal")
-axes[0].set_ylabel("y / px")
+figure = detections.plot()
 
 # %%
 # The cameras
@@ -116,8 +97,7 @@ for name, fit in calibration.found.fits.items():
         f"{name}: fx = {K[0, 0]:.2f} px (sigma {fx:.2f}), cx = {K[0, 2]:.2f} px (sigma {cx:.2f}), "
         f"RMS {fit.rms_in_rig_px:.3f} px"
     )
-right = calibration.rig.camera("right")
-print(f"baseline {np.linalg.norm(right.T_cam_world[:3, 3]):.2f} mm")
+print(calibration.rig)
 
 # %%
 # The trials show how well each lens model predicts views that it was not fitted to. A model that is too
@@ -135,20 +115,13 @@ axes.invert_yaxis()
 #
 # ``reconstruct`` intersects the rays of every dot that both cameras measured. The world is the frame of the
 # left camera: x to the right, y down, z into the scene. The covariance of a point is what the noise of its
-# pixels makes of it.
+# pixels makes of it. The figure shows the points of the three views that were held out.
 
 found = pipeline.reconstruct(calibration.rig, detections, target)
 points = found.points
-held_out = np.isin(points.view, calibration.held_out)
-sigma = np.sqrt(np.trace(points.covariance, axis1=1, axis2=2))
-print(f"{len(points)} points; median standard deviation {np.median(sigma):.3f} mm")
-
-figure = plt.figure(figsize=(8, 6), layout="constrained")
-axes = figure.add_subplot(projection="3d")
-x, y, z = points.point[held_out].T
-shown = axes.scatter(x, z, -y, c=sigma[held_out], s=6)
-figure.colorbar(shown, label="standard deviation / mm", shrink=0.7)
-axes.set(xlabel="x / mm", ylabel="z / mm", zlabel="-y / mm", title="Dots of the three views held out")
+print(points)
+held_out = points.where(np.isin(points.view, calibration.held_out))
+figure = held_out.plot()
 
 # %%
 # Are they right?
@@ -157,10 +130,9 @@ axes.set(xlabel="x / mm", ylabel="z / mm", zlabel="-y / mm", title="Dots of the 
 # Nobody knows where your hand held the target. But the distance of every two dots on the print is known, so
 # lengths tell: measured minus nominal length, in the three views that the calibration has not seen.
 
-errors = pipeline.evaluate(points, target, learned=calibration.calibrated_on)
-print(f"{errors.n} lengths in {', '.join(errors.views_scored)}")
-print(f"RMS {errors.length_error_mm.rms:.3f} mm, largest {errors.length_error_mm.max:.3f} mm")
-print(f"scale {errors.scale_ppm:+.0f} parts per million")
+errors = pipeline.evaluate(points, target, rig=calibration.rig)
+print(errors)
+figure = errors.plot()
 
 # %%
 # Lengths on the target do not tell all: a print that is 0.1 % too large makes every length 0.1 % too large,
@@ -171,7 +143,7 @@ print(f"scale {errors.scale_ppm:+.0f} parts per million")
 # Keep the result. ``rig.json`` is a text file, and ``labcal convert`` writes it for OpenCV, mrcal, Kalibr,
 # ROS, COLMAP and DICe (:doc:`/how-to/export-to-my-program`).
 
-labcal.write_rig(folder / "rig.json", calibration.rig)
+calibration.rig.save(folder / "rig.json")
 print((folder / "rig.json").read_text()[:200])
 
 # %%

@@ -5,7 +5,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class BenchSettings:
-    """Settings of a benchmark."""
+    """Settings of a benchmark.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import BenchSettings
+    >>> BenchSettings(quick=True, methods=("hybrid",)).groups
+    ()
+    """
 
     quick: bool = False
     """Fewer and shorter measurements; each benchmark defines which."""

@@ -13,7 +13,30 @@ from labcal.targets.catalogue import AnyTarget
 def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = None) -> float:
     """Return the RMS distance of dots from the first camera's epipolar curves, px; NaN for one camera.
 
-    The eccentricity is subtracted first if the target is given.
+    Parameters
+    ----------
+    rig : Rig
+    detections : Detections
+        Centroids.
+    target : AnyTarget, optional
+        What the dots are of; where it is given, the eccentricity of centroids is corrected first.
+
+    Returns
+    -------
+    float
+        Px, over the dots that the first camera and another one measured in the same view.
+
+    Raises
+    ------
+    InputError
+        A dot is listed twice for a picture, is flagged ``ok`` without a position, or is not on the target.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> target = load_target(examples.TARGET)
+    >>> round(pipeline.epipolar_rms(examples.rig(), examples.detections(), target), 3)
+    0.027
     """
     first, *others = rig.cameras
     distances = [np.empty(0)]

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pose
+from labcal.calibrate.agreement.exchange.decision import explains
 from labcal.calibrate.rig_start import SharedViews, SingleCamera, placed_cameras
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse, transform
@@ -17,8 +18,6 @@ _FEWEST = 3
 _TIMES = 10.0
 """Ratio of the residual of an inconsistent view to that of the median view."""
 _LEAST_PX = 2.0
-_EXCHANGED = 0.2
-"""Largest share of the residual that remains if exchanged pictures are put right."""
 
 
 @dataclass(frozen=True)
@@ -83,10 +82,8 @@ def contradictions(
             view = int(shared.views[at])
             against.setdefault(view, []).append((one, other))
             alone = SharedViews(shared.views[[at]], shared.first[[at]], shared.second[[at]])
-            if (
-                target_residuals(cameras[other], inverse(T_other_one), alone, dots)[0]
-                < _EXCHANGED * residuals[at]
-            ):
+            exchanged = target_residuals(cameras[other], inverse(T_other_one), alone, dots)[0]
+            if explains(float(residuals[at]), float(exchanged), _LEAST_PX):
                 cause = "their pictures seem to be exchanged"
             else:
                 cause = (

@@ -73,6 +73,8 @@ class Camera(PublicObject):
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from labcal import Camera
     >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
     >>> camera = Camera(K, "brown5", [-0.1, 0, 0, 0, 0], np.eye(4), (640, 480))
     >>> camera
@@ -124,6 +126,8 @@ class Camera(PublicObject):
 
         Examples
         --------
+        >>> import numpy as np
+        >>> from labcal import Camera
         >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
         >>> figure = Camera(K, "brown5", [-0.1, 0, 0, 0, 0], np.eye(4), (640, 480)).plot()
         >>> figure.axes[0].get_xlabel()
@@ -201,6 +205,8 @@ class Camera(PublicObject):
 
         Examples
         --------
+        >>> import numpy as np
+        >>> from labcal import Camera
         >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
         >>> camera = Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))
         >>> camera.rays([319.5, 239.5]).direction
@@ -236,6 +242,8 @@ class Camera(PublicObject):
 
         Examples
         --------
+        >>> import numpy as np
+        >>> from labcal import Camera
         >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
         >>> camera = Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))
         >>> camera.project([[0, 10, 1000], [0, 10, -1000]])

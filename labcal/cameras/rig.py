@@ -79,6 +79,8 @@ class Rig(PublicObject, BaseModel):
 
         Examples
         --------
+        >>> import numpy as np
+        >>> from labcal import Camera, Rig
         >>> K = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
         >>> Rig.of({"only": Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))})
         Rig(cameras=['only'], lens=pinhole)
@@ -124,7 +126,7 @@ class Rig(PublicObject, BaseModel):
         Examples
         --------
         >>> import tempfile
-        >>> from labcal import examples
+        >>> from labcal import Rig, examples
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     examples.rig().save(f"{folder}/rig.json")
         ...     Rig.load(f"{folder}/rig.json") == examples.rig()
@@ -217,10 +219,26 @@ def contradiction_note(rig: Rig) -> str | None:
 def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
     """Write ``rig.json``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    rig : Rig
+        What to write.
+    force : bool
+        Replace a rig.json of labcal's that exists.
+
     Raises
     ------
     OutputError
         The file exists and `force` is not set, or it cannot be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_rig, write_rig
+    >>> write_rig("rig.json", examples.rig())
+    >>> read_rig("rig.json") == examples.rig()
+    True
     """
     write_file(as_path(path), rig.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
@@ -228,10 +246,26 @@ def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
 def read_rig(path: AnyPath) -> Rig:
     """Read ``rig.json``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Rig
+
     Raises
     ------
     InputError
         The file cannot be read, is no rig, comes from a newer version, or a camera in it is impossible.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_rig
+    >>> examples.rig().save("rig.json")
+    >>> read_rig("rig.json")
+    Rig(cameras=['left', 'right'], lens=brown5, baseline=200.0 mm)
     """
     return checked_rig(read_document(Rig, "rig", as_path(path)), str(path))
 

@@ -179,7 +179,7 @@ class Detections(PublicObject):
         Examples
         --------
         >>> import tempfile
-        >>> from labcal import examples
+        >>> from labcal import Detections, examples
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     examples.detections().save(f"{folder}/detections.csv")
         ...     Detections.load(f"{folder}/detections.csv") == examples.detections()
@@ -316,11 +316,27 @@ def detections_csv(table: Detections) -> str:
 def read_detections(path: AnyPath) -> Detections:
     """Read ``detections.csv``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Detections
+
     Raises
     ------
     InputError
         It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
         picture, or a picture has two names or sizes; the line is named.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_detections
+    >>> examples.detections().save("detections.csv")
+    >>> read_detections("detections.csv")
+    Detections(views=8, cameras=['left', 'right'], dots=1408, ok=1408)
     """
     return Detections(*read_columns(as_path(path)))
 
@@ -328,9 +344,25 @@ def read_detections(path: AnyPath) -> Detections:
 def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -> None:
     """Write ``detections.csv``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    table : Detections
+        What to write.
+    force : bool
+        Replace a table of detections that exists.
+
     Raises
     ------
     OutputError
         The file exists and `force` is not set, or it cannot be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_detections, write_detections
+    >>> write_detections("detections.csv", examples.detections())
+    >>> read_detections("detections.csv") == examples.detections()
+    True
     """
     write_file(as_path(path), detections_csv(table), kind=KIND, force=force)

@@ -128,10 +128,27 @@ def refusals(measurements: Sequence[Measurement]) -> list[tuple[str, str]]:
 def detections_of(measurements: Sequence[Measurement]) -> Detections:
     """Return one table of all dots in the pictures that could be read.
 
+    Parameters
+    ----------
+    measurements : sequence of Measurement
+        As :func:`labcal.pipeline.measure` returns them.
+
+    Returns
+    -------
+    Detections
+        In the order of the pictures; positions in px.
+
     Raises
     ------
     InputError
         None could be read.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> measured = pipeline.measure(examples.shoot("shoot", views=1))
+    >>> pipeline.detections_of(measured)
+    Detections(views=1, cameras=['left', 'right'], dots=176, ok=176)
     """
     readable = [(found.source, found.dots) for found in measurements if found.dots is not None]
     if not readable:

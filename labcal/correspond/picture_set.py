@@ -70,11 +70,26 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
         Cameras of loose pictures by the end of the name, or by a pattern: ``"_0=left,_1=right"``; see
         :func:`~labcal.correspond.sources.parse_camera_endings`.
 
+    Returns
+    -------
+    PictureSet
+        Each picture with its view and camera.
+
     Raises
     ------
     InputError
         There are no such pictures, their names do not tell which camera took them, or `cameras` is given
         for a shoot.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot", views=1)
+    >>> pipeline.open_pictures(shoot).roles
+    {'hand-0': 'test'}
+    >>> loose = pipeline.open_pictures("shoot/images", cameras="_left=a,_right=b")
+    >>> [(source.view, source.camera) for source in loose.sources]
+    [('hand-0', 'a'), ('hand-0', 'b')]
     """
     if isinstance(pictures, PictureSet):
         return pictures

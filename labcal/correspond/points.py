@@ -125,7 +125,7 @@ class Points(PublicObject):
         Examples
         --------
         >>> import tempfile
-        >>> from labcal import examples
+        >>> from labcal import Points, examples
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     examples.points().save(f"{folder}/points.csv")
         ...     Points.load(f"{folder}/points.csv") == examples.points()
@@ -227,11 +227,27 @@ def points_csv(points: Points) -> str:
 def read_points(path: AnyPath) -> Points:
     """Read ``points.csv``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Points
+
     Raises
     ------
     InputError
         It cannot be read, has other columns, a line in it is damaged, or two are of the same dot of a view;
         the line is named.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_points
+    >>> examples.points().save("points.csv")
+    >>> read_points("points.csv")
+    Points(views=8, points=704, ok=704, median_sigma=0.076 mm)
     """
     return Points(*read_columns(as_path(path)))
 
@@ -239,9 +255,25 @@ def read_points(path: AnyPath) -> Points:
 def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
     """Write ``points.csv``.
 
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    points : Points
+        What to write.
+    force : bool
+        Replace a table of points that exists.
+
     Raises
     ------
     OutputError
         The file exists and `force` is not set, or it cannot be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_points, write_points
+    >>> write_points("points.csv", examples.points())
+    >>> read_points("points.csv") == examples.points()
+    True
     """
     write_file(as_path(path), points_csv(points), kind=KIND, force=force)

@@ -29,7 +29,14 @@ _PAIR = 2
 
 @dataclass(frozen=True)
 class UndistortSettings:
-    """Options of the undistorted pictures."""
+    """Options of the undistorted pictures.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import UndistortSettings
+    >>> UndistortSettings(rectify=True).whole
+    False
+    """
 
     rectify: bool = False
     """A pair is turned so that a point has the same row in both pictures."""

@@ -133,12 +133,22 @@ def detect_settings(words: Iterable[str]) -> DetectSettings:
         For example ``["detect.edge.max_iterations=20", "detect.grid.fisheye_fields_deg=120,160"]``. Of two
         words about one setting the later one holds.
 
+    Returns
+    -------
+    DetectSettings
+
     Raises
     ------
     UnknownNameError
         There is no such setting; the nearest one is offered.
     InputError
         A word has no equals sign; a value is no number, or out of bounds, or contradicts another one.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import detect_settings
+    >>> detect_settings(["detect.edge.max_iterations=20"]).edge.max_iterations
+    20
     """
     known = {setting.name: setting for setting in describe_settings()}
     given: dict[str, dict[str, object]] = {}

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import Pixels, Pose, Vectors3
+from labcal.calibrate.agreement.exchange.by_places import refuse_exchanged_by_places
 from labcal.calibrate.eccentricity import ROUNDS, CorrectedEccentricity, Discs, eccentricities_at_poses
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
@@ -16,7 +17,6 @@ from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
-from labcal.estimators.swapped_pictures import refuse_swapped_training
 from labcal.geometry.arrangement import on_one_plane
 from labcal.targets.target import Target
 
@@ -79,13 +79,13 @@ def centred_training(
                 for number, size in enumerate(data.image_sizes)
             ]
         except InputError as error:
-            refuse_swapped_training(data)
+            refuse_exchanged_by_places(data)
             return CentredTraining(data, None, None, str(error))
         eccentricity = eccentricities_at_poses(
             [one.camera for one in cameras], data.view, dots, T_world_target, discs
         )
     if max(one.sigma_px for one in cameras) > MOST_PX:
-        refuse_swapped_training(data)
+        refuse_exchanged_by_places(data)
     centred = replace(data, X=(q - eccentricity).reshape(data.X.shape))
     found = tuple(one.camera for one in cameras)
     exact = np.tile(_NO_NOISE, (*q.shape[:2], 1, 1))

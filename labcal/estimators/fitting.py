@@ -102,11 +102,24 @@ def training_of(
     settings : FitSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Training
+        Pixels and points (mm), and how the target was placed.
+
     Raises
     ------
     InputError
         As of :func:`~labcal.correspond.training.training_data`, or of
         :func:`~labcal.calibrate.calibration.calibrated`.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> target, dots = load_target(examples.TARGET), examples.detections()
+    >>> training = pipeline.training_of(target, dots, pipeline.FitSettings(lens="brown5"))
+    >>> training.centred.data.X.shape, training.centred.data.Y.shape  # pixels of two cameras, and mm
+    ((704, 4), (704, 3))
     """
     settings = settings or FitSettings()
     tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
@@ -152,6 +165,11 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
         ready keeps its own parameters.
     settings : FitSettings
 
+    Returns
+    -------
+    list of PointEstimator
+        In the order of `methods`, not yet fitted.
+
     Raises
     ------
     UnknownNameError
@@ -184,7 +202,32 @@ def fit_methods(
     settings: FitSettings | None = None,
     progress: Progress | None = None,
 ) -> list[Model | InputError]:
-    """Return the fitted model of each method, or the error that prevents it."""
+    """Return the fitted model of each method, or the error that prevents it.
+
+    Parameters
+    ----------
+    training : Training
+        As :func:`training_of` returns it.
+    estimators : sequence of PointEstimator
+        As :func:`estimators_of` returns them. They are not changed; copies are fitted.
+    settings : FitSettings, optional
+    progress : Progress, optional
+
+    Returns
+    -------
+    list of Model or InputError
+        In the order of `estimators`. An error is returned and not raised, so that the other methods are
+        fitted all the same.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> settings = pipeline.FitSettings(lens="brown5", rehearsal=False)
+    >>> training = pipeline.training_of(load_target(examples.TARGET), examples.detections(), settings)
+    >>> methods = pipeline.estimators_of(["affine", "dlt"], settings)
+    >>> [model.estimator.method for model in pipeline.fit_methods(training, methods, settings)]
+    ['affine', 'dlt']
+    """
     settings, progress = settings or FitSettings(), progress or NoProgress()
     data, fitted = training.centred.data, list[Model | InputError]()
     progress.start("methods", len(estimators) + 1)

@@ -87,6 +87,16 @@ class Model(PublicObject):
     ------
     InputError
         Cameras, sizes, box and estimator do not belong together.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> quick = pipeline.FitSettings(lens="brown5", rehearsal=False)
+    >>> model = pipeline.fit(examples.TARGET, examples.detections(), "dlt", quick)
+    >>> model
+    Model(method=dlt, cameras=['left', 'right'], outputs=3, calibrated_on=8 views)
+    >>> model.cameras, model.calibrated_on[:2]
+    (('left', 'right'), ('hand-0', 'hand-1'))
     """
 
     estimator: "PointEstimator"
@@ -118,7 +128,10 @@ class Model(PublicObject):
         Examples
         --------
         >>> import tempfile
+        >>> import numpy as np
+        >>> from labcal import Model
         >>> from labcal.estimators.affine import Affine
+        >>> from labcal.estimators.model import TrainingBox
         >>> rng = np.random.default_rng(1)
         >>> X, Y = rng.uniform(0, 480, (20, 4)), rng.uniform(0, 100, (20, 3))
         >>> sizes = ((640, 480), (640, 480))

@@ -85,6 +85,15 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     ------
     OutputError
         The file exists and `force` is not set, or it cannot be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_model, pipeline, save_model
+    >>> quick = pipeline.FitSettings(lens="brown5", rehearsal=False)
+    >>> model = pipeline.fit(examples.TARGET, examples.detections(), "dlt", quick)
+    >>> save_model("model.safetensors", model)
+    >>> load_model("model.safetensors") == model
+    True
     """
     estimator = model.estimator
     arrays = {
@@ -137,6 +146,15 @@ def load_model(path: AnyPath, method: object | None = None) -> Model:
         holds what its method does not have; or its method is one of one's own, and not named.
     UnknownNameError
         The method is not known here.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_model, pipeline
+    >>> quick = pipeline.FitSettings(lens="brown5", rehearsal=False)
+    >>> model = pipeline.fit(examples.TARGET, examples.detections(), "dlt", quick)
+    >>> model.save("model.safetensors")
+    >>> load_model("model.safetensors")
+    Model(method=dlt, cameras=['left', 'right'], outputs=3, calibrated_on=8 views)
     """
     path = as_path(path)
     header, arrays = _content(path)

@@ -34,7 +34,18 @@ Alignment = Literal["none", "rigid"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TruthErrors(OfScoredViews, ErrorStatistics):
-    """The JSON document of ``labcal evaluate`` where the truth is known."""
+    """The JSON document of ``labcal evaluate`` where the truth is known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from labcal import TruthErrors
+    >>> from labcal.evaluate.scored_views import ScoredPart
+    >>> error = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.2]])
+    >>> figures = (2, (0.05, 0.0, 0.1), 0.15, 0.158, 0.195, 0.2, 0.1, 0.5)
+    >>> TruthErrors(*figures, "none", "all points", 0, ScoredPart(2, ("a",), 0), error)
+    TruthErrors(n=2, rmse=0.158 mm, limit=0.1 mm, max=0.2 mm, alignment=none)
+    """
 
     limit_mm: float
     """RMS error of triangulating the same detections with exactly known cameras; NaN without detections.
@@ -73,7 +84,9 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
 
         Examples
         --------
-        >>> from labcal import examples
+        >>> import numpy as np
+        >>> from labcal import TruthErrors, examples
+        >>> from labcal.evaluate.scored_views import ScoredPart
         >>> part, points = ScoredPart(2, ("a",), 0), examples.points().where([0, 1])
         >>> error = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.2]])
         >>> figures = (2, (0.05, 0.0, 0.1), 0.15, 0.158, 0.195, 0.2, 0.1, 0.5)

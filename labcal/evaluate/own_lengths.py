@@ -33,7 +33,17 @@ class LengthError:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LengthErrors(OfScoredViews):
-    """The JSON document of ``labcal evaluate`` where the truth is not known."""
+    """The JSON document of ``labcal evaluate`` where the truth is not known.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> errors = pipeline.evaluate(examples.points(), examples.TARGET)
+    >>> errors
+    LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
+    >>> errors.error.shape
+    (30624,)
+    """
 
     n: int
     """Number of lengths that were compared."""
@@ -64,8 +74,8 @@ class LengthErrors(OfScoredViews):
 
         Examples
         --------
-        >>> from labcal import examples, load_target
-        >>> errors = errors_of_lengths(examples.points(), load_target(examples.TARGET))
+        >>> from labcal import examples, pipeline
+        >>> errors = pipeline.evaluate(examples.points(), examples.TARGET)
         >>> errors.plot().axes[0].get_xlabel()
         'measured minus nominal length (mm)'
         """

@@ -41,7 +41,14 @@ _VOLUMES = frozenset({Data.VOLUME, Data.VOLUME_RANDOM, Data.WEBCAM_VOLUME})
 
 @dataclass(frozen=True)
 class ReproduceSettings:
-    """Settings of a reproduction."""
+    """Settings of a reproduction.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import ReproduceSettings
+    >>> ReproduceSettings().runs, ReproduceSettings(quick=True).runs
+    (5, 1)
+    """
 
     rows: tuple[PaperRow, ...] = ROWS
     quick: bool = False

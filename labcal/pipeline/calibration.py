@@ -43,10 +43,21 @@ def calibrate(
         Views that do not enter, so that the result can be scored on them: how many, or which.
     progress : Progress, optional
 
+    Returns
+    -------
+    Calibration
+        The rig, in mm and px, with standard deviations, residuals and warnings.
+
     Raises
     ------
     UnknownNameError, InputError
         As of :func:`~labcal.calibrate.calibration.calibrated`; or no dots are given of a target.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> pipeline.calibrate(examples.TARGET, examples.detections(), "brown5", hold_out=2)
+    Calibration(cameras=['left', 'right'], lens=brown5, views=6, rms=0.0275 px, warnings=0)
     """
     from labcal.calibrate.calibration import calibrated
 
@@ -82,10 +93,22 @@ def fit(
     settings : FitSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Model
+        It takes pixels to points in mm: in the world of the stage, or in that of the first camera.
+
     Raises
     ------
     UnknownNameError, InputError
         There is no such method, it cannot learn from these dots, or no dots are given of a target.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> quick = pipeline.FitSettings(lens="brown5", rehearsal=False)
+    >>> pipeline.fit(examples.TARGET, examples.detections(), "dlt", quick)
+    Model(method=dlt, cameras=['left', 'right'], outputs=3, calibrated_on=8 views)
     """
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 

@@ -29,7 +29,7 @@ def measure(
     ----------
     pictures : PictureSet, Shoot, path or sequence of paths
         As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
-    target : AnyTarget, str or path, optional
+    target : str or AnyTarget, optional
         What the pictures show; a shoot brings its own.
     settings : DetectSettings, optional
         Thresholds, sizes and counts of the detector; the defaults where left out.
@@ -48,6 +48,14 @@ def measure(
     ------
     InputError
         There are no such pictures, or the target is not known.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot")
+    >>> first, *others = pipeline.measure(shoot)
+    >>> first.indexed, first.source.view, first.source.camera, first.dots.flag.count("ok")
+    (True, 'hand-0', 'left', 88)
     """
     from labcal.correspond.measure import measure_pictures
     from labcal.correspond.picture_set import open_pictures
@@ -70,12 +78,30 @@ def detect(
 ) -> Detections:
     """Find the dots in pictures, and return the table of them.
 
-    Parameters and errors are those of :func:`measure`, which tells of each picture by itself.
+    Parameters
+    ----------
+    pictures, target, settings, tone_curve, workers, progress
+        As of :func:`measure`, which tells of each picture by itself.
+
+    Returns
+    -------
+    Detections
+        The dots of all pictures that could be read; positions in px.
 
     Raises
     ------
     InputError
-        No picture could be read at all.
+        As of :func:`measure`; or no picture could be read at all.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot")
+    >>> pipeline.detect(shoot)
+    Detections(views=2, cameras=['left', 'right'], dots=352, ok=352)
+    >>> loose = pipeline.open_pictures("shoot/images", "_left=a,_right=b")
+    >>> pipeline.detect(loose, examples.TARGET).cameras
+    ('a', 'b')
     """
     from labcal.correspond.measure import detections_of
 
@@ -96,10 +122,25 @@ def inspect(
     pictures, target, settings, workers, progress
         As of :func:`measure`.
 
+    Returns
+    -------
+    Inspection
+        Figures of every picture and camera, and the contact sheet, which its `save` writes.
+
     Raises
     ------
     InputError
         There are no such pictures, the target is not known, or no picture could be read at all.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.inspect(examples.shoot("shoot"))
+    >>> found.pictures[0].dots, found.pictures[0].saturated_share
+    (88, 0.0)
+    >>> round(found.cameras["left"].coverage, 2)
+    0.52
+    >>> found.save("sheet.png")
     """
     from labcal.correspond.picture_set import open_pictures
     from labcal.report.inspection import inspection

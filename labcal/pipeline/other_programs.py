@@ -32,12 +32,27 @@ def convert(
     force : bool
         Replace what labcal wrote there.
 
+    Returns
+    -------
+    Conversion
+        The files that were written, the unit that was read, and notes.
+
     Raises
     ------
     InputError
         The files cannot be read, or what is in them cannot be held by the other format.
     OutputError
         The output may not be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> examples.rig().save("rig.json")
+    >>> done = pipeline.convert("rig.json", "cameras.yaml", pipeline.ConvertSettings(to_format="opencv"))
+    >>> done.files, done.cameras
+    (['cameras.yaml'], ['left', 'right'])
+    >>> round(pipeline.convert("cameras.yaml", "again.json").baseline_mm, 3)
+    200.0
     """
     from labcal.cameras.interop.conversion import ConvertSettings, convert_cameras
     from labcal.correspond.interop.conversion import convert_detections, is_of_detections
@@ -69,10 +84,23 @@ def undistort(
     settings : UndistortSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Undistorted
+        The pictures that were written, and those that could not be used.
+
     Raises
     ------
     InputError, OutputError
         As of :func:`~labcal.correspond.undistortion.undistort_pictures`.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot")
+    >>> done = pipeline.undistort(examples.rig(), shoot, "new", pipeline.UndistortSettings(rectify=True))
+    >>> done.images[:2]
+    ['images/hand-0_left.png', 'images/hand-0_right.png']
     """
     from labcal.cameras.rig import read_rig
     from labcal.correspond.paths_read import paths_read

@@ -31,6 +31,11 @@ def render(
         Values of the scene to change, as in ``"cameras.left.focal_px=800"``.
     progress : Progress, optional
 
+    Returns
+    -------
+    Shoot
+        The folder, opened.
+
     Raises
     ------
     UnknownNameError, InputError
@@ -39,6 +44,13 @@ def render(
         The folder exists already, or may not be made.
     DeviceError
         The renderer does not work on this machine.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> quick = pipeline.RenderSettings(spp=16, views=2)
+    >>> pipeline.render("webcam-plane", "shoot", quick, ["cameras.left.focal_px=800"])  # doctest: +SKIP
+    Shoot(folder=shoot, target=paper-13x10, cameras=['left', 'right'], train=1, test=1)
     """
     from labcal.render.shoot import RenderSettings, render_shoot
     from labcal.scene.catalogue import load_scene

@@ -24,10 +24,22 @@ def reproduce(
     settings : ReproduceSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    Reproduction
+        The rows with their verdicts; errors in mm, and in m where the paper prints them.
+
     Raises
     ------
     OutputError, DeviceError
         As of :func:`labcal.paper.reproduce.reproduce`.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> found = pipeline.reproduce("out", pipeline.ReproduceSettings(quick=True))  # doctest: +SKIP
+    >>> len(found.rows)  # doctest: +SKIP
+    22
     """
     from labcal.paper.reproduce import ReproduceSettings, reproduce
     from labcal.run.claims import FolderOutput, claim_outputs
@@ -53,12 +65,24 @@ def bench(
     settings : BenchSettings, optional
     progress : Progress, optional
 
+    Returns
+    -------
+    BenchResult
+        Every figure as a check, with its limit.
+
     Raises
     ------
     UnknownNameError, InputError
         There is no such benchmark, or a setting does not apply to it.
     OutputError
         The folder may not be made.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> found = pipeline.bench("detect", "out", pipeline.BenchSettings(quick=True))  # doctest: +SKIP
+    >>> [check.name for check in found.checks if not check.ok]  # doctest: +SKIP
+    []
     """
     from labcal.bench.benchmarks import run_benchmark
     from labcal.bench.settings import BenchSettings

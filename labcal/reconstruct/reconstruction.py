@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labcal.calibrate.agreement.exchange.by_rays import refuse_exchanged_by_rays
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred, eccentricities_of_matches
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
@@ -18,7 +19,6 @@ from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, training_views
-from labcal.estimators.swapped_pictures import refuse_swapped
 from labcal.estimators.valid_points import predicted, within_sense
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
@@ -176,7 +176,7 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     if len(rig.cameras) == 1:
         raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
     cameras, corrected = [rig.camera(name) for name in matches.cameras], None
-    refuse_swapped(cameras, matches)
+    refuse_exchanged_by_rays(cameras, matches)
     if target is not None:
         try:
             matches, corrected = centred(cameras, matches, target)
@@ -200,7 +200,7 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
 def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconstruction:
     corrected, outlying, typical_px, check = None, np.zeros(len(matches), dtype=bool), None, None
     if model.resected is not None:
-        refuse_swapped(model.resected, matches)
+        refuse_exchanged_by_rays(model.resected, matches)
         if target is not None:
             roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
             eccentricity = eccentricities_of_matches(model.resected, matches, roughly, target)

@@ -18,7 +18,7 @@ from labcal.run.machine import package_version
 from labcal.run.made import PROVENANCE, make_folder, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
-from labcal.run.unfinished import unfinished_folder
+from labcal.run.unfinished import is_finished, unfinished_folder
 from labcal.scene.check import check_scene
 from labcal.scene.lighting import brightest_board
 from labcal.scene.mistakes import Outcome
@@ -63,7 +63,8 @@ def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progre
     """Render a scene into a new shoot folder.
 
     The folder appears when everything is in it. A run that was interrupted leaves ``<folder>.unfinished``;
-    the same call goes on with it and keeps the pictures that are there.
+    the same call goes on with it and keeps the pictures that are there. A shoot that the same call made
+    already, and in which nothing has changed since, is opened: a script can run twice.
 
     Parameters
     ----------
@@ -96,6 +97,9 @@ def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progre
         raise InputError(f"The number of views must be at least 1, but is {settings.views}.")
     if settings.workers < 1:
         raise InputError(f"The number of workers must be at least 1, but is {settings.workers}.")
+    command = _command(scene, settings)
+    if not settings.force and is_finished(folder, command):
+        return open_shoot(folder)
     check_scene(scene, settings.seed, settings.views)
     every_view = planned_views(scene, settings.seed)
     views = every_view[: settings.views]
@@ -103,7 +107,7 @@ def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progre
     exposure = exposure_for(scene.photometry, brightest_board(scene, every_view))
     built = built_scene(scene)
     began = time.time()
-    with unfinished_folder(folder, _command(scene, settings), force=settings.force) as working:
+    with unfinished_folder(folder, command, force=settings.force) as working:
         images = working / "images"
         make_folder(images)
         jobs = [

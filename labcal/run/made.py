@@ -44,6 +44,8 @@ class Made(BaseModel):
     format_version: Literal[1] = 1
     made_by: str
     """The verb."""
+    command_sha256: str | None = None
+    """Of everything that determines the content; null in a mark of an older version."""
     files: dict[str, str | None]
     """SHA-256 by path in the folder; null for :data:`PROVENANCE`, which has it in itself."""
     homes: tuple[str, ...] = ()
@@ -125,8 +127,16 @@ def _note(home: Path, note: dict[str, str]) -> None:
         os.close(descriptor)
 
 
-def mark_as_made(folder: Path, verb: str) -> Made:
-    """Convert the list of written files of a folder into the mark of a finished folder, and return it."""
+def command_digest(command: str) -> str:
+    """Return the SHA-256 of a command."""
+    return hashlib.sha256(command.encode()).hexdigest()
+
+
+def mark_as_made(folder: Path, command: str) -> Made:
+    """Convert the list of written files of a folder into the mark of a finished folder, and return it.
+
+    `command` is everything that determines the content, as text; its first word is the verb.
+    """
     noted = noted_in(folder)
     names = [name for name in sorted(noted.files) if (folder / name).is_file()]
     kept = {
@@ -139,7 +149,13 @@ def mark_as_made(folder: Path, verb: str) -> Made:
         tuple(name for name in sorted(set(names)) if (folder / name).is_dir())
         for names in (noted.homes, noted.folders)
     )
-    made = Made(made_by=verb, files=kept, homes=homes, folders=inside)
+    made = Made(
+        made_by=command.split(maxsplit=1)[0],
+        command_sha256=command_digest(command),
+        files=kept,
+        homes=homes,
+        folders=inside,
+    )
     _write_mark(folder, made)
     (folder / JOURNAL).unlink(missing_ok=True)
     return made

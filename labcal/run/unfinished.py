@@ -10,7 +10,16 @@ from labcal.errors import OutputError
 from labcal.run.durable import flush_file, flush_folder, flush_tree
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
-from labcal.run.made import COMMAND, SCRAP, command_in, mark_as_made, note_made, reopen
+from labcal.run.made import (
+    COMMAND,
+    SCRAP,
+    command_digest,
+    command_in,
+    made_in,
+    mark_as_made,
+    note_made,
+    reopen,
+)
 from labcal.run.main_guard import end_unguarded_worker
 from labcal.run.output_place import (
     old_place_of,
@@ -122,6 +131,12 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
     require_nothing_foreign(working)
 
 
+def is_finished(path: Path, command: str) -> bool:
+    """Tell whether a folder is the finished output of this command, with nothing changed or added since."""
+    made = None if path.is_symlink() else made_in(path)
+    return made is not None and made.command_sha256 == command_digest(command) and not foreign_entries(path)
+
+
 def abandon(working: Path) -> None:
     """Remove everything made in an unfinished folder that is of no use."""
     remove_made(working)
@@ -186,7 +201,7 @@ def _remove_scraps(working: Path) -> None:
 
 def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     """Put the folder in its place."""
-    made = mark_as_made(working, command.split(maxsplit=1)[0])
+    made = mark_as_made(working, command)
     flush_tree(working, made.files.keys())
     require_folder_place(path, force=force)  # again: a good deal of time may have gone by
     note_made(path, working)

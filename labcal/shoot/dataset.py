@@ -24,10 +24,22 @@ MANIFEST = "shoot.json"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shoot(PublicObject):
-    """A shoot's folder and its manifest. Two are equal where both are; pictures are not compared."""
+    """A shoot's folder and its manifest. Two are equal where both are; pictures are not compared.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> shoot = examples.shoot("shoot")
+    >>> shoot
+    Shoot(folder=shoot, target=plain-11x8, cameras=['left', 'right'], train=1, test=1)
+    >>> [view.name for view in shoot.views()]
+    ['hand-0', 'hand-1']
+    """
 
     folder: Path
+    """Folder of ``shoot.json`` and the pictures."""
     manifest: Manifest
+    """Content of ``shoot.json``."""
 
     @classmethod
     def load(cls, folder: AnyPath) -> "Shoot":
@@ -86,10 +98,26 @@ def is_shoot(folder: AnyPath) -> bool:
 def open_shoot(folder: AnyPath) -> Shoot:
     """Open a shoot.
 
+    Parameters
+    ----------
+    folder : str or os.PathLike
+        The folder with ``shoot.json``.
+
+    Returns
+    -------
+    Shoot
+
     Raises
     ------
     InputError
         There is no manifest, it is not one that this version reads, or the shoot has no pictures.
+
+    Examples
+    --------
+    >>> from labcal import examples, open_shoot
+    >>> made = examples.shoot("shoot")
+    >>> open_shoot("shoot") == made
+    True
     """
     folder = as_path(folder)
     if not is_shoot(folder):

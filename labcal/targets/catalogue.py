@@ -52,6 +52,11 @@ def load_target(name: AnyPath) -> AnyTarget:
     name : str or os.PathLike
         The name of a shipped target, or the path of a YAML file.
 
+    Returns
+    -------
+    AnyTarget
+        Its description: places of the dots, and sizes, in mm.
+
     Raises
     ------
     UnknownNameError

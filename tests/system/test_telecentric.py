@@ -1,13 +1,17 @@
 """Cameras with parallel rays: rendered, detected, calibrated, reconstructed and evaluated."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from labcal.correspond.detections import read_detections
+from labcal.shoot.truth import read_true_dots
 from tests.system.conftest import Run
 
-SCALE, CX, CY = 0.85, 639.5, 479.5
+SCALE, CX, CY, COLS = 0.85, 639.5, 479.5, 13
 DIST = (-1.5e-8, 3e-15, 5e-9, -8e-9, -5e-22)
 
 
@@ -39,7 +43,32 @@ def test_from_the_picture_to_points(labcal: Run, tmp_path: Path) -> None:
         allowed = 3.0 * np.array([sigma["fx"], sigma["fy"], *sigma["dist"]])
         assert (np.abs(found - [SCALE, SCALE, *DIST]) < allowed).all()
     assert labcal("reconstruct", rig, dots, "-o", points).status in (0, 1)
-    errors = labcal("evaluate", points, shoot).document
-    # 0.0127 px along each axis, 14 degrees apart: 0.09 mm in depth. The mirror image would leave tens.
+    errors = labcal("evaluate", points, shoot, "--detections", dots).document
     assert (errors["alignment"], errors["n_ok"]) == ("rigid", errors["n"])
-    assert errors["rmse_mm"] < 0.15
+    cameras = json.loads((shoot / "truth" / "truth.json").read_text())["cameras"]
+    # Errors are those that the pixels have by the truth, seen by exactly known cameras: the rig adds little.
+    physical_mm = error_mm(cameras, pixel_error_px(dots, shoot))
+    assert errors["rmse_mm"] == pytest.approx(physical_mm, rel=0.05)
+    stated_px = np.sqrt(np.diagonal(read_detections(dots).covariance.mean(axis=0)))
+    assert errors["limit_mm"] == pytest.approx(error_mm(cameras, stated_px), rel=0.02)
+
+
+def pixel_error_px(table: Path, shoot: Path) -> np.ndarray:
+    """Return the RMS error of centroids along x and along y."""
+    dots, off = read_detections(table), []
+    for picture in read_true_dots(shoot):
+        own = dots.where(dots.ok & (dots.view == picture.view) & (dots.camera == picture.camera))
+        off.append(own.position - picture.centroid[own.index[:, 1] * COLS + own.index[:, 0]])
+    return np.sqrt((np.concatenate(off) ** 2).mean(axis=0))
+
+
+def error_mm(cameras: dict[str, dict[str, Any]], sigma_px: np.ndarray) -> float:
+    """Return the RMS error of points that two cameras with parallel rays see with an error along x and y.
+
+    The axes stand at an angle a, in a plane in which both x axes nearly lie: there one camera measures x and
+    the other one x cos a - z sin a. The coordinate across that plane is measured twice.
+    """
+    left, right = (np.array(cameras[name]["T_cam_world"]) for name in ("left", "right"))
+    cosine = float(left[2, :3] @ right[2, :3])
+    x, y = (sigma_px / SCALE) ** 2
+    return float(np.sqrt(x * (1.0 + (1.0 + cosine**2) / (1.0 - cosine**2)) + 0.5 * y))

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Int64
 
 from labcal.calibrate.agreeing_views import CalibrateSingle
-from labcal.calibrate.agreement.exchange import exchanged_views, with_exchanged
+from labcal.calibrate.agreement.exchange.by_poses import exchanged_views, with_exchanged
+from labcal.calibrate.agreement.exchange.decision import LEFT, exchange_cause
 from labcal.calibrate.agreement.finding import Cause, CauseName, Disagreement
 from labcal.calibrate.agreement.hypotheses import (
     EXPLAINED,
@@ -29,8 +30,6 @@ from labcal.errors import InputError
 
 _MOST = 0.8
 """Share of what errors do not explain from which on an explanation is the likeliest."""
-_MENDED = 0.01
-"""Largest share of a misfit that remains if exchanged pictures were its cause."""
 
 
 @dataclass(frozen=True)
@@ -159,13 +158,7 @@ def _exchanged(found: Calibrated, pair: PairAgreement) -> Cause | None:
     if again is None:
         return None
     left = again.misfit(together(again)) / max(pair.misfit(together(pair)), 1e-300)
-    if again.chance(together(again)) < EXPLAINED and left > _MENDED:
+    if again.chance(together(again)) < EXPLAINED and left > LEFT**2:
         return None
-    return Cause(
-        CauseName.SWAPPED_CAMERAS,
-        f"pictures of '{names[0]}' and '{names[1]}' are exchanged in {len(views)} of {len(of_views)} views, "
-        f"or in all others: exchanged back, {left:.2%} of the contradiction is left. Say which picture is "
-        "whose: `cameras` of 'detect'.",
-        names,
-        views,
-    )
+    where = f"{len(views)} of {len(of_views)} views, or in all others"
+    return exchange_cause(names, views, where, f"{left:.2%} of the contradiction is left")

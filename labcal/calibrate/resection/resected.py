@@ -6,12 +6,14 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Vectors3
+from labcal.bounds import FOCAL_SIDES
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.calibrate.resection.problem import ResectionProblem, lens_prior
 from labcal.calibrate.resection.start import resection_starts
 from labcal.cameras.camera import Camera
+from labcal.cameras.lens import TELECENTRIC
 from labcal.errors import InputError
 from labcal.geometry.arrangement import refuse_collinear, refuse_few, refuse_one_plane
 from labcal.optim.damping import Damping
@@ -80,7 +82,8 @@ def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamer
     Raises
     ------
     InputError
-        Too few points, all on a plane, or no such camera images them anywhere near the pixels.
+        Too few points, all on a plane, or no such camera images them anywhere near the pixels; or the rays
+        are parallel, and those of the lens are not.
     """
     kind = kinds[0]
     unknowns = PlacedCamera(kind, np.zeros(3)).count
@@ -99,7 +102,25 @@ def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamer
             f"{method}: no camera with the lens '{kind.lens}' explains the dots; the best is off by "
             f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."
         )
-    return adjusted(best.placed, q, p, UniformNoise(max(best.sigma_px, 1e-6)), NEAR)
+    found = adjusted(best.placed, q, p, UniformNoise(max(best.sigma_px, 1e-6)), NEAR)
+    _refuse_parallel(method, found.camera)
+    return found
+
+
+def _refuse_parallel(method: str, camera: Camera) -> None:
+    """Raise where the rays of a camera whose lens makes them meet are parallel as far as the dots tell.
+
+    Raises
+    ------
+    InputError
+        Its focal length is beyond the bounds of sense.
+    """
+    focal = max(camera.intrinsics[:2])
+    if not camera.model.parallel and focal > FOCAL_SIDES[1] * max(camera.size):
+        raise InputError(
+            f"{method}: the rays are parallel as far as the dots tell: with the lens '{camera.lens}' the "
+            f"focal length grows without end ({focal:.3g} px). Choose the lens '{TELECENTRIC}'."
+        )
 
 
 def adjusted(

@@ -23,7 +23,14 @@ from labcal.run.claims import claim_outputs
 
 @dataclass(frozen=True)
 class ConvertSettings:
-    """Facts that the files to convert do not state, and options of the conversion."""
+    """Facts that the files to convert do not state, and options of the conversion.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import ConvertSettings
+    >>> ConvertSettings(from_format="kalibr", size=(640, 480)).unit is None
+    True
+    """
 
     from_format: str | None = None
     """Recognised by the content if left out."""

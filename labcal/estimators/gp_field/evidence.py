@@ -67,7 +67,8 @@ def field_scale(
     residual : ndarray, shape (n, 2)
         Measured minus predicted by the camera, px.
     by_camera : ndarray, shape (n, 2, free)
-        Derivatives of the prediction.
+        Derivatives of the prediction; those by what no pixel depends on, as the depth of a camera with
+        parallel rays, are 0 and count for nothing.
     near : FieldScale, optional
         Where to begin.
 
@@ -77,7 +78,10 @@ def field_scale(
     1971), so that the field is neither starved by a camera that has absorbed it nor asked to explain what
     the camera can. The noise's variance follows in closed form.
     """
-    likelihood = _Restricted(x, residual, by_camera)
+    seen = (by_camera != 0.0).any(axis=(0, 1))
+    likelihood = _Restricted(
+        x, residual, by_camera if seen.all() else np.ascontiguousarray(by_camera[..., seen])
+    )
     if near is not None and near.amplitude_px > 0.0:
         ratio = (near.amplitude_px / near.noise_px) ** 2
         start = np.log([ratio, near.kernel.across, near.kernel.along])

@@ -100,7 +100,7 @@ def test_exchanged_pictures_are_named(noisy: Detections, grid: DotGrid) -> None:
     found = calibrate_handheld(exchanged, grid, "brown-k1k2", CENTRES)
     assert len(found.skipped) == 2
     for reason, name in zip(found.skipped, ("left", "right"), strict=True):
-        assert reason.startswith(f"view 'pose-2' of camera '{name}': cameras 'left' and 'right' miss")
+        assert reason.startswith(f"view 'pose-2' of camera '{name}': cameras 'left' and 'right' disagree")
         assert reason.endswith("exchanged")
     without = calibrate_handheld(noisy.where(noisy.view != "pose-2"), grid, "brown-k1k2", CENTRES)
     np.testing.assert_allclose(found.rig.camera("right").K, without.rig.camera("right").K, rtol=1e-5)

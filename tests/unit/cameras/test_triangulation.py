@@ -1,5 +1,7 @@
 """Points from two and three cameras against OpenCV and against their own statistics."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -23,6 +25,15 @@ def looking(x: float, turn: float, lens: str = "brown5", focal: float = 700.0) -
 
 BARRELS = (looking(-200, 0.15), looking(200, -0.2, focal=650.0))
 PINHOLES = (looking(-200, 0.15, "pinhole"), looking(200, -0.2, "pinhole"))
+PARALLEL = tuple(
+    replace(
+        camera,
+        K=np.array([[0.8, 0.0, 322.4], [0.0, 0.81, 237.1], [0.0, 0.0, 1.0]]),
+        lens="telecentric",
+        dist=np.array([-2e-7, 1e-13, 4e-7, -6e-7, 0.0]),
+    )
+    for camera in PINHOLES
+)
 THREE = (*BARRELS, looking(0, 0.0, "pinhole", 900.0))
 
 
@@ -38,7 +49,9 @@ def unit_covariances(q: np.ndarray) -> np.ndarray:
     return np.tile(np.eye(2), (*q.shape[:2], 1, 1))
 
 
-@pytest.mark.parametrize("cameras", [BARRELS, PINHOLES, THREE], ids=["barrels", "pinholes", "three"])
+@pytest.mark.parametrize(
+    "cameras", [BARRELS, PINHOLES, PARALLEL, THREE], ids=["barrels", "pinholes", "parallel", "three"]
+)
 def test_exact_pixels_give_the_points(cameras: tuple[Camera, ...]) -> None:
     p = scene()
     q = seen(cameras, p)
@@ -60,7 +73,7 @@ def random_covariances(rng: np.random.Generator, shape: tuple[int, ...]) -> np.n
     return root @ np.swapaxes(root, -1, -2)
 
 
-@pytest.mark.parametrize("cameras", [BARRELS, THREE], ids=["two", "three"])
+@pytest.mark.parametrize("cameras", [BARRELS, PARALLEL, THREE], ids=["two", "parallel", "three"])
 def test_the_covariance_is_that_of_repeated_measurements(cameras: tuple[Camera, ...]) -> None:
     rng = np.random.default_rng(2)
     p = np.tile([[60.0, -40.0, 1500.0]], (4000, 1))

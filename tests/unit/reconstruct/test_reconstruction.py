@@ -124,7 +124,7 @@ def test_exchanged_pictures_are_told_by_view(see: See, pair: Cameras, grid: DotG
     centred = replace(fitted(exact, grid, poses), resected=tuple(pair.values()))
     for model in (Rig.of(pair), centred):
         assert set(reconstruct_points(model, exact).flag) <= {"ok", "extrapolated"}
-        with pytest.raises(InputError, match=r"In view 'pose-3' the pictures of .* seem to be swapped"):
+        with pytest.raises(InputError, match=r"Pictures of .* are exchanged in view 'pose-3'"):
             reconstruct_points(model, exchanged(exact, "pose-3"))
 
 

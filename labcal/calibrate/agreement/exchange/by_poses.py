@@ -1,4 +1,4 @@
-"""Detection of views in which the pictures of two cameras are exchanged, by the poses of the target."""
+"""Exchanged pictures of a hand-held target, found by its poses in two cameras."""
 
 from dataclasses import replace
 
@@ -6,14 +6,13 @@ import numpy as np
 from jaxtyping import Bool
 
 from labcal.arrays import Vectors3
-from labcal.calibrate.rig_start import SharedViews
+from labcal.calibrate.agreement.exchange.decision import LEFT, explains
+from labcal.calibrate.rig_start import SharedViews, pose_between
 from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.calibrate.view_agreement import target_residuals
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import inverse
 
-_EXCHANGED = 0.2
-"""Share of the residuals of all views that remains if exchanged pictures are put right."""
 _CANDIDATES = 20
 """Views that are tried for a reference."""
 
@@ -36,13 +35,17 @@ def exchanged_views(
     shared = SharedViews.of(first.single, second.single)
     if first.single.camera.size != second.single.camera.size:
         return None
+    bound = LEFT * first.single.camera.size[0]  # dots that are not imaged are off by a picture's width
     best: tuple[float, Bool[np.ndarray, " n"]] | None = None
     for at in range(0, len(shared.views), -(-len(shared.views) // _CANDIDATES)):
         T_second_first = shared.second[at] @ inverse(shared.first[at])
         given = target_residuals(second.single, T_second_first, shared, dots)
         other = target_residuals(second.single, inverse(T_second_first), shared, dots)
-        left = float(np.minimum(given, other).mean())
-        if left < _EXCHANGED * float(given.mean()) and (best is None or left < best[0]):
+        exchanged_back = _exchanged_back(shared, other < given)
+        left = float(
+            target_residuals(second.single, pose_between(exchanged_back), exchanged_back, dots).mean()
+        )
+        if explains(float(given.mean()), left, bound) and (best is None or left < best[0]):
             best = (left, other < given)
     if best is None:
         return None
@@ -50,6 +53,16 @@ def exchanged_views(
     if exchanged.mean() > 0.5 or (exchanged.mean() == 0.5 and exchanged[0]):  # noqa: PLR2004 -- half
         exchanged = ~exchanged
     return exchanged
+
+
+def _exchanged_back(shared: SharedViews, exchanged: Bool[np.ndarray, " n"]) -> SharedViews:
+    """Return the poses of both cameras, exchanged in some views."""
+    swaps = exchanged[:, None, None]
+    return SharedViews(
+        shared.views,
+        np.where(swaps, shared.second, shared.first),
+        np.where(swaps, shared.first, shared.second),
+    )
 
 
 def with_exchanged(entering: Detections, cameras: tuple[str, str], views: tuple[str, ...]) -> Detections:

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from labcal.calibrate.agreement.exchange.by_places import refuse_exchanged_by_places
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
-from labcal.estimators.swapped_pictures import refuse_swapped_training
 from labcal.targets.grid import DotGrid
 
 See = Callable[..., Detections]
@@ -32,7 +32,7 @@ def three(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> TrainingData:
 
 
 def test_views_as_they_should_be_are_let_through(three: TrainingData) -> None:
-    refuse_swapped_training(three)
+    refuse_exchanged_by_places(three)
 
 
 @pytest.mark.parametrize(
@@ -43,10 +43,10 @@ def test_exchanged_pictures_of_a_view_are_named(
 ) -> None:
     rows, X = three.view == "pose-5", three.X.copy()
     X[rows] = X[rows].reshape(-1, 3, 2)[:, order].reshape(-1, 6)
-    with pytest.raises(InputError, match=f"In view 'pose-5' the pictures of {named} seem to be swapped"):
-        refuse_swapped_training(replace(three, X=X))
+    with pytest.raises(InputError, match=f"Pictures of {named} are exchanged in view 'pose-5'"):
+        refuse_exchanged_by_places(replace(three, X=X))
 
 
 def test_dots_that_are_wrong_otherwise_are_not_called_swapped(three: TrainingData) -> None:
     noise = 5.0 * np.random.default_rng(0).standard_normal(three.X.shape)
-    refuse_swapped_training(replace(three, X=three.X + noise))
+    refuse_exchanged_by_places(replace(three, X=three.X + noise))
