@@ -1,4 +1,4 @@
-"""Pixels that see no direction, told for people or refused."""
+"""Notes on pixels that see no direction, and refusal of them."""
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def require_rays_everywhere(name: str, camera: Camera) -> None:
 
 
 def _mend(camera: Camera) -> str:
-    """Return what helps where the picture reaches beyond the lens's field."""
+    """Return advice for a picture that reaches beyond the lens's field of view."""
     if camera.prescription is not None:
         return "Raise focal_px, lessen the picture's size, or give the prescription wider surfaces."
     if camera.model.ranges is not None:

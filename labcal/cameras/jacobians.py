@@ -44,7 +44,7 @@ def intrinsic_jacobian(camera: "Camera", p: Vectors3) -> np.ndarray:
 def dual_parameters(
     camera: "Camera", m: DualMathematics, intrinsics: tuple[Dual, ...], dist: tuple[Dual, ...]
 ) -> tuple[Dual, ...]:
-    """Return ``Camera.forward_parameters`` for derivatives by intrinsics and by all coefficients."""
+    """Return ``forward_parameters`` for derivatives by intrinsics and all of ``padded_dist``."""
     directions = len(intrinsics[0].slopes)
     lens_at = camera.optics.lens_at
     formula = camera.model.formula(m, dist) if camera.model.coefficients else ()

@@ -50,7 +50,7 @@ class UndistortSettings:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Undistorted(PublicObject):
-    """What became of pictures; the JSON document of ``labcal undistort``."""
+    """Result of an undistortion; the JSON document of ``labcal undistort``."""
 
     folder: str
     images: list[str]

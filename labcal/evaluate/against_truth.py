@@ -43,7 +43,9 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     >>> from labcal.evaluate.scored_views import ScoredPart
     >>> error = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.2]])
     >>> figures = (2, (0.05, 0.0, 0.1), 0.15, 0.158, 0.195, 0.2, 0.1, 0.5)
-    >>> TruthErrors(*figures, "none", "all points", 0, ScoredPart(2, ("a",), 0), error)
+    >>> from labcal import examples
+    >>> points = examples.points().where([0, 1])
+    >>> TruthErrors(*figures, "none", "all points", 0, ScoredPart(2, ("a",), 0), error, points)
     TruthErrors(n=2, rmse=0.158 mm, limit=0.1 mm, max=0.2 mm, alignment=none)
     """
 

@@ -58,7 +58,7 @@ class InspectedCamera:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Inspection(PublicObject):
-    """What pictures look like, and where in them dots were found.
+    """Exposure and sharpness of pictures, and the parts of them in which dots were found.
 
     Attributes
     ----------

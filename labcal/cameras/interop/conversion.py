@@ -64,7 +64,7 @@ class ConvertSettings:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Conversion(PublicObject):
-    """What became of files that were converted; the JSON document of ``labcal convert``."""
+    """Result of a conversion; the JSON document of ``labcal convert``."""
 
     source: str
     """Format of what was read."""
