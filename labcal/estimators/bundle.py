@@ -59,7 +59,7 @@ class Bundle(CameraEstimator):
         self.glass_index = glass_index
         self.glass_thickness_mm = glass_thickness_mm
 
-    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
+    def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         found = self._resected(q, p, size)
         return FittedCamera(found.placed, found.covariance, found.sigma_px)
 

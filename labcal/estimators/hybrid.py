@@ -60,7 +60,7 @@ class Hybrid(CameraEstimator):
             ]
         )
 
-    def _learned(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
+    def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         if len(p) > MOST_POINTS:
             raise InputError(
                 f"{self.method}: {len(p)} dots are more than the {MOST_POINTS} that a field can be fitted "
