@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from labcal.calibrate.adjustment.lens_prior import LensPrior
 from labcal.calibrate.adjustment.observations import Observations
+from labcal.calibrate.adjustment.prior_term import LensPrior
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.lens_prior import PriorWidth

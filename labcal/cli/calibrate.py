@@ -68,7 +68,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.pipeline import calibrate
     from labcal.report.calibrate_result import calibrate_result, calibrate_table
     from labcal.run.claims import FileOutput, claim_outputs
-    from labcal.run.output_place import require_name
+    from labcal.run.overwriting import require_name
     from labcal.shoot.pictures import png_output
     from labcal.targets.places import KIND as DOTS_KIND
     from labcal.wording import listed

@@ -95,7 +95,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.pipeline import FitSettings, fit_methods, training_of
     from labcal.report.fit_result import FitOutcome, fit_result, fit_table, fit_warnings
     from labcal.run.claims import FileOutput, claim_outputs
-    from labcal.run.output_place import require_name
+    from labcal.run.overwriting import require_name
     from labcal.wording import listed
 
     settings = FitSettings(

@@ -201,7 +201,7 @@ class Detections(PublicObject):
         >>> examples.detections().to_pandas().groupby("camera")["x_px"].count().tolist()
         [704, 704]
         """
-        from labcal.correspond.detection_tables import detections_frame  # noqa: PLC0415 -- pandas is optional
+        from labcal.correspond.detection_dataframes import detections_frame  # noqa: PLC0415 -- pandas is optional
 
         return detections_frame(self)
 
@@ -224,7 +224,7 @@ class Detections(PublicObject):
         >>> dict(examples.detections().to_xarray()["position"].sizes)
         {'view': 8, 'camera': 2, 'dot': 88, 'coordinate': 2}
         """
-        from labcal.correspond.detection_tables import (  # noqa: PLC0415 -- xarray is optional
+        from labcal.correspond.detection_dataframes import (  # noqa: PLC0415 -- xarray is optional
             detections_dataset,
         )
 

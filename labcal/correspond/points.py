@@ -147,7 +147,7 @@ class Points(PublicObject):
         >>> examples.points().to_pandas().columns[:6].tolist()
         ['view', 'col', 'row', 'X_mm', 'Y_mm', 'Z_mm']
         """
-        from labcal.correspond.point_tables import points_frame  # noqa: PLC0415 -- pandas is optional
+        from labcal.correspond.point_dataframes import points_frame  # noqa: PLC0415 -- pandas is optional
 
         return points_frame(self)
 
@@ -169,7 +169,7 @@ class Points(PublicObject):
         >>> dict(examples.points().to_xarray()["point"].sizes)
         {'view': 8, 'dot': 88, 'coordinate': 3}
         """
-        from labcal.correspond.point_tables import points_dataset  # noqa: PLC0415 -- xarray is optional
+        from labcal.correspond.point_dataframes import points_dataset  # noqa: PLC0415 -- xarray is optional
 
         return points_dataset(self)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.checks.unmeasured import unmeasured_dots
+from labcal.detect.checks.missing_dots import unmeasured_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal

@@ -10,7 +10,8 @@ from pathlib import Path
 from labcal.errors import OutputError
 from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import unfinished_home
-from labcal.run.output_place import (
+from labcal.run.moved_aside import recover
+from labcal.run.overwriting import (
     holds,
     old_place_of,
     require_file_place,
@@ -18,7 +19,6 @@ from labcal.run.output_place import (
     require_name,
     working_place_of,
 )
-from labcal.run.replacement import recover
 from labcal.run.unfinished import require_working_place
 
 

@@ -11,7 +11,7 @@ from labcal.errors import DiskFullError, OutputError
 from labcal.run.durable import flush_file, flush_folder
 from labcal.run.file_kinds import FileKind, require_no_part, require_replaceable
 from labcal.run.made import SCRAP, note_made, unfinished_home
-from labcal.run.output_place import require_file_place
+from labcal.run.overwriting import require_file_place
 
 _NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.ENOSYS, errno.EMLINK, errno.EACCES, errno.EINVAL}
 """Error numbers of file systems that do not support hard links."""

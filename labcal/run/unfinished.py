@@ -21,7 +21,9 @@ from labcal.run.made import (
     reopen,
 )
 from labcal.run.main_guard import end_unguarded_worker
-from labcal.run.output_place import (
+from labcal.run.moved_aside import mark_replaced, recover, restore
+from labcal.run.outputs import name_exclusively, refusal
+from labcal.run.overwriting import (
     old_place_of,
     require_elsewhere,
     require_folder_place,
@@ -29,8 +31,6 @@ from labcal.run.output_place import (
     require_nothing_foreign,
     working_place_of,
 )
-from labcal.run.outputs import name_exclusively, refusal
-from labcal.run.replacement import mark_replaced, recover, restore
 
 
 @contextmanager
@@ -50,7 +50,7 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
         Everything that determines the content, as text; its first word is the verb.
     force : bool
         Replace `path`, and discard what another command left unfinished, where labcal made it and it holds
-        nothing else (:mod:`labcal.run.output_place`).
+        nothing else (:mod:`labcal.run.overwriting`).
 
     Yields
     ------

@@ -23,8 +23,8 @@ from labcal.run.claims import FileOutput
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_marks import PDF_COMMENT, PNG_TEXT, XML_COMMENT
 from labcal.run.machine import memory_bytes
-from labcal.run.output_place import require_file_place
 from labcal.run.outputs import write_file
+from labcal.run.overwriting import require_file_place
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.shapes import printed_outlines
 from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out

@@ -8,8 +8,8 @@ from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.blocks import Blocks, Slopes, assemble
 from labcal.calibrate.adjustment.held import Held
-from labcal.calibrate.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.calibrate.adjustment.observations import Observations
+from labcal.calibrate.adjustment.prior_term import NO_PRIOR, LensPrior
 from labcal.calibrate.adjustment.schur import Reduced
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
 from labcal.errors import InputError

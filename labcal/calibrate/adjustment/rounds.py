@@ -7,9 +7,9 @@ from jaxtyping import Bool, Float64
 
 from labcal.calibrate.adjustment.blocks import Blocks
 from labcal.calibrate.adjustment.held import Held
-from labcal.calibrate.adjustment.lens_prior import LensPrior
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.outliers import outliers
+from labcal.calibrate.adjustment.prior_term import LensPrior
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.scatter import Scatter
 from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState

@@ -26,8 +26,8 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, FolderOutput, Output
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_reading import read_bytes
-from labcal.run.output_place import require_file_place
 from labcal.run.outputs import write_file
+from labcal.run.overwriting import require_file_place
 from labcal.run.unfinished import unfinished_folder
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())

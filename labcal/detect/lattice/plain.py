@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arrays import DotIndices
-from labcal.detect.checks.unmeasured import UnmeasuredDot
+from labcal.detect.checks.missing_dots import UnmeasuredDot
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node

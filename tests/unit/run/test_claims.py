@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from labcal.errors import OutputError
-from labcal.run import mounts, output_place
+from labcal.run import mounts
 from labcal.run.claims import FileOutput, FolderOutput, claim_outputs
 from labcal.run.file_kinds import beginning_with, recognised_by
 from labcal.run.made import COMMAND
@@ -251,4 +251,4 @@ def test_kinds_are_told_by_the_content() -> None:
     assert TABLE.recognises(b"view,camera")
     assert not TABLE.recognises(b"camera,view")
     assert recognised_by("any", lambda content: b"x" in content).recognises(b"..x")
-    assert output_place.UNFINISHED == ".unfinished"  # a user finds it in the documents
+    assert overwriting.UNFINISHED == ".unfinished"  # a user finds it in the documents

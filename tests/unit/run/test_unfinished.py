@@ -12,8 +12,8 @@ import pytest
 from labcal.errors import DiskFullError, OutputError
 from labcal.run.foreign import foreign_entries
 from labcal.run.made import ASIDE, COMMAND, JOURNAL, MADE, SCRAP, made_in, make_folder, provenance_text
+from labcal.run.moved_aside import recover
 from labcal.run.outputs import write_file
-from labcal.run.replacement import recover
 from labcal.run.unfinished import abandon, unfinished_folder
 
 

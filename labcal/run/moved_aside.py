@@ -7,7 +7,7 @@ from labcal.run.durable import flush_file
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
 from labcal.run.made import ASIDE, COMMAND, command_in, made_in
-from labcal.run.output_place import old_place_of, working_place_of
+from labcal.run.overwriting import old_place_of, working_place_of
 
 
 def recover(path: Path) -> None:

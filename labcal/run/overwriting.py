@@ -1,4 +1,4 @@
-"""The place of an output: checks of what is there, and whether the output may replace it."""
+"""Overwriting: checks of the place of an output, and whether the output may replace what is there."""
 
 import os
 import stat

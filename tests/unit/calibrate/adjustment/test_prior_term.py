@@ -9,8 +9,8 @@ import pytest
 from labcal.bench.detect.bias import bench_target
 from labcal.bench.hand_views import HandViews, dots_at, poses_in_hand
 from labcal.bench.solve.mrcal import bench_camera
-from labcal.calibrate.adjustment.lens_prior import NO_PRIOR, LensPrior
 from labcal.calibrate.adjustment.observations import Observations, observations_of
+from labcal.calibrate.adjustment.prior_term import NO_PRIOR, LensPrior
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
