@@ -81,7 +81,7 @@ def calibrate_handheld(
     if settings.free_dots and lens_by_name(lens).parallel:
         raise InputError(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not distinguishable there. Leave --free-dots out."
+            "tilt are not distinguishable there. Leave `free_dots` out."
         )
     usable = usable_dots(detections, target)
     cameras = _require_all(usable, detections)

@@ -49,7 +49,7 @@ def parallel_notes(rig: Rig, *, started: bool) -> list[str]:
         notes.append(
             "the mirror image of this rig explains the dots as well: the one was taken in which "
             f"{list(cameras)[1]} looks from the right of {parallel[0]}, or from below it. If that is wrong, "
-            "depths have the wrong sign: name the cameras in the other order, or give --start"
+            "depths have the wrong sign: name the cameras in the other order, or give `start`"
         )
     return notes
 

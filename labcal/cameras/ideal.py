@@ -45,7 +45,7 @@ def whole_ideal_camera(camera: Camera) -> Camera:
     InputError
         The camera sees nothing there, its rays are parallel, or the picture would be too large.
     """
-    _refuse_parallel([camera], "--whole")
+    _refuse_parallel([camera], "`whole`")
     R = camera.T_cam_world[:3, :3]
     focal = _mean_focal([camera])
     field = _field(camera, R)
@@ -66,7 +66,7 @@ def rectified_pair(first: Camera, second: Camera) -> tuple[Camera, Camera]:
         Both cameras are at one place, the second lies ahead of the first, their rays are parallel, or the
         pictures would be too large.
     """
-    _refuse_parallel([first, second], "--rectify")
+    _refuse_parallel([first, second], "`rectify`")
     baseline = second.centre - first.centre
     axes = [camera.T_cam_world[:3, :3] for camera in (first, second)]
     forward = axes[0][2] + axes[1][2]

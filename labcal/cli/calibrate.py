@@ -70,6 +70,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.overwriting import require_name
     from labcal.shoot.pictures import png_output
+    from labcal.targets.catalogue import load_target
     from labcal.targets.places import KIND as DOTS_KIND
     from labcal.wording import listed
 
@@ -85,8 +86,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_detection(arguments)
+    named = None if arguments.target is None else load_target(arguments.target)
     given = open_dots(arguments.source, arguments.detections)
-    target = given.target(arguments.target)
+    target = given.target(named)
     detections = dots_given(given, target, arguments, session)
     hold_out = arguments.hold_out or ()
     with session.progress() as progress:

@@ -49,6 +49,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and report."""
+    from labcal.correspond.points import read_points
     from labcal.pipeline import evaluate
     from labcal.report.error_tables import error_table
     from labcal.shoot.dataset import Shoot, open_shoot
@@ -60,12 +61,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             "Give the SHOOT that the points are of or, to compare with the target's own lengths, "
             "--target NAME or --dots RIG-dots.json: one of the three."
         )
+    points = read_points(arguments.points)
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)
     else:
         source = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
-    errors = evaluate(arguments.points, source, arguments.detections, arguments.alignment, arguments.rig)
+    errors = evaluate(points, source, arguments.detections, arguments.alignment, arguments.rig)
     for warning in errors.warnings:
         session.warn(warning)
     session.emit(errors, error_table(errors))

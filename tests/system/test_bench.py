@@ -28,7 +28,10 @@ def test_a_group_that_cannot_be_measured_says_so(
     ("words", "said"),
     [
         (("detect", "--only", "sweet"), "no group of checks named 'sweet'"),
-        (("render", "--only", "suite"), "'bench render' has none"),
+        (
+            ("render", "--only", "suite"),
+            "of which the benchmark 'render' has none",
+        ),
     ],
 )
 def test_groups_that_are_not_there_are_refused(

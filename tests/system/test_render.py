@@ -199,7 +199,7 @@ def test_what_cannot_be_rendered_leaves_nothing_behind(
 def test_a_shoot_is_not_replaced_unasked(tmp_path: Path) -> None:
     (tmp_path / "shoot").mkdir()
     (tmp_path / "shoot" / "mine.txt").write_text("mine")
-    with pytest.raises(OutputError, match="--force"):
+    with pytest.raises(OutputError, match="`force=True`"):
         render_shoot(small_scene("spp=1"), tmp_path / "shoot", RenderSettings(), NoProgress())
     assert (tmp_path / "shoot" / "mine.txt").read_text() == "mine"
     with pytest.raises(OutputError, match="no mark of labcal, so another program"):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from labcal.errors import OutputError
-from labcal.run import mounts
+from labcal.run import mounts, overwriting
 from labcal.run.claims import FileOutput, FolderOutput, claim_outputs
 from labcal.run.file_kinds import beginning_with, recognised_by
 from labcal.run.made import COMMAND
