@@ -8,12 +8,11 @@ from typing import Any, ClassVar, NamedTuple, TypeVar
 import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
 
 from labcal.arrays import AnyArray, float_array
 from labcal.errors import InputError, InputTypeError
 from labcal.estimators.propagation import propagated_covariance
+from labcal.estimators.scikit_learn import BaseEstimator, RegressorMixin, check_is_fitted, validate_data
 
 Estimator = TypeVar("Estimator", bound="PointEstimator")
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from sklearn.base import clone
 
 from labcal.calibrate.calibration import Calibration, calibrated
 from labcal.calibrate.handheld import HandheldSettings
@@ -20,6 +19,7 @@ from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
+from labcal.estimators.scikit_learn import clone
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
 from labcal.run.progress import NoProgress, Progress
 from labcal.shoot.dataset import Shoot

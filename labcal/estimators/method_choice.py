@@ -4,11 +4,10 @@ import inspect
 import re
 from importlib import import_module
 
-from sklearn.base import clone
-
 from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.registry import SEPARATOR, make_estimator
+from labcal.estimators.scikit_learn import clone
 from labcal.estimators.user_method import UserMethod, class_path, is_regressor
 from labcal.wording import clipped
 

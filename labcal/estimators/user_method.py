@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
-from sklearn.base import clone
-from sklearn.multioutput import MultiOutputRegressor
 
 from labcal.errors import InputError, LabcalError
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
+from labcal.estimators.scikit_learn import clone
 from labcal.rng import generator
 from labcal.run.threads import one_blas_thread
 
@@ -173,6 +172,8 @@ class UserMethod(PointEstimator):
             except ValueError:
                 if not _takes_one_output(made):
                     raise
+                from sklearn.multioutput import MultiOutputRegressor  # noqa: PLC0415 -- imports scipy.stats
+
                 made = MultiOutputRegressor(self._copy())
                 made.fit(pixels, points)
             return made

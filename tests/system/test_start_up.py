@@ -12,8 +12,9 @@ Run = Callable[..., Any]
 
 HEAVY = frozenset(
     {"cv2", "drjit", "matplotlib", "mitsuba", "numba", "pandas", "scipy", "scipy.optimize"}
-    | {"scipy.spatial", "scipy.stats", "sklearn", "torch"}
+    | {"scipy.spatial", "scipy.stats._stats_py", "sklearn", "torch"}
 )
+"""``scipy.stats`` itself is there before it is loaded, see `labcal.estimators.scikit_learn`."""
 RUN = (
     "import sys; from labcal.cli import main; status = main(sys.argv[1:]); print(*sys.modules); exit(status)"
 )
@@ -78,3 +79,23 @@ def test_reconstruction_by_a_rig_and_evaluation_import_no_methods(
     found = heavy_modules(RUN, "reconstruct", rig, handheld_dots, "-o", points)
     assert found <= {"cv2", "scipy", "scipy.spatial"}
     assert heavy_modules(RUN, "evaluate", points, handheld) <= {"cv2", "scipy", "scipy.spatial"}
+
+
+def test_methods_import_scikit_learn_without_scipys_statistics(
+    stage: Path, stage_dots: Path, tmp_path: Path
+) -> None:
+    model, points = tmp_path / "model", tmp_path / "points.csv"
+    words = ("--detections", stage_dots, "--method", "affine", "-o", model)
+    most = {"cv2", "scipy", "scipy.optimize", "scipy.spatial", "sklearn"}
+    most |= {"pandas"}  # which scikit-learn imports where it is installed
+    assert heavy_modules(RUN, "fit", stage, *words) <= most
+    assert "sklearn" in heavy_modules(RUN, "reconstruct", model, stage_dots, "-o", points) <= most
+
+
+def test_scipys_statistics_are_whole_when_they_are_used() -> None:
+    code = (
+        "import sys; import labcal.estimators.affine, scipy.stats; early = set(sys.modules); "
+        "assert scipy.stats.norm.ppf(0.5) == 0.0; from scipy.stats import chi2; import scipy.stats as again; "
+        "assert again.chi2 is chi2; assert type(again).__name__ == 'module'; print(*early)"
+    )
+    assert "scipy.stats._stats_py" not in heavy_modules(code)
