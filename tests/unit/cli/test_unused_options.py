@@ -8,6 +8,7 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cli import main
+from labcal.correspond.point_lines import HEADER
 from labcal.shoot.dataset import write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.targets.catalogue import load_target
@@ -27,6 +28,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     write_manifest(Path("shoot"), Manifest(target=load_target(TARGET), cameras=cameras, views=(view,)))
     for name in ("dots.csv", "points.csv", "a_0.png", "corners.vnl", "model"):
         Path(name).write_text("")
+    Path("points.csv").write_text(",".join(HEADER) + "\n")
     K = np.array([[700.0, 0.0, 320.0], [0.0, 700.0, 240.0], [0.0, 0.0, 1.0]])
     camera = Camera(K, "pinhole", np.zeros(5), np.eye(4), (640, 480))
     Path("rig.json").write_text(Rig.of({"left": camera}).model_dump_json())
