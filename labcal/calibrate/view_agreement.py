@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pose
-from labcal.calibrate.agreement.exchange.decision import explains
+from labcal.calibrate.agreement.exchange.decision import LEFT_OF_POSES, explains
 from labcal.calibrate.rig_start import SharedViews, SingleCamera, placed_cameras
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse, transform
@@ -83,7 +83,7 @@ def contradictions(
             against.setdefault(view, []).append((one, other))
             alone = SharedViews(shared.views[[at]], shared.first[[at]], shared.second[[at]])
             exchanged = target_residuals(cameras[other], inverse(T_other_one), alone, dots)[0]
-            if explains(float(residuals[at]), float(exchanged), _LEAST_PX):
+            if explains(float(residuals[at]), float(exchanged), _LEAST_PX, LEFT_OF_POSES):
                 cause = "their pictures seem to be exchanged"
             else:
                 cause = (

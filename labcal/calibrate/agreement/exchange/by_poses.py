@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool
 
 from labcal.arrays import Vectors3
-from labcal.calibrate.agreement.exchange.decision import LEFT, explains
-from labcal.calibrate.rig_start import SharedViews, pose_between
+from labcal.calibrate.agreement.exchange.decision import LEFT_OF_POSES, explains
+from labcal.calibrate.rig_start import SharedViews
 from labcal.calibrate.single_calibration import SingleCalibration
 from labcal.calibrate.view_agreement import target_residuals
 from labcal.correspond.detections import Detections
@@ -35,17 +35,16 @@ def exchanged_views(
     shared = SharedViews.of(first.single, second.single)
     if first.single.camera.size != second.single.camera.size:
         return None
-    bound = LEFT * first.single.camera.size[0]  # dots that are not imaged are off by a picture's width
+    bound = (
+        LEFT_OF_POSES * first.single.camera.size[0]
+    )  # dots that are not imaged are off by a picture's width
     best: tuple[float, Bool[np.ndarray, " n"]] | None = None
     for at in range(0, len(shared.views), -(-len(shared.views) // _CANDIDATES)):
         T_second_first = shared.second[at] @ inverse(shared.first[at])
         given = target_residuals(second.single, T_second_first, shared, dots)
         other = target_residuals(second.single, inverse(T_second_first), shared, dots)
-        exchanged_back = _exchanged_back(shared, other < given)
-        left = float(
-            target_residuals(second.single, pose_between(exchanged_back), exchanged_back, dots).mean()
-        )
-        if explains(float(given.mean()), left, bound) and (best is None or left < best[0]):
+        left = float(np.minimum(given, other).mean())
+        if explains(float(given.mean()), left, bound, LEFT_OF_POSES) and (best is None or left < best[0]):
             best = (left, other < given)
     if best is None:
         return None
@@ -53,16 +52,6 @@ def exchanged_views(
     if exchanged.mean() > 0.5 or (exchanged.mean() == 0.5 and exchanged[0]):  # noqa: PLR2004 -- half
         exchanged = ~exchanged
     return exchanged
-
-
-def _exchanged_back(shared: SharedViews, exchanged: Bool[np.ndarray, " n"]) -> SharedViews:
-    """Return the poses of both cameras, exchanged in some views."""
-    swaps = exchanged[:, None, None]
-    return SharedViews(
-        shared.views,
-        np.where(swaps, shared.second, shared.first),
-        np.where(swaps, shared.first, shared.second),
-    )
 
 
 def with_exchanged(entering: Detections, cameras: tuple[str, str], views: tuple[str, ...]) -> Detections:
