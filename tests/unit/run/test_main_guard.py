@@ -42,12 +42,12 @@ def run(*words: str, text: str | None = None) -> subprocess.CompletedProcess[str
             marks=pytest.mark.slow,
         ),
         pytest.param(
+            "from labcal.correspond.picture_set import PictureSet\n"
             "from labcal.correspond.sources import Source\n"
             "from labcal.targets.catalogue import load_target\n"
-            "from labcal.correspond.picture_set import PictureSet",
             "from labcal.pipeline import measure",
-            "pictures = PictureSet((Source('a', 'b', 'c.png', None),) * 3, None, 'c.png', ('c.png',))",
-            "measure(pictures, load_target('paper-13x10'), workers=2)",
+            "measure(PictureSet((Source('a', 'b', 'c.png', None),) * 3, None, 'c.png', ()), "
+            "load_target('paper-13x10'), workers=2)",
             marks=pytest.mark.slow,
         ),
     ],
