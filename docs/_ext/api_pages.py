@@ -46,7 +46,7 @@ def _page(name: str, one: object) -> str:
     lines = [title, "=" * len(title), "", f".. currentmodule:: {module}", "", f".. auto{kind}:: {plain}"]
     if kind == "class":
         lines += ["   :members:"]
-        if issubclass(one, BaseException):  # type: ignore[arg-type]
+        if issubclass(one, BaseException):
             lines += ["   :show-inheritance:"]
     return "\n".join([*lines, ""])
 
@@ -85,7 +85,7 @@ _INTRODUCTION = (
 
 def _first_line(one: object) -> str:
     """Return the first paragraph of a docstring on one line."""
-    return " ".join(inspect.getdoc(one).split("\n\n")[0].split())  # type: ignore[union-attr]
+    return " ".join(inspect.getdoc(one).split("\n\n")[0].split())
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -23,7 +23,7 @@ class ColumnTable(SphinxDirective):
         lines = [line.partition(": ") for line in self.content if line.strip()]
         groups = [([name.strip() for name in names.split(",")], meaning) for names, _, meaning in lines]
         named = [name for names, _ in groups for name in names]
-        if named != list(header):  # type: ignore[call-overload]
+        if named != list(header):
             raise self.error(f"{self.arguments[0]} is {header}, and not {named}.")
         rows = [[", ".join(map(code, names)), meaning] for names, meaning in groups]
         return self.parse_text_to_nodes(table(["column", "meaning"], rows))

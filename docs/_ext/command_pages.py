@@ -31,7 +31,7 @@ def verb_page(verb: str) -> str:
 
 def _commands(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
     """Return the commands under a parser by name."""
-    groups = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]  # noqa: SLF001 - argparse tells nowhere else
+    groups = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
     return {name: command for group in groups for name, command in group.choices.items()}
 
 
@@ -43,7 +43,7 @@ def _section(parser: argparse.ArgumentParser, summary: str, level: int) -> list[
     if described and described.rstrip(".").lower() != summary.rstrip(".").lower():
         lines += [_escaped(described), ""]
     lines += ["```text", parser.format_usage().removeprefix("usage: ").rstrip(), "```", ""]
-    actions = [action for action in parser._actions if _shown(action)]  # noqa: SLF001
+    actions = [action for action in parser._actions if _shown(action)]
     named = [
         [code(_metavar(action)), _help(parser, action)] for action in actions if not action.option_strings
     ]
@@ -61,7 +61,7 @@ def _section(parser: argparse.ArgumentParser, summary: str, level: int) -> list[
 def _shown(action: argparse.Action) -> bool:
     """Return whether help shows the action as an argument or an option."""
     hidden = action.help == argparse.SUPPRESS
-    return not hidden and not isinstance(action, argparse._SubParsersAction | argparse._HelpAction)  # noqa: SLF001
+    return not hidden and not isinstance(action, argparse._SubParsersAction | argparse._HelpAction)
 
 
 def _metavar(action: argparse.Action) -> str:
@@ -82,7 +82,7 @@ def _option(action: argparse.Action) -> str:
 
 def _help(parser: argparse.ArgumentParser, action: argparse.Action) -> str:
     """Return the help of an action, as argparse fills it in."""
-    return _escaped(parser._get_formatter()._expand_help(action)) if action.help else ""  # noqa: SLF001
+    return _escaped(parser._get_formatter()._expand_help(action)) if action.help else ""
 
 
 def _escaped(text: str) -> str:

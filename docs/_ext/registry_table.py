@@ -18,7 +18,7 @@ from labcal.targets.catalogue import load_target, target_names
 
 def _codes(names: object) -> str:
     """Return names as code, with commas."""
-    return ", ".join(code(name) for name in names)  # type: ignore[attr-defined]
+    return ", ".join(code(name) for name in names)
 
 
 def lenses() -> str:

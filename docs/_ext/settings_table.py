@@ -39,7 +39,7 @@ def fields_of(settings: type) -> Iterator[Field]:
         for name, info in settings.model_fields.items():
             default: object = info.default
             if info.default_factory is not None:
-                default = info.default_factory()  # type: ignore[call-arg]
+                default = info.default_factory()
             limits = _limits(info.metadata)
             kind = " ".join(part for part in (_kind(info.annotation), limits) if part)
             yield Field(name, kind, _default(default), info.description or docs.get(name, ""))

@@ -22,13 +22,14 @@ def dots_given(
     from labcal.correspond.dot_source import dots_found
     from labcal.pipeline import detect_settings, measure
 
-    pictures = source.pictures
-    if pictures is None:
-        return source.measured()
+    if source.table is not None:
+        return source.table
     settings = detect_settings(arguments.changes)
     announce_compiling(session)
     with session.progress() as progress:
-        measurements = measure(pictures, target, settings, workers=arguments.workers, progress=progress)
+        measurements = measure(
+            source.pictures, target, settings, workers=arguments.workers, progress=progress
+        )
     detections, refused = dots_found(measurements)
     for words in refused:
         session.warn(words)

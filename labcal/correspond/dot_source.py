@@ -32,21 +32,17 @@ class DotSource:
     table: Detections | None
 
     @property
-    def pictures(self) -> PictureSet | None:
-        """Pictures in which dots are yet to be found; None if the dots are measured."""
-        return open_pictures(self.shoot) if self.table is None and self.shoot is not None else None
-
-    def measured(self) -> Detections:
-        """Return the dots that are measured already.
+    def pictures(self) -> PictureSet:
+        """Pictures of the shoot, in which dots are found.
 
         Raises
         ------
         InputError
-            They are yet to be found.
+            There is no shoot.
         """
-        if self.table is None:
-            raise InputError("The dots of this shoot are not measured yet. Find them in its `pictures`.")
-        return self.table
+        if self.shoot is None:
+            raise InputError("A table of dots has no pictures. Its dots are in `table`.")
+        return open_pictures(self.shoot)
 
     def target(self, given: str | AnyTarget | None = None) -> AnyTarget:
         """Return the target that is given, by itself or by name, or else that of the shoot.

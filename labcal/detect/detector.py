@@ -100,8 +100,13 @@ def _detect(
     numbering = grid.numbering
     lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
     predictor = Predictor(lattice, outlines, settings.grid)
-    declared = lambda node: target.holds(*numbering.index(node))  # noqa: E731
-    unmeasured = unmeasured_dots(predictor, candidates.blobs, size, declared, settings.quality)
+    unmeasured = unmeasured_dots(
+        predictor,
+        candidates.blobs,
+        size,
+        lambda node: target.holds(*numbering.index(node)),
+        settings.quality,
+    )
     if target.rings is None and continues_beyond_grid(unmeasured, numbering, target, settings.grid):
         every = candidates.whole.joined(candidates.cut)
         return _collect(_unnamed(every, set()), size, polarity, Refusal.AMBIGUOUS)

@@ -1,6 +1,6 @@
 """Protocols of targets: numbered places on a flat board, and their print."""
 
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from labcal.arrays import DotIndices, Lengths, Vectors3
 
@@ -81,5 +81,5 @@ class PrintableTarget(Target, Protocol):
     def sizes(self) -> tuple[str, str]:
         """Its pitch and the size of a dot in mm, for a table."""
 
-    def model_dump(self, *, mode: Literal["json", "python"] | str = "python") -> dict[str, Any]:  # noqa: PYI051
+    def model_dump(self, *, mode: str = "python") -> dict[str, Any]:
         """Return the keys and values of the description, as every pydantic model does."""
