@@ -38,7 +38,10 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reproduce and show the table."""
+    from rich.console import Group, RenderableType
+
     from labcal.pipeline import ReproduceSettings, reproduce
+    from labcal.report.claims_table import claims_table
     from labcal.report.reproduction_table import reproduction_table
 
     settings = ReproduceSettings(
@@ -51,6 +54,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     )
     with session.progress() as progress:
         result = reproduce(arguments.output, settings, progress)
-    session.emit(result, reproduction_table(result))
+    tables: list[RenderableType] = [reproduction_table(result)] if result.rows else []
+    tables += [claims_table(result.claims)] if result.claims else []
+    session.emit(result, Group(*tables))
     session.say(f"The page: {arguments.output / 'index.html'}")
     return ExitStatus.DONE

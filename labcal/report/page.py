@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
-from labcal.report import figures_text
+from labcal.report import claims_words, figures_text
+from labcal.report.claims_figure import claim_figure
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
 from labcal.report.thumbnail import thumbnail
@@ -61,6 +62,9 @@ _VERDICTS = (
 )
 
 
+_CLAIM_LOOKS = {"holds": "good", "holds only where": "fair", "does not hold": "bad"}
+
+
 @dataclass(frozen=True)
 class _EmbeddedPicture:
     """A picture as the page holds it; `absent` says why where there is no `data`."""
@@ -100,6 +104,12 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         goal=_typographic(figures_text.goal),
         verdict_class=_verdict_class,
         verdict_glyph=_verdict_glyph,
+        claim_class=lambda verdict: _CLAIM_LOOKS.get(verdict, ""),
+        claim_words=claims_words.verdict_words,
+        statement_words=claims_words.statement_words,
+        ratio_words=lambda one: claims_words.ratio_words(one.ratio, one.interval),
+        p_words=claims_words.p_words,
+        outcome_words=claims_words.outcome_words,
     )
     rows: tuple[RowResult | str, ...] = (*result.rows, *result.not_reported)
     return environment.get_template("page.html.jinja").render(
@@ -110,6 +120,7 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         runs=_runs(result),
         errors=Markup(error_figure(result.rows)),  # noqa: S704 - made by matplotlib from numbers
         epochs=Markup(epoch_figure(result.rows)),  # noqa: S704 - the same
+        claims=[(claim, Markup(claim_figure(claim))) for claim in result.claims],  # noqa: S704 - the same
         pictures=[_embed(picture, folder) for picture in result.pictures],
     )
 
