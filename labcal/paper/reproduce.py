@@ -14,7 +14,7 @@ from labcal.paper.pictured import pictured_problems
 from labcal.paper.problem import Problem
 from labcal.paper.rows import NOT_REPORTED, SCENES, Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading
-from labcal.paper.summary import figures_of, row_result
+from labcal.paper.summary import figures_of, least_squares_readings, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
 from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
@@ -142,8 +142,10 @@ def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) 
                 executor,
                 progress,
             )
+        rows = _summarise(cases, outcomes, settings)
         result = Reproduction(
-            rows=_summarise(cases, outcomes, settings),
+            rows=rows,
+            least_squares=least_squares_readings(rows),
             not_reported=NOT_REPORTED,
             claims=claims,
             claims_plan_sha256=plan_digest() if claims else None,

@@ -11,6 +11,7 @@ from labcal.extras import optional_module
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.report.claims import ClaimResult
+from labcal.report.row_verdict import RowVerdict
 from labcal.report.values import Measured, Words
 from labcal.run.documents import read_document
 
@@ -47,7 +48,14 @@ class Figures(BaseModel):
     seconds: Amount
     """Of training."""
     mean_signed_range_m: tuple[Measured, Measured]
-    """Least and greatest of the seeds."""
+    """Least and greatest of the seeds; the other ranges, too."""
+    mae_range_mm: tuple[Measured, Measured]
+    rmse_range_mm: tuple[Measured, Measured]
+    p95_range_mm: tuple[Measured, Measured]
+    max_range_mm: tuple[Measured, Measured]
+    epochs_range: tuple[Amount, Amount] | None
+    """Null for least squares."""
+    seconds_range: tuple[Amount, Amount]
     further_rmse: tuple[Measured, ...] = ()
     """RMS error of the outputs after X, Y and Z, mm."""
 
@@ -70,7 +78,6 @@ class RowResult(BaseModel):
     paper_epochs: Count | None
     goal_reached: bool | None
     mean_signed_m: Measured
-    mean_signed_range_m: tuple[Measured, Measured]
     rel: Measured
     paper_abs_m: Finite
     paper_rel: Finite
@@ -79,10 +86,30 @@ class RowResult(BaseModel):
     p95_mm: Measured
     max_mm: Measured
     seconds: Amount
-    verdict: Words
+    mean_signed_range_m: tuple[Measured, Measured]
+    mae_range_mm: tuple[Measured, Measured]
+    rmse_range_mm: tuple[Measured, Measured]
+    p95_range_mm: tuple[Measured, Measured]
+    max_range_mm: tuple[Measured, Measured]
+    epochs_range: tuple[Amount, Amount] | None
+    seconds_range: tuple[Amount, Amount]
+    verdict: RowVerdict
     contradiction: Words | None
     """The contradiction within the paper that concerns the row."""
     readings: Annotated[tuple[Figures, ...], Field(max_length=_MOST)]
+
+
+class LeastSquaresReading(BaseModel):
+    """One reading of "least squares", over all rows where it can be computed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    reading: Words
+    rows: tuple[Words, ...]
+    decades: Amount
+    """Mean over these rows of |log10| of our mean signed error over the paper's, magnitudes: 0 agrees."""
+    nearest: bool
+    """True for the reading that comes nearest to the paper."""
 
 
 class ShownPicture(BaseModel):
@@ -103,6 +130,8 @@ class Reproduction(PublicObject, BaseModel):
 
     rows: Annotated[tuple[RowResult, ...], Field(max_length=_MOST)]
     not_reported: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
+    least_squares: Annotated[tuple[LeastSquaresReading, ...], Field(max_length=_MOST)] = ()
+    """Readings of "least squares", which the paper does not define; empty without such rows."""
     claims: Annotated[tuple[ClaimResult, ...], Field(max_length=_MOST)] = ()
     claims_plan_sha256: Words | None = None
     """Of the plan that the claims were tested by; null where none was."""
