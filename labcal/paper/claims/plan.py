@@ -124,6 +124,15 @@ class Claim(BaseModel):
             raise ValueError(f"no comparison uses the arms {', '.join(sorted(unused))}")
         return self
 
+    def pairs(self, comparison: Comparison, most: int | None) -> int:
+        """Return the number of seeds of a comparison, at most `most`."""
+        planned = comparison.seeds or self.seeds
+        return planned if most is None else min(planned, most)
+
+    def compared_arms(self, comparison: Comparison) -> tuple[str, ...]:
+        """Return the names of the one or two arms of a comparison."""
+        return tuple(name for name in (comparison.of, comparison.over) if isinstance(name, str))
+
 
 class Amendment(BaseModel):
     """A change of the plan after its first run."""
