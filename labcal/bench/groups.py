@@ -107,7 +107,7 @@ def measured_groups(
 
 @contextmanager
 def _cluster(scheduler: str | None) -> Iterator[Executor | None]:
-    """Yield the executor of a cluster, if there is one: that it does not answer is told before the work."""
+    """Yield the executor of a cluster, if there is one; one that does not answer ends the work here."""
     if scheduler is None:
         yield None
         return

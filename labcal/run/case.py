@@ -38,7 +38,7 @@ class CaseOutcome(Generic[R]):
     key: str
     result: R | None
     reason: str | None
-    """Why there is no result; None where there is one."""
+    """The cause where there is no result; None where there is one."""
     seconds: float
     """Duration of the case; it differs from run to run."""
     fault: Fault | None = None

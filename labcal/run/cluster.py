@@ -116,7 +116,7 @@ class DaskConnection:
             mismatch, Installation.here(), workers=[*workers], on_error="return"
         )
         return {
-            worker: f"{type(answer).__name__}: {answer}" if isinstance(answer, Exception) else answer
+            worker: f"labcal cannot be loaded there ({answer})" if isinstance(answer, Exception) else answer
             for worker, answer in answers.items()
             if not isinstance(answer, OSError)
         }
