@@ -29,11 +29,11 @@ class Bench:
     methods: tuple[str, ...] = ()
     """Methods to measure in addition to the default ones."""
     cluster: Executor | None = None
-    """What does the cases of a group that has many, in place of processes of this machine."""
+    """The executor for the cases of a group that has many, in place of processes of this machine."""
 
     @contextmanager
     def executor(self, cases: int) -> Iterator[Executor]:
-        """Yield what does so many cases."""
+        """Yield the executor for so many cases."""
         if self.cluster is not None:
             yield self.cluster
             return

@@ -63,9 +63,9 @@ class _Case:
 class ClusterExecutor(Executor):
     """An executor of a cluster whose workers come and go.
 
-    A thread looks at the workers. Those with the same installation as this process do cases; of each other one
-    there is one warning in the log. What a lost worker or scheduler had is sent again. A case that ended several workers is sent
-    again when no other case is there: neighbours of it may have been in the same workers.
+    A thread looks at the workers. Those with the same installation as this process do cases; of each other
+    one there is one warning in the log. What a lost worker or scheduler had is sent again. A case that ended
+    several workers is sent again when no other case is there: neighbours of it may have been in them, too.
 
     Parameters
     ----------

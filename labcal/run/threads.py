@@ -18,8 +18,8 @@ _VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLI
 def one_thread() -> Iterator[None]:
     """Let every library compute with one thread inside, and with as many as before afterwards.
 
-    Those that are loaded already are set, those that are loaded inside read it from the environment. The switch
-    holds for the whole process: two threads must not be in it at the same time.
+    Those that are loaded already are set, those that are loaded inside read it from the environment. The
+    switch holds for the whole process: two threads must not be in it at the same time.
     """
     with ExitStack() as switches:
         switches.enter_context(_environment_of_one_thread())

@@ -77,7 +77,7 @@ def test_killed_workers_change_nothing(cluster: DaskProcesses, tmp_path: Path, n
     times = same_in_spite_of({5: lambda: replace(0), 20: lambda: replace(1)}, cluster, tmp_path, notes)
     again = {key: count for key, count in times.items() if count > 1}
     assert len(times) == COUNT
-    assert 1 <= len(again) <= 2  # those that they were at
+    assert 1 <= len(again) <= 4  # of each the one that it was at, and one whose result was not fetched yet
 
 
 @pytest.mark.slow
