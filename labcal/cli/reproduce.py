@@ -2,7 +2,14 @@
 
 from argparse import Namespace
 
-from labcal.cli.options import add_output, add_seed, add_workers, positive_number
+from labcal.cli.options import (
+    add_output,
+    add_scheduler,
+    add_seed,
+    add_workers,
+    positive_number,
+    refuse_option,
+)
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -34,6 +41,7 @@ def add_parser(commands: CommandGroup) -> None:
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
     add_workers(parser)
+    add_scheduler(parser, "training runs")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -44,12 +52,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.report.claims_table import claims_table
     from labcal.report.reproduction_table import reproduction_table
 
+    if arguments.scheduler not in (None, "local"):
+        refuse_option(arguments, "workers", "is for processes of this machine; a cluster has its own workers")
     settings = ReproduceSettings(
         experiments=tuple(arguments.experiments),
         quick=arguments.quick,
         seeds=arguments.seeds,
         seed=arguments.seed,
         workers=arguments.workers,
+        scheduler=arguments.scheduler,
         force=arguments.force,
     )
     with session.progress() as progress:

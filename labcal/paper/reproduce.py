@@ -73,6 +73,8 @@ class ReproduceSettings:
     seed: int = 0
     """The first of them, and that of the pictures."""
     workers: int = 1
+    scheduler: str | None = None
+    """Of a Dask cluster for the training runs: an address, or ``"local"``; pictures are rendered here."""
     force: bool = False
 
     def __post_init__(self) -> None:
@@ -124,24 +126,28 @@ def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) 
     ------
     OutputError
         The folder exists and may not be replaced, or it cannot be written.
+    InputError
+        The scheduler's address is none.
     DeviceError
-        The renderer does not work on this machine.
+        The renderer does not work on this machine, or the scheduler does not answer.
     """
     folder = as_path(folder)
     began = time.time()
-    with unfinished_folder(folder, _command(settings), force=settings.force) as working:
+    with (
+        open_executor(settings.workers, settings.scheduler) as executor,
+        unfinished_folder(folder, _command(settings), force=settings.force) as working,
+    ):
         problems, pictures = _pictured(working, settings, progress)
         cases = [case for row in settings.selected.rows for case in _cases(row, problems, settings)]
-        with open_executor(settings.workers) as executor:
-            outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
-            claims = tested_claims(
-                settings.selected.claims,
-                working,
-                QUICK_PAIRS if settings.quick else None,
-                settings.rendering,
-                executor,
-                progress,
-            )
+        outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
+        claims = tested_claims(
+            settings.selected.claims,
+            working,
+            QUICK_PAIRS if settings.quick else None,
+            settings.rendering,
+            executor,
+            progress,
+        )
         rows = _summarise(cases, outcomes, settings)
         result = Reproduction(
             rows=rows,
@@ -237,4 +243,11 @@ def _command(settings: ReproduceSettings) -> str:
 def _provenance(settings: ReproduceSettings, seconds: float) -> bytes:
     """Return ``run.json``, which differs between runs."""
     versions = {package: package_version(package) for package in _PACKAGES}
-    return provenance_text({"seconds": seconds, "workers": settings.workers, "versions": versions})
+    return provenance_text(
+        {
+            "seconds": seconds,
+            "workers": settings.workers,
+            "scheduler": settings.scheduler,
+            "versions": versions,
+        }
+    )

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import pytest
 
 from labcal.correspond.detections import read_detections
-from labcal.run.made import COMMAND
+from labcal.run.begun import COMMAND
 
 Run = Callable[..., Any]
 

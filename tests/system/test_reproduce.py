@@ -77,8 +77,9 @@ def test_an_unfinished_run_is_taken_up(reproduced: Path, labcal) -> None:  # noq
 
 def _command() -> str:
     from labcal.paper.reproduce import ReproduceSettings, _command  # noqa: PLC0415 - slow
+    from labcal.run.begun import Begun  # noqa: PLC0415 - slow
 
-    return _command(ReproduceSettings(experiments=ROWS, quick=True))
+    return Begun.now(_command(ReproduceSettings(experiments=ROWS, quick=True))).text()
 
 
 def test_a_row_that_is_not_there_is_named(labcal, tmp_path: Path) -> None:  # noqa: ANN001 - as above
