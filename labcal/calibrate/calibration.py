@@ -20,7 +20,7 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
 from labcal.errors import InputError
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.progress import NoProgress, Progress

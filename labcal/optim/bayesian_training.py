@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from labcal.optim.damping import Damping
 from labcal.optim.evidence import Evidence
 from labcal.optim.levenberg_marquardt import initial_states, take_epoch
-from labcal.optim.solution import Stopping, StopReason
+from labcal.optim.stopping import Stopping, StopReason
 from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.optim.weight_decay import Decayed, SquaresBatch
 

@@ -18,7 +18,7 @@ from labcal.errors import InputError
 from labcal.geometry.arrangement import refuse_collinear, refuse_few, refuse_one_plane
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 from labcal.optim.whitening import UniformNoise, Whitening
 from labcal.run.threads import one_blas_thread
 

@@ -12,7 +12,7 @@ from labcal.estimators.networks.network_estimator import NetworkEstimator, joint
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network_problem import NetworkProblem
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 from labcal.optim.successive_halving import SuccessiveHalving
 
 

@@ -11,7 +11,7 @@ from labcal.optim.evidence import Evidence
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 
 POINTS, SIGMA = 200, 0.05
 
