@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.cameras.interop.conversion import Conversion, ConvertSettings
 from labcal.correspond import detections as labcal_table
-from labcal.correspond.detections import detections_csv, read_detections
+from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.correspond.interop import corners_vnl
 from labcal.correspond.interop.corners_vnl import corners_text, read_corners
 from labcal.correspond.sources import parse_camera_endings
