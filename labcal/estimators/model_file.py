@@ -1,5 +1,6 @@
 """Fitted models on disk: safetensors with a JSON header. Loading never runs code from the file."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
@@ -11,7 +12,7 @@ from safetensors import SafetensorError, safe_open
 
 from labcal.bounds import MOST_MM
 from labcal.cameras.record import CameraRecord
-from labcal.errors import InputError
+from labcal.errors import InputError, OutputError
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, header_of
@@ -120,6 +121,33 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     ).signed(arrays)
     content = safetensors.numpy.save(arrays, {_METADATA_KEY: header.text()})
     write_file(as_path(path), content, kind=KIND, force=force)
+
+
+def save_models(models: Sequence[tuple[Path, Model]], *, force: bool = False) -> None:
+    """Write several models or, where the disk refuses one, leave none that was not there before.
+
+    Parameters
+    ----------
+    models : sequence of (Path, Model)
+        Files to appear, and what to write.
+    force : bool
+        Replace models that exist.
+
+    Raises
+    ------
+    OutputError
+        As of :func:`save_model`.
+    """
+    written: list[Path] = []
+    try:
+        for path, model in models:
+            new = not path.exists()
+            save_model(path, model, force=force)
+            written += [path] if new else []
+    except OutputError:
+        for path in written:
+            path.unlink()
+        raise
 
 
 def load_model(path: AnyPath, method: object | None = None) -> Model:

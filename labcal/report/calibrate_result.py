@@ -114,6 +114,12 @@ class CalibrateResult:
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
+    @property
+    def doubtful(self) -> bool:
+        """True if pictures were left out, a camera had two lenses, or cameras contradict each other."""
+        two_lenses = any(camera.two_lenses is not None for camera in self.cameras.values())
+        return bool(self.skipped) or two_lenses or self.inconsistent is not None
+
 
 def calibrate_result(made: Calibration, detections: Detections, target: AnyTarget) -> CalibrateResult:
     """Return the JSON document of a calibration from dots of a target."""
