@@ -8,12 +8,12 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Vectors3
 from labcal.bounds import FOCAL_SIDES
+from labcal.calibrate.adjustment.state import POSE
 from labcal.cameras.camera import Camera
 from labcal.cameras.free_parameters import FreeParameters
 from labcal.cameras.lens import TELECENTRIC
 from labcal.errors import InputError
 
-_POSE = 6
 _SURE = 3.0
 """Standard deviations."""
 _NOTHING = 1e-12
@@ -58,16 +58,16 @@ class Perspectivity:
         free = FreeParameters(camera)
         middle = 0.5 * (np.array(camera.size) - 1.0)
         rows = np.cumsum([0, *(2 * len(sight.q) for sight in sights)])
-        J = np.zeros((rows[-1], free.count + _POSE * len(sights)))
+        J = np.zeros((rows[-1], free.count + POSE * len(sights)))
         H = np.zeros((rows[-1], len(sights)))
         residual = np.zeros(rows[-1])
         for number, sight in enumerate(sights):
             seen, at = free.imaged(sight.p_cam), slice(rows[number], rows[number + 1])
             from_middle = sight.p_cam - sight.p_cam.mean(axis=0)
             by_turn = np.cross(from_middle[:, None, :], seen.by_point)
-            pose = free.count + _POSE * number
+            pose = free.count + POSE * number
             J[at, : free.count] = seen.by_camera.reshape(-1, free.count)
-            J[at, pose : pose + _POSE] = np.concatenate([by_turn, seen.by_point], axis=2).reshape(-1, _POSE)
+            J[at, pose : pose + POSE] = np.concatenate([by_turn, seen.by_point], axis=2).reshape(-1, POSE)
             H[at, number] = (-(seen.q - middle) * from_middle[:, 2:]).ravel()
             residual[at] = (sight.q - seen.q).ravel()
         known = _range_of(J)
