@@ -113,6 +113,8 @@ class CalibrateResult:
     """RMS triangulation residual; null for one camera."""
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
+    warnings: list[str]
+    """What is not as it should be, or was not tested."""
 
     @property
     def doubtful(self) -> bool:
@@ -143,6 +145,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         if found.rig.calibration is None
         else found.rig.calibration.triangulation_rms_px,
         inconsistent=inconsistent_result(found),
+        warnings=list(made.warnings),
     )
 
 
