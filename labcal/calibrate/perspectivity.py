@@ -27,7 +27,7 @@ class Sight:
     q: Pixels
     """Measured, px."""
     p_cam: Vectors3
-    """Where the adjustment of the camera has them, mm, in its frame."""
+    """Their places by the adjustment of the camera, mm, in its frame."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +70,13 @@ class Perspectivity:
             J[at, pose : pose + POSE] = np.concatenate([by_turn, seen.by_point], axis=2).reshape(-1, POSE)
             H[at, number] = (-(seen.q - middle) * from_middle[:, 2:]).ravel()
             residual[at] = (sight.q - seen.q).ravel()
-        known = _range_of(J)
-        H = H - known @ (known.T @ H)
-        residual = residual - known @ (known.T @ residual)
+        basis = _range_of(J)
+        H = H - basis @ (basis.T @ H)
+        residual = residual - basis @ (basis.T @ residual)
         inverse = np.linalg.pinv(H.T @ H)
         value = inverse @ (H.T @ residual)
         left = residual - H @ value
-        variance = float(left @ left) / max(1, len(left) - known.shape[1] - len(sights))
+        variance = float(left @ left) / max(1, len(left) - basis.shape[1] - len(sights))
         return cls(value, np.sqrt(variance * np.diagonal(inverse)))
 
     def is_none(self, camera: Camera) -> bool:
@@ -87,13 +87,13 @@ class Perspectivity:
         camera : Camera
             The one with parallel rays.
         """
-        told = self.sigma > 0.0
-        if not told.any():
+        known = self.sigma > 0.0
+        if not known.any():
             return False
         least = float(max(camera.intrinsics[:2])) / (FOCAL_SIDES[1] * max(camera.size))
-        square = float(((self.value[told] / self.sigma[told]) ** 2).sum())
+        square = float(((self.value[known] / self.sigma[known]) ** 2).sum())
         # Of rays that meet just at the bound: a noncentral chi-square, by mean and standard deviation.
-        count, noncentrality = int(told.sum()), float(((least / self.sigma[told]) ** 2).sum())
+        count, noncentrality = int(known.sum()), float(((least / self.sigma[known]) ** 2).sum())
         mean, deviation = count + noncentrality, np.sqrt(2.0 * (count + 2.0 * noncentrality))
         return bool(square < mean - _SURE * deviation)
 

@@ -114,7 +114,7 @@ class CalibrateResult:
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
     warnings: list[str]
-    """What is not as it should be, or was not tested."""
+    """Doubts about the result, and what was not tested."""
 
     @property
     def doubtful(self) -> bool:
