@@ -12,9 +12,10 @@ from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import write_rig_files
 from labcal.cameras.rig import Rig, write_rig
 from labcal.cameras.window import FlatWindow
-from labcal.correspond.detections import Detections, detections_csv
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import detections_csv
 from labcal.correspond.interop.corners_vnl import corners_text
-from labcal.correspond.points import points_csv
+from labcal.correspond.points_csv import points_csv
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import save_model

@@ -10,7 +10,7 @@ import pytest
 
 from labcal import examples, pipeline
 from labcal.cameras.rig import read_rig
-from labcal.correspond.detections import detections_csv
+from labcal.correspond.detections_csv import detections_csv
 from labcal.errors import InputError, OutputError
 from labcal.run.json_text import plain_data
 from labcal.shoot.pictures import read_picture
