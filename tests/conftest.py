@@ -1,6 +1,9 @@
 """What several tests use."""
 
+import annotation_checks
 import pytest
+
+annotation_checks.check_once()  # before the first import of labcal
 
 from labcal.paper.rows import NOT_REPORTED, ROWS, PaperRow, Solver
 from labcal.report.reproduction import Figures, Reproduction, RowResult, ShownPicture

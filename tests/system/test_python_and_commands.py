@@ -49,11 +49,11 @@ def test_render(labcal: Run, handheld: Path, tmp_path: Path) -> None:
     settings = pipeline.RenderSettings(spp=16, views=3)
     shoot = pipeline.render("webcam-handheld", tmp_path / "shoot", settings)
     assert len(same_files(shoot.folder, handheld)) > 6
+    # One view is enough to see that what is set otherwise is the same, too.
+    settings = pipeline.RenderSettings(spp=1, views=1)
     changed = pipeline.render("webcam-handheld", str(tmp_path / "dark"), settings, ["noise=off"])
-    told = labcal(
-        "render", "webcam-handheld", "-o", tmp_path / "off", "--spp", 16, "--views", 3, "--set", "noise=off"
-    )
-    assert told.status == 0
+    words = ("--spp", 1, "--views", 1, "--set", "noise=off")
+    assert labcal("render", "webcam-handheld", "-o", tmp_path / "off", *words).status == 0
     same_files(changed.folder, tmp_path / "off")
 
 
