@@ -96,7 +96,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
-        session.say(f"left out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
     write_rig(arguments.output, made.rig, force=arguments.force)
     _write_dots(arguments, made)
     result = calibrate_result(made, detections, target)

@@ -124,9 +124,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             arguments, "lens", f"means nothing to {arguments.method} on a stage without a rehearsal"
         )
     if training.centred.reason is not None:
-        session.say(f"centroids are taken as they are: {training.centred.reason}")
+        session.say(f"eccentricity is not corrected: {training.centred.reason}")
     if training.held_out:
-        session.say(f"left out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
     with session.progress() as progress:
         models = fit_methods(training, estimators, settings, progress)
     if alone and isinstance(models[0], InputError):
