@@ -20,7 +20,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "calibrate",
         run,
-        "Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.",
+        "Calibrate cameras from views of a hand-held target. The first camera is the rig's world.",
         example="labcal calibrate detections.csv --target rings-10x8 --lens brown-k1k2 -o rig.json",
     )
     parser.add_argument(
@@ -52,7 +52,10 @@ def add_parser(commands: CommandGroup) -> None:
         "--fix-intrinsics", action="store_true", help="keep the lenses of --start; find only the poses"
     )
     parser.add_argument(
-        "--overlay", type=Path, metavar="FILE.png", help="with --free-dots: how far dots are off, as arrows"
+        "--overlay",
+        type=Path,
+        metavar="FILE.png",
+        help="with --free-dots: arrows from declared to estimated places",
     )
     add_detector_settings(parser)
     add_workers(parser)
@@ -80,7 +83,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         outputs.append(FileOutput(_dots_path(arguments.output), DOTS_KIND))
     if arguments.overlay is not None:
         if not arguments.free_dots:
-            raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
+            raise InputError("--overlay draws the places that --free-dots estimates. Add --free-dots.")
         outputs.append(png_output(arguments.overlay))
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
     claim_outputs(outputs, read, force=arguments.force)

@@ -62,8 +62,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--lens",
         metavar="MODEL",
         default=AUTO,
-        help="lens model, or prescription, of bundle and hybrid, and of the adjustment where the target was "
-        f"held; {AUTO}, the default: held-out dots and views choose",
+        help="lens model, or prescription, of bundle and hybrid, and of the adjustment of a hand-held target "
+        f"(default {AUTO}: the simplest one that predicts held-out dots and views as well as the best)",
     )
     parser.add_argument(
         "--target", metavar="NAME", help="the target of a table of dots; a shoot brings its own"
@@ -71,7 +71,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--free-dots",
         action="store_true",
-        help="of a target that was held: estimate the place of each dot on the print, too",
+        help="hand-held target: estimate the place of each dot on the print, too",
     )
     parser.add_argument(
         "--no-rehearsal",
@@ -155,8 +155,7 @@ def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
 
     if arguments.target is not None and given.shoot is not None and on_stage(given.shoot):
         raise InputError(
-            "--target is for a target that was held, but a stage gives the poses of this shoot's. Leave "
-            "it out."
+            "--target is for a hand-held target, but this shoot's target stood on a stage. Leave it out."
         )
     return given.target(arguments.target)
 

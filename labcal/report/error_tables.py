@@ -23,7 +23,7 @@ def _against_truth(errors: TruthErrors) -> Table:
     )
     table = Table("error against truth", "mm", caption=caption, caption_justify="left")
     table.add_row("points", str(errors.n))
-    table.add_row("mean signed error (x, y, z)", f"{x:+.4f}, {y:+.4f}, {z:+.4f}")
+    table.add_row("mean signed error (x, y, z)", f"{x:+z.4f}, {y:+z.4f}, {z:+z.4f}")
     for name, value in (
         ("mean distance", errors.mae_mm),
         ("RMS", errors.rmse_mm),
