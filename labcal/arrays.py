@@ -135,6 +135,22 @@ def text_array(given: AnyArray, shape: Shape, name: str) -> np.ndarray:
     return array.astype(np.str_)
 
 
+def kept(array: np.ndarray) -> np.ndarray:
+    """Return a copy of an array that cannot be written to, as an object keeps it.
+
+    What is changed in place later, in the array that was given or through the object, would change an object
+    that is said to be frozen, and not what it has computed already.
+
+    Examples
+    --------
+    >>> kept(np.zeros(2)).flags.writeable
+    False
+    """
+    copy = np.array(array)
+    copy.setflags(write=False)
+    return copy
+
+
 def _checked(given: AnyArray, shape: Shape, name: str, kinds: str, what: str) -> np.ndarray:
     """Return an array of a shape whose elements are of some kinds; an empty one may be of any."""
     try:

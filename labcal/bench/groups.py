@@ -72,7 +72,7 @@ def measured_groups(
     if settings.methods:
         command += f" {list(settings.methods)}"
     with unfinished_folder(folder, command, force=settings.force) as working:
-        bench = Bench(settings.quick, settings.seed, working, progress, settings.methods)
+        bench = Bench(settings.quick, settings.seed, working, progress, tuple(settings.methods))
         found = [groups[group](bench) for group in chosen]
         result = BenchResult(
             bench=name,

@@ -1,6 +1,9 @@
 """Settings of every benchmark."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+from labcal.arguments import set_checked, texts, truth_value, whole_number
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,24 @@ class BenchSettings:
     seed: int = 0
     force: bool = False
     """Replace results that are there already."""
-    groups: tuple[str, ...] = ()
+    groups: Sequence[str] = ()
     """Only these groups of checks, of a benchmark that has them; all where empty."""
-    methods: tuple[str, ...] = ()
+    methods: Sequence[str] = ()
     """Methods to measure besides, of a benchmark of methods: names, or ``package.module:Class``."""
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, or the seed is negative.
+        """
+        values = {
+            "quick": truth_value(self.quick, "quick"),
+            "seed": whole_number(self.seed, "seed", 0),
+            "force": truth_value(self.force, "force"),
+            "groups": texts(self.groups, "groups"),
+            "methods": texts(self.methods, "methods"),
+        }
+        set_checked(self, values)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labcal.arguments import one_text
 from labcal.arrays import (
     AnyArray,
     Mask,
@@ -15,6 +16,7 @@ from labcal.arrays import (
     Pose,
     Vectors3,
     float_array,
+    kept,
     whole_array,
 )
 from labcal.cameras.camera_description import camera_description
@@ -104,10 +106,10 @@ class Camera(PublicObject):
     ) -> None:
         width, height = whole_array(size, (2,), "size").tolist()
         parts: dict[str, object] = {
-            "K": float_array(K, (3, 3), "K"),
-            "lens": lens,
-            "dist": float_array(dist, ("k",), "dist"),
-            "T_cam_world": float_array(T_cam_world, (4, 4), "T_cam_world"),
+            "K": kept(float_array(K, (3, 3), "K")),
+            "lens": one_text(lens, "lens"),
+            "dist": kept(float_array(dist, ("k",), "dist")),
+            "T_cam_world": kept(float_array(T_cam_world, (4, 4), "T_cam_world")),
             "size": (width, height),
             "prescription": prescription,
             "window": window,
@@ -148,7 +150,7 @@ class Camera(PublicObject):
     @cached_property
     def centre(self) -> Vectors3:
         """The centre of projection in the world, mm, shape (3,)."""
-        return inverse(self.T_cam_world)[:3, 3]
+        return kept(inverse(self.T_cam_world)[:3, 3])
 
     def towards(self, p: AnyArray) -> Vectors3:
         """Return the directions (of any length) from world points, mm, shape (..., 3), to the camera."""

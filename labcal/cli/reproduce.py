@@ -33,12 +33,11 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reproduce and show the table."""
-    from labcal.paper.rows import rows_named
     from labcal.pipeline import ReproduceSettings, reproduce
     from labcal.report.reproduction_table import reproduction_table
 
     settings = ReproduceSettings(
-        rows=rows_named(arguments.rows),
+        rows=arguments.rows,
         quick=arguments.quick,
         seeds=arguments.seeds,
         seed=arguments.seed,

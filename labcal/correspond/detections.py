@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, lines_array, text_array, truth_array, whole_array
+from labcal.arguments import choice_of, object_of
+from labcal.arrays import AnyArray, float_array, kept, lines_array, text_array, truth_array, whole_array
 from labcal.correspond.detection_lines import HEADER, read_columns
 from labcal.detect.flags import DotFlag
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.file_kinds import beginning_with
+from labcal.run.names import is_name
 from labcal.run.outputs import write_file
 from labcal.run.tables import table_text
+from labcal.wording import clipped, has_control, printable
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -90,7 +93,7 @@ class Detections(PublicObject):
             "covariance": float_array(covariance, (*n, 2, 2), "covariance"),
         }
         for name, column in columns.items():
-            object.__setattr__(self, name, column)
+            object.__setattr__(self, name, kept(column))
 
     def __len__(self) -> int:
         return len(self.view)
@@ -281,9 +284,13 @@ class Detections(PublicObject):
 
         Raises
         ------
+        UnknownNameError
+            There is no dot of such a camera.
         InputError
             Its pictures differ in size.
         """
+        if camera not in self.cameras:
+            raise UnknownNameError("camera in the detections", camera, self.cameras)
         sizes = np.unique(self.size[self.camera == camera], axis=0)
         if len(sizes) != 1:
             listed = ", ".join(f"{w} x {h}" for w, h in sizes)
@@ -311,6 +318,25 @@ def detections_csv(table: Detections) -> str:
              *table.position[i].tolist(), xx, xy, yy, table.flag[i]]
         )  # fmt: skip
     return table_text(HEADER, lines)
+
+
+def require_readable(table: Detections) -> None:
+    """Raise where a table holds a word that :func:`read_detections` refuses.
+
+    Raises
+    ------
+    InputError
+        The name of a camera or view is no name, or a flag is not known; the first one is named.
+    """
+    cameras = [("camera", name, "letters, digits and hyphens") for name in table.cameras if not is_name(name)]
+    views = [("view", name, "printable characters") for name in table.views if has_control(name)]
+    for column, name, expected in (*cameras, *views):
+        raise InputError(
+            f"The {column} '{clipped(printable(name))}' cannot be written to a table. Give it a name of "
+            f"{expected}."
+        )
+    for flag in dict.fromkeys(table.flag.tolist()):
+        choice_of(flag, DotFlag, "flag")
 
 
 def read_detections(path: AnyPath) -> Detections:
@@ -355,6 +381,8 @@ def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -
 
     Raises
     ------
+    InputError, InputTypeError
+        It is no table of detections, or a name or flag in it could not be read again.
     OutputError
         The file exists and `force` is not set, or it cannot be written.
 
@@ -365,4 +393,6 @@ def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -
     >>> read_detections("detections.csv") == examples.detections()
     True
     """
+    table = object_of(table, Detections, "table")
+    require_readable(table)
     write_file(as_path(path), detections_csv(table), kind=KIND, force=force)

@@ -8,21 +8,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from labcal.arguments import choice_of, object_of
 from labcal.arrays import (
     AnyArray,
     PointCovariances,
     Vectors3,
     float_array,
+    kept,
     lines_array,
     text_array,
     whole_array,
 )
 from labcal.correspond.point_lines import HEADER, UPPER, PointFlag, read_columns
+from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
 from labcal.run.tables import table_text
+from labcal.wording import clipped, has_control, printable
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -81,7 +85,7 @@ class Points(PublicObject):
             "flag": text_array(flag, n, "flag"),
         }
         for name, column in columns.items():
-            object.__setattr__(self, name, column)
+            object.__setattr__(self, name, kept(column))
 
     def __len__(self) -> int:
         return len(self.view)
@@ -266,6 +270,8 @@ def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
 
     Raises
     ------
+    InputError, InputTypeError
+        These are no points, or a name or flag in them could not be read again.
     OutputError
         The file exists and `force` is not set, or it cannot be written.
 
@@ -276,4 +282,13 @@ def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
     >>> read_points("points.csv") == examples.points()
     True
     """
+    points = object_of(points, Points, "points")
+    for name in dict.fromkeys(points.view.tolist()):
+        if has_control(name):
+            raise InputError(
+                f"The view '{clipped(printable(name))}' cannot be written to a table. Give it a name of "
+                "printable characters."
+            )
+    for flag in dict.fromkeys(points.flag.tolist()):
+        choice_of(flag, PointFlag, "flag")
     write_file(as_path(path), points_csv(points), kind=KIND, force=force)

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.arguments import set_checked, texts, truth_value, whole_number
 from labcal.correspond.dot_source import dots_of_shoot
 from labcal.paper.pictured import pictured_problems
 from labcal.paper.problem import Problem
-from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
+from labcal.paper.rows import NOT_REPORTED, SCENES, Data, PaperRow, Solver, rows_named
 from labcal.paper.simulated import NoiseReading
 from labcal.paper.summary import figures_of, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
@@ -50,7 +51,8 @@ class ReproduceSettings:
     (5, 1)
     """
 
-    rows: tuple[PaperRow, ...] = ROWS
+    rows: Sequence[str] = ()
+    """Numbers of rows, as in ``("01", "13")``; all where empty."""
     quick: bool = False
     seeds: int | None = None
     """Runs of every reading; 5, or 1 when quick, where not given."""
@@ -58,6 +60,32 @@ class ReproduceSettings:
     """The first of them, and that of the pictures."""
     workers: int = 1
     force: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        UnknownNameError
+            The paper has no such row.
+        InputError, InputTypeError
+            One is of a wrong type, a number is too small, or the paper has no figures of a row.
+        """
+        named = texts(self.rows, "rows")
+        values = {
+            "rows": tuple(row.exp for row in rows_named(named)) if named else (),
+            "quick": truth_value(self.quick, "quick"),
+            "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
+            "seed": whole_number(self.seed, "seed", 0),
+            "workers": whole_number(self.workers, "workers", 1),
+            "force": truth_value(self.force, "force"),
+        }
+        set_checked(self, values)
+
+    @property
+    def paper_rows(self) -> tuple[PaperRow, ...]:
+        """The rows, in the order of the paper."""
+        return rows_named(self.rows)
 
     @property
     def runs(self) -> int:
@@ -101,7 +129,7 @@ def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) 
     began = time.time()
     with unfinished_folder(folder, _command(settings), force=settings.force) as working:
         problems, pictures = _pictured(working, settings, progress)
-        cases = [case for row in settings.rows for case in _cases(row, problems, settings)]
+        cases = [case for row in settings.paper_rows for case in _cases(row, problems, settings)]
         with open_executor(settings.workers) as executor:
             outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
         result = Reproduction(
@@ -123,7 +151,7 @@ def _pictured(
     """Return the problems of rows from pictures, and one picture of every shoot."""
     problems: dict[Data, dict[str, Problem]] = {}
     pictures = []
-    for data in dict.fromkeys(row.data for row in settings.rows if row.pictured):
+    for data in dict.fromkeys(row.data for row in settings.paper_rows if row.pictured):
         shoot = _shoot(working / "shoots" / SCENES[data], SCENES[data], settings, progress)
         problems[data] = pictured_problems(data, shoot, dots_of_shoot(shoot, settings.workers, progress))
         for camera, file in shoot.views()[0].images.items():
@@ -168,7 +196,7 @@ def _summarise(
 ) -> tuple[RowResult, ...]:
     """Return the rows from the outcomes of their runs."""
     rows = []
-    for row in settings.rows:
+    for row in settings.paper_rows:
         readings: dict[str, list[TrainingOutcome]] = {}
         pixel_readings: dict[str, list[TrainingOutcome]] = {}
         for case, outcome in zip(cases, outcomes, strict=True):
@@ -185,7 +213,7 @@ def _command(settings: ReproduceSettings) -> str:
     """Return everything that determines the results."""
     return "reproduce " + json.dumps(
         {
-            "reproduce": [row.exp for row in settings.rows],
+            "reproduce": [row.exp for row in settings.paper_rows],
             "quick": settings.quick,
             "runs": settings.runs,
             "seed": settings.seed,

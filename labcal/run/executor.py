@@ -5,7 +5,7 @@ from concurrent.futures import Executor, Future, as_completed
 from contextlib import contextmanager
 from typing import ParamSpec, TypeVar
 
-from labcal.errors import InputError
+from labcal.arguments import whole_number
 from labcal.run.main_guard import end_unguarded_worker, refuse_unguarded
 from labcal.run.pool import WorkerPool
 
@@ -47,8 +47,7 @@ def open_executor(workers: int) -> Iterator[Executor]:
     InputError
         There are no workers, or the program lacks that guard.
     """
-    if workers < 1:
-        raise InputError(f"The number of workers must be at least 1, but is {workers}.")
+    workers = whole_number(workers, "workers", 1)
     if workers == 1:
         end_unguarded_worker()
         yield SerialExecutor()

@@ -16,6 +16,7 @@ from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
 from labcal.targets.catalogue import AnyTarget
 
+_BEGINNING_BYTES = 64
 KIND = beginning_with("a RIG-dots.json", b'{\n  "format": "labcal-dots"')
 
 
@@ -118,6 +119,15 @@ def write_places(path: AnyPath, places: DotPlaces, *, force: bool = False) -> No
         It exists and `force` is not set, or it cannot be written.
     """
     write_file(as_path(path), places.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
+
+
+def is_places(path: AnyPath) -> bool:
+    """Tell whether a path is that of a file of places, by its beginning."""
+    place = as_path(path)
+    if not place.is_file():
+        return False
+    with place.open("rb") as file:
+        return b'"labcal-dots"' in file.read(_BEGINNING_BYTES)
 
 
 def read_places(path: AnyPath) -> DotPlaces:

@@ -136,9 +136,7 @@ def test_undistort(labcal: Run, handheld: Path, handheld_dots: Path, tmp_path: P
 
 
 def test_reproduce(labcal: Run, tmp_path: Path) -> None:
-    from labcal.paper.rows import rows_named  # noqa: PLC0415 -- with the settings that it is for
-
-    settings = pipeline.ReproduceSettings(rows=rows_named(["01"]), quick=True)
+    settings = pipeline.ReproduceSettings(rows=["01"], quick=True)
     made = pipeline.reproduce(tmp_path / "python", settings)
     told = labcal("reproduce", "01", "--quick", "--workers", 1, "-o", tmp_path / "command")
     assert told.status == 0

@@ -73,9 +73,8 @@ def test_an_unfinished_run_is_taken_up(reproduced: Path, labcal) -> None:  # noq
 
 def _command() -> str:
     from labcal.paper.reproduce import ReproduceSettings, _command  # noqa: PLC0415 - slow
-    from labcal.paper.rows import rows_named  # noqa: PLC0415 - slow
 
-    return _command(ReproduceSettings(rows=rows_named(ROWS), quick=True))
+    return _command(ReproduceSettings(rows=ROWS, quick=True))
 
 
 def test_a_row_that_is_not_there_is_named(labcal, tmp_path: Path) -> None:  # noqa: ANN001 - as above

@@ -10,7 +10,7 @@ from labcal.correspond import detections as labcal_table
 from labcal.correspond.detections import detections_csv, read_detections
 from labcal.correspond.interop import corners_vnl
 from labcal.correspond.interop.corners_vnl import corners_text, read_corners
-from labcal.correspond.sources import parse_camera_endings
+from labcal.correspond.sources import camera_endings
 from labcal.errors import InputError
 from labcal.run.claims import FileOutput, claim_outputs
 from labcal.run.outputs import write_file
@@ -77,7 +77,7 @@ def _read(
     path: Path, output: Path, target: AnyTarget, settings: ConvertSettings, *, force: bool
 ) -> Conversion:
     """Write the table of a ``corners.vnl``."""
-    endings = parse_camera_endings(settings.cameras) if settings.cameras else {}
+    endings = {} if settings.cameras is None else camera_endings(settings.cameras)
     corners = read_corners(path, target, endings, lambda image: settings.size or _size_on_disk(image))
     detections = corners.detections
     ok = int(detections.ok.sum())
