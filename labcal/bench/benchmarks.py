@@ -37,9 +37,9 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     if what not in BENCHMARKS:
         raise UnknownNameError("benchmark", what, BENCHMARKS)
     if settings.groups and what == "render":
-        raise InputError("`only` names groups of checks, of which the benchmark 'render' has none.")
+        raise InputError("`groups` names groups of checks, of which the benchmark 'render' has none.")
     if settings.methods and what != "solve":
-        raise InputError("`method` goes with 'bench solve', which measures methods. Leave it out.")
+        raise InputError("`methods` goes with 'bench solve', which measures methods. Leave it out.")
     photographs = real_home()
     claim_outputs([FolderOutput(folder)], () if photographs is None else (photographs,), force=settings.force)
     return BENCHMARKS[what](folder, settings, progress)

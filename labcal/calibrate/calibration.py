@@ -109,6 +109,24 @@ class Calibration(PublicObject):
 
         return calibration_figure(self.found)
 
+    def plot_displacements(self) -> "matplotlib.figure.Figure":
+        """Draw how far freed dots are from their declared places, as magnified arrows; heights as colours.
+
+        Raises
+        ------
+        InputError
+            The dots were not freed.
+        """
+        from labcal.calibrate.displacement_figure import (  # noqa: PLC0415 -- imports matplotlib
+            displacement_figure,
+        )
+
+        if self.found.freed is None:
+            raise InputError(
+                "The dots of this calibration were not freed. Calibrate with `free_dots=True` to draw them."
+            )
+        return displacement_figure(self.found.freed)
+
     def _summary(self) -> Mapping[str, object]:
         return {
             "cameras": list(self.found.rig.cameras),

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_validator
 
+from labcal.arguments import object_of
 from labcal.arrays import Vectors3
 from labcal.bounds import MOST_MM, Millimetres
 from labcal.geometry.covariances import valid_or_not_stated
@@ -94,6 +95,15 @@ class DotPlaces(BaseModel):
             )  # fmt: skip
         return cls(target=target, dots=tuple(dots))
 
+    @classmethod
+    def load(cls, path: AnyPath) -> "DotPlaces":
+        """Read ``RIG-dots.json``; as :func:`read_places`, which lists its errors."""
+        return read_places(path)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write ``RIG-dots.json``; as :func:`write_places`, which lists its errors."""
+        write_places(path, self, force=force)
+
     def points(self) -> Vectors3:
         """Return the places in the order of the target's indices, mm, shape (dots, 3)."""
         return np.array([[dot.x_mm, dot.y_mm, dot.z_mm] for dot in self.dots])
@@ -118,6 +128,7 @@ def write_places(path: AnyPath, places: DotPlaces, *, force: bool = False) -> No
     OutputError
         It exists and `force` is not set, or it cannot be written.
     """
+    places = object_of(places, DotPlaces, "places")
     write_file(as_path(path), places.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
 
