@@ -259,9 +259,9 @@ def two_lenses_message(name: str, found: TwoLenses, lens: str) -> str:
     one, other = (", ".join(group) for group in found.groups)
     return (
         f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "
-        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one (tell "
-        "them apart with `cameras` of 'detect'); the camera was refocused or zoomed in between; the lens "
-        f"model '{lens}' does not suit (try `lens='auto'`)"
+        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one "
+        "(distinguish them with `cameras` of 'detect'); the camera was refocused or zoomed in between; the "
+        f"lens model '{lens}' does not suit (try `lens='auto'`)"
     )
 
 

@@ -296,7 +296,7 @@ class Detections(PublicObject):
             listed = ", ".join(f"{w} x {h}" for w, h in sizes)
             raise InputError(
                 f"The pictures of camera '{camera}' differ in size ({listed}), but a camera takes one size. "
-                "Tell cameras apart with `cameras`, or leave the odd pictures out."
+                "Distinguish cameras with `cameras`, or leave the other pictures out."
             )
         return (int(sizes[0, 0]), int(sizes[0, 1]))
 

@@ -127,7 +127,7 @@ def target_shown(given: "AnyTarget | AnyPath | None", shoot: Shoot | None) -> An
         return target_of(given)
     if shoot is None:
         raise InputError(
-            "Say which target the pictures show: `target='NAME'` ('labcal target list' shows the names)."
+            "Name the target that the pictures show: `target='NAME'` ('labcal target list' shows the names)."
         )
     return shoot.target
 

@@ -181,8 +181,8 @@ def _with_camera(source: Source, rig: Rig) -> Source:
     if source.camera == "camera" and len(rig.cameras) == 1:
         return replace(source, camera=next(iter(rig.cameras)))
     raise InputError(
-        f"{source.image} is of camera '{source.camera}', but the rig has only {', '.join(rig.cameras)}. Tell "
-        "cameras by the end of the pictures' names: `cameras='_0=left,_1=right'`."
+        f"{source.image} is of camera '{source.camera}', but the rig has only {', '.join(rig.cameras)}. "
+        "Distinguish cameras by the end of the pictures' names: `cameras='_0=left,_1=right'`."
     )
 
 

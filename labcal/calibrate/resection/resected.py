@@ -118,7 +118,7 @@ def _refuse_parallel(method: str, camera: Camera) -> None:
     focal = max(camera.intrinsics[:2])
     if not camera.model.parallel and focal > FOCAL_SIDES[1] * max(camera.size):
         raise InputError(
-            f"{method}: the rays are parallel as far as the dots tell: with the lens '{camera.lens}' the "
+            f"{method}: the dots are explained by parallel rays: with the lens '{camera.lens}' the "
             f"focal length grows without end ({focal:.3g} px). Choose the lens '{TELECENTRIC}'."
         )
 

@@ -45,8 +45,8 @@ class ConvertSettings:
     """Of detections: what the pictures show."""
     cameras: Mapping[str, str] | str | None = None
     """Of detections: cameras by the images' names, as in ``_0=left,_1=right``."""
-    size: tuple[int, int] | None = None
-    """Width and height of the pictures, px."""
+    size: tuple[int, int] | str | None = None
+    """Width and height of the pictures, px: ``(1280, 960)``, or ``"1280x960"``."""
     unit: str | None = None
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
@@ -165,7 +165,9 @@ def convert_cameras(
 
 
 def _picture_size(given: object) -> tuple[int, int]:
-    """Return a picture size that is given as a pair of numbers."""
+    """Return a picture size that is given as a pair of numbers, or as text such as ``"1280x960"``."""
+    if isinstance(given, str):
+        given = [int(side) if side.isdecimal() else side for side in given.split("x")]
     sides = tuple(given) if isinstance(given, Iterable) and not isinstance(given, str) else ()
     if len(sides) != 2:  # noqa: PLR2004 -- width and height
         raise wrong_type(given, "width and height in pixels, as in (1280, 960)", "size")

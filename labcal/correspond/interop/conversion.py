@@ -64,7 +64,9 @@ def convert_detections(
     beside = ("cameras", "size") if ends[0] == TABLE else ("only",)
     settings.refuse(beside, f"does not apply to {ends[0]} as input")
     if settings.target is None:
-        raise InputError("Say whose dots these are: `target='NAME'` ('labcal target list' shows the names).")
+        raise InputError(
+            "Name the target of these dots: `target='NAME'` ('labcal target list' shows the names)."
+        )
     target = load_target(settings.target)
     kind = labcal_table.KIND if ends[0] == CORNERS else corners_vnl.KIND
     claim_outputs([FileOutput(output, kind)], read, force=force)
@@ -151,7 +153,7 @@ def _size_on_disk(image: Path) -> tuple[int, int]:
     """Return the size of a picture that is at hand."""
     if not image.is_file():
         raise InputError(
-            f"The picture {image} is not at hand, so its size is not known. Say it: `size='1280x960'`, or go "
+            f"The picture {image} is not at hand, so its size is not known. Give it: `size='1280x960'`, or go "
             "to the folder that the names start from."
         )
     height, width = read_picture(image).shape[:2]
