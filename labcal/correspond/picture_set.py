@@ -12,12 +12,13 @@ from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
+from labcal.public_object import PublicObject
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.targets.catalogue import AnyTarget, target_of
 
 
-@dataclass(frozen=True)
-class PictureSet:
+@dataclass(frozen=True, eq=False, repr=False)
+class PictureSet(PublicObject):
     """Pictures to measure.
 
     Attributes
@@ -39,6 +40,10 @@ class PictureSet:
     name: str
     given: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+
+    def _summary(self) -> Mapping[str, object]:
+        cameras = list(dict.fromkeys(source.camera for source in self.sources))
+        return {"name": self.name, "pictures": len(self.sources), "cameras": cameras}
 
     @property
     def roles(self) -> dict[str, str]:

@@ -31,7 +31,7 @@ def parse_hold_out(text: str, views: Sequence[str]) -> int | list[str]:
     if text.strip().isdecimal():
         return int(text)
     unknown = next(name for name in names if name not in views)
-    raise UnknownNameError("view to hold out (`hold_out` takes a number of views, or names)", unknown, views)
+    raise UnknownNameError("view to hold out", unknown, views)
 
 
 def checked_hold_out(hold_out: object) -> HoldOut:

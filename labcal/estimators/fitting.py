@@ -1,6 +1,6 @@
 """Fitting of methods to the dots of a target, on a stage or in the hand (placed by a bundle adjustment)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +30,7 @@ from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.scikit_learn import clone
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
+from labcal.public_object import PublicObject
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -76,8 +77,8 @@ class FitSettings:
         set_checked(self, values)
 
 
-@dataclass(frozen=True)
-class Training:
+@dataclass(frozen=True, eq=False, repr=False)
+class Training(PublicObject):
     """Training data, and how they were made.
 
     Attributes
@@ -96,6 +97,14 @@ class Training:
     held: Calibration | None
     warnings: tuple[str, ...]
     held_out: tuple[str, ...] = ()
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "cameras": list(self.centred.data.cameras),
+            "views": len(self.calibrated_on),
+            "points": len(self.centred.data.X),
+            "warnings": len(self.warnings),
+        }
 
     @property
     def calibrated_on(self) -> tuple[str, ...]:

@@ -89,7 +89,7 @@ def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPl
     return shown_by(source)
 
 
-def _learned_views(rig: Rig | Model | Collection[str] | AnyPath | None) -> Collection[str] | None:
+def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Collection[str] | None:
     """Return the views that points come from; None where they are not known."""
     from labcal.reconstruct.reconstruction import calibration_views
 
@@ -158,7 +158,7 @@ def evaluate(
                     "Leave it out."
                 )
     found = points if isinstance(points, Points) else read_points(as_path(points))
-    learned = _learned_views(rig)
+    learned = _calibration_views_of(rig)
     if not isinstance(shown, Shoot):
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):

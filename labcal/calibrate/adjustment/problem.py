@@ -94,7 +94,7 @@ class ViewsEliminated:
         return self._settled(state, _gain(self.blocks.gradient, step))
 
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
-        """Return the covariance of all shared parameters; 0 for constrained ones, NaN for undetermined ones."""
+        """Return the covariance of all shared parameters; 0 for constrained, NaN for undetermined ones."""
         if self.reduced is None:
             return np.full_like(self.blocks.shared, np.nan)
         covariance = self.reduced.shared_covariance()

@@ -71,6 +71,11 @@ class ConvertSettings:
         _unit(self.unit)
         set_checked(self, values)
 
+    @property
+    def picture_size(self) -> tuple[int, int] | None:
+        """Width and height of the pictures, px, as numbers."""
+        return self.size if isinstance(self.size, tuple) else None
+
     def refuse(self, names: Iterable[str], why: str) -> None:
         """Raise where something is given that would be dropped.
 
@@ -140,7 +145,7 @@ def convert_cameras(
     settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
     to_format = settings.to_format
     wanted = format_by_name(to_format) if to_format else format_to_write(output)
-    given = ReadOptions(settings.size, _unit(settings.unit), settings.lens)
+    given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens)
     source, found = read_rig_files(list(inputs), settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     texts = wanted.write(rig, output.suffix)

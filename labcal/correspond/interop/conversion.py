@@ -80,7 +80,7 @@ def _read(
 ) -> Conversion:
     """Write the table of a ``corners.vnl``."""
     endings = {} if settings.cameras is None else camera_endings(settings.cameras)
-    corners = read_corners(path, target, endings, lambda image: settings.size or _size_on_disk(image))
+    corners = read_corners(path, target, endings, lambda image: settings.picture_size or _size_on_disk(image))
     detections = corners.detections
     ok = int(detections.ok.sum())
     _require_points(ok, path)
@@ -153,8 +153,8 @@ def _size_on_disk(image: Path) -> tuple[int, int]:
     """Return the size of a picture that is at hand."""
     if not image.is_file():
         raise InputError(
-            f"The picture {image} is not at hand, so its size is not known. Give it: `size='1280x960'`, or go "
-            "to the folder that the names start from."
+            f"The picture {image} is not at hand, so its size is not known. Give it: `size='1280x960'`, or "
+            "go to the folder that the names start from."
         )
     height, width = read_picture(image).shape[:2]
     return (width, height)
