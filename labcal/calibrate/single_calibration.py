@@ -137,10 +137,6 @@ def _lens_start(
     pictures = dots.by_view()
     size = dots.picture_size(name)
     if settings.start is None:
-        if settings.lenses is Lenses.FIXED:
-            raise InputError(
-                "Intrinsics can be kept only where a rig to start from gives them. Add `start='rig.json'`."
-            )
         return start_from_pictures(pictures, target, lens)
     known = settings.start.camera(name)
     if known.size != size:

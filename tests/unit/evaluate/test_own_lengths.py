@@ -43,9 +43,8 @@ def test_a_scaled_copy_has_that_scale(grid: DotGrid, ppm: float) -> None:
 
 def test_one_wrong_dot_shows_in_the_greatest_error(grid: DotGrid) -> None:
     points = views(grid, 1.0)
-    points = edited(
-        points, "point", 0, points.point[0] + (points.point[0] - points.point[grid.count - 1]) * 0.1
-    )
+    first, last = points.point[0], points.point[grid.count - 1]
+    points = edited(points, "point", 0, first + (first - last) * 0.1)
     diagonal = np.linalg.norm(grid.points()[0] - grid.points()[-1])
     found = errors_of_lengths(points, grid)
     assert found.length_error_mm.max == pytest.approx(0.1 * diagonal)
@@ -75,9 +74,8 @@ def test_lengths_of_a_misprinted_target_are_those_of_its_freed_dots(grid: DotGri
 
 def test_lengths_from_dots_that_were_not_freed_do_not_count(grid: DotGrid) -> None:
     points = views(grid, 1.0)
-    points = edited(
-        points, "point", points.index[:, 0] == 0, points.point[points.index[:, 0] == 0] + [0.0, 0.0, 5.0]
-    )
+    column = points.index[:, 0] == 0
+    points = edited(points, "point", column, points.point[column] + np.array([0.0, 0.0, 5.0]))
     freed = grid.indices()[:, 0] > 0
     nothing = np.zeros((grid.count, 3, 3))
     places = DotPlaces.of(grid, grid.points(), nothing, np.full(grid.count, 3), freed)
