@@ -11,7 +11,7 @@ from labcal.correspond.detections import detections_csv, read_detections
 from labcal.correspond.interop import corners_vnl
 from labcal.correspond.interop.corners_vnl import corners_text, read_corners
 from labcal.correspond.sources import camera_endings
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.run.claims import FileOutput, claim_outputs
 from labcal.run.outputs import write_file
 from labcal.shoot.pictures import read_picture
@@ -143,9 +143,7 @@ def _of_cameras(cameras: list[str], wanted: list[str]) -> np.ndarray:
     """Return which lines are of the cameras that are wanted."""
     for name in wanted:
         if name not in cameras:
-            raise InputError(
-                f"The detections have no camera '{name}', only {', '.join(dict.fromkeys(cameras))}."
-            )
+            raise UnknownNameError("camera in the detections", name, dict.fromkeys(cameras))
     return np.isin(cameras, wanted)
 
 
