@@ -19,7 +19,7 @@ from labcal.cameras.interop.rig_files import (
 )
 from labcal.cameras.rig import contradiction_note
 from labcal.errors import InputError
-from labcal.paths import AnyPath, as_text
+from labcal.paths import AnyPath, as_path, as_text
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.claims import claim_outputs
 
@@ -119,18 +119,23 @@ class Conversion(PublicObject):
 
 
 def convert_cameras(
-    inputs: Sequence[Path], output: Path, settings: ConvertSettings, read: Iterable[Path], *, force: bool
+    inputs: Sequence[AnyPath],
+    output: AnyPath,
+    settings: ConvertSettings,
+    read: Iterable[Path],
+    *,
+    force: bool,
 ) -> Conversion:
     """Write cameras in the format of another system, or read them from one.
 
     Parameters
     ----------
-    inputs : sequence of Path
+    inputs : sequence of paths
         A file, one a camera, or a folder.
-    output : Path
+    output : path
         The file to write; of COLMAP, a folder.
     settings : ConvertSettings
-    read : iterable of Path
+    read : iterable of paths
         All files that are read, none of which is replaced.
     force : bool
         Replace what labcal wrote there.
@@ -142,11 +147,12 @@ def convert_cameras(
     OutputError
         The output may not be written.
     """
+    paths, output = [as_path(one) for one in inputs], as_path(output)
     settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
     to_format = settings.to_format
     wanted = format_by_name(to_format) if to_format else format_to_write(output)
     given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens)
-    source, found = read_rig_files(list(inputs), settings.from_format, given)
+    source, found = read_rig_files(paths, settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     texts = wanted.write(rig, output.suffix)
     claim_outputs(rig_outputs(output, wanted, texts), read, force=force)

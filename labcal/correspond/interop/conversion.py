@@ -12,6 +12,7 @@ from labcal.correspond.interop import corners_vnl
 from labcal.correspond.interop.corners_vnl import corners_text, read_corners
 from labcal.correspond.sources import camera_endings
 from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, claim_outputs
 from labcal.run.outputs import write_file
 from labcal.shoot.pictures import read_picture
@@ -30,18 +31,23 @@ def is_of_detections(paths: Iterable[Path]) -> bool:
 
 
 def convert_detections(
-    inputs: Sequence[Path], output: Path, settings: ConvertSettings, read: Iterable[Path], *, force: bool
+    inputs: Sequence[AnyPath],
+    output: AnyPath,
+    settings: ConvertSettings,
+    read: Iterable[Path],
+    *,
+    force: bool,
 ) -> Conversion:
     """Write one ``detections.csv`` as a ``corners.vnl``, or the other way round.
 
     Parameters
     ----------
-    inputs : sequence of Path
+    inputs : sequence of paths
         One file.
-    output : Path
+    output : path
     settings : ConvertSettings
         `target` is needed.
-    read : iterable of Path
+    read : iterable of paths
         All files that are read, none of which is replaced.
     force : bool
         Replace what labcal wrote there.
@@ -54,7 +60,8 @@ def convert_detections(
     OutputError
         The output may not be written.
     """
-    ends = [path.suffix.lower() for path in (*inputs, output)]
+    paths, output = [as_path(one) for one in inputs], as_path(output)
+    ends = [path.suffix.lower() for path in (*paths, output)]
     if sorted(ends) != [TABLE, CORNERS]:
         raise InputError(
             "Detections are converted from one detections.csv to a corners.vnl, or back. Name both with "
@@ -71,8 +78,8 @@ def convert_detections(
     kind = labcal_table.KIND if ends[0] == CORNERS else corners_vnl.KIND
     claim_outputs([FileOutput(output, kind)], read, force=force)
     if ends[0] == CORNERS:
-        return _read(inputs[0], output, target, settings, force=force)
-    return _write(inputs[0], output, target, settings, force=force)
+        return _read(paths[0], output, target, settings, force=force)
+    return _write(paths[0], output, target, settings, force=force)
 
 
 def _read(
