@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labcal.arguments import one_text
+from labcal.arguments import object_of, one_text, wrong_type
 from labcal.arrays import (
     AnyArray,
     Mask,
@@ -114,6 +114,10 @@ class Camera(PublicObject):
             "prescription": prescription,
             "window": window,
         }
+        if window is not None and not isinstance(window, FlatWindow | WavyWindow):
+            raise wrong_type(window, "a FlatWindow or a WavyWindow", "window")
+        if prescription is not None:
+            object_of(prescription, Prescription, "prescription")
         for name, part in parts.items():
             object.__setattr__(self, name, part)
         require_possible(self)
@@ -252,7 +256,9 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        return self.project_in_camera(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+        with np.errstate(invalid="ignore"):  # of infinite coordinates
+            p_cam = transform(self.T_cam_world, float_array(p, (..., 3), "p"))
+        return self.project_in_camera(p_cam)
 
     def project_in_camera(self, p_cam: AnyArray) -> Projection:
         """Return the pixels of points of the camera's frame, as :meth:`project` does.

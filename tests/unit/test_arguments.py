@@ -302,3 +302,42 @@ def test_holding_out_nothing_of_nothing_says_that_there_are_no_dots() -> None:
     assert "held out" not in str(error.value)
     with pytest.raises(InputError, match="0 or more"):
         pipeline.calibrate(examples.TARGET, examples.detections(), hold_out=-1)
+
+
+def test_arrays_of_other_kinds_are_refused_or_taken_as_they_are() -> None:
+    camera, dots = examples.rig().camera("left"), examples.detections()
+    torch = pytest.importorskip("torch")
+    p = [[10.0, 20.0, 500.0]]
+    np.testing.assert_array_equal(camera.project(torch.tensor(p)).q, camera.project(p).q)
+    refused(camera.project, torch.tensor(p, requires_grad=True), name="detach")
+    for given in (
+        None,
+        "abc",
+        [[None, 1, 2]],
+        [[10**400, 0, 1]],
+        {1, 2, 3},
+        [1, 2],
+        np.zeros((1, 3), complex),
+    ):
+        refused(camera.project, given, name="p must")
+    assert not camera.project([[np.inf, 0.0, 1.0], [np.nan, 0.0, 1.0]]).ok.any()
+    for column in ("view", "index", "flag", "size", "has_id"):
+        array = getattr(dots, column)
+        masked = np.ma.masked_all(array.shape, array.dtype)
+        refused(lambda given, name=column: replace(dots, **{name: given}), masked, name="masked")
+    position = np.ma.array(dots.position, mask=np.zeros_like(dots.position, dtype=bool))
+    position[0] = np.ma.masked
+    assert np.isnan(replace(dots, position=position).position[0]).all()
+    refused(lambda given: replace(dots, index=given), np.full((len(dots), 2), np.nan), name="whole numbers")
+    for part in ("prescription", "window", "lens", "size"):
+        refused(
+            lambda given, name=part: replace(camera, **{name: given}),
+            "x",
+            name=part if part != "lens" else "",
+        )
+
+
+def test_an_example_has_one_view_to_eight(tmp_path: Path) -> None:
+    for views in (0, -1, 9, "2", 1.5):
+        refused(lambda given: examples.shoot(tmp_path / "new", given), views, name="`views`")
+    assert not (tmp_path / "new").exists()
