@@ -233,7 +233,7 @@ class Camera(PublicObject):
         -------
         Projection
             Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
-            determine no depth), beyond the fold of the lens model and for NaN.
+            determine no depth), beyond the fold of the lens model and for NaN and infinity.
 
         Raises
         ------
@@ -250,7 +250,10 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        return self.project_in_camera(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+        p = float_array(p, (..., 3), "p")
+        with np.errstate(invalid="ignore", over="ignore"):  # of infinity
+            p_cam = transform(self.T_cam_world, p)
+        return self.project_in_camera(p_cam)
 
     def project_in_camera(self, p_cam: AnyArray) -> Projection:
         """Return the pixels of points of the camera's frame, as :meth:`project` does.

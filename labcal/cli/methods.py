@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from labcal.errors import InputError
-from labcal.estimators.registry import SEPARATOR
+from labcal.run.user_code import SEPARATOR
 
 
 def named_methods(text: str) -> list[str]:

@@ -3,7 +3,7 @@
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import safetensors.numpy
@@ -15,6 +15,7 @@ from labcal.errors import InputError, LabcalError
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
+from labcal.estimators.stored_state import in_rows, stored_arrays, stored_facts, stored_parameters
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import recognised_by
 from labcal.run.file_reading import require_file
@@ -85,6 +86,8 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     ------
     OutputError
         The file exists and `force` is not set, or it cannot be written.
+    InputError
+        The method is one of one's own, and does not set what it states that it consists of.
 
     Examples
     --------
@@ -96,17 +99,15 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     True
     """
     estimator = model.estimator
-    arrays = {
-        spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.stored_arrays()
-    }
+    arrays = stored_arrays(estimator)
     for field in fields(TrainingBox):
-        arrays[BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
+        arrays[BOX_PREFIX + field.name] = in_rows(getattr(model.box, field.name))
     header = ModelHeader(
         format="labcal-model",
         version=VERSION,
         method=estimator.method,
-        parameters={name: _plain(value) for name, value in estimator.stored_parameters().items()},
-        facts={name: _plain(getattr(estimator, name)) for name in estimator.fitted_facts},
+        parameters=stored_parameters(estimator),
+        facts=stored_facts(estimator),
         inputs=estimator.n_features_in_,
         outputs=estimator.n_outputs_,
         cameras=model.cameras,
@@ -312,15 +313,3 @@ def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[
     if np.abs(array).max(initial=0.0) > MOST_WEIGHT:
         raise InputError(f"The model {path} holds a number beyond {MOST_WEIGHT:g} in '{name}'. Fit it again.")
     return array
-
-
-def _array(value: np.ndarray) -> np.ndarray:
-    """Return an array as it is written: in one piece, in rows."""
-    return np.ascontiguousarray(value, dtype=np.float64).reshape(np.shape(value))
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401 - scikit-learn is untyped
-    """Return a parameter or fact without NumPy's scalar types, which JSON does not know."""
-    if isinstance(value, np.generic):
-        return value.item()
-    return tuple(_plain(element) for element in value) if isinstance(value, list | tuple) else value

@@ -1,5 +1,7 @@
 """Settings of the detection of ChArUco boards: markers, and the fit of corners."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from labcal.detect.stage_settings.stage import StageSettings
@@ -7,6 +9,8 @@ from labcal.detect.stage_settings.stage import StageSettings
 
 class CornerSettings(StageSettings):
     """Settings of corners. A square is one of the board's in the picture, a blur the deviation of an edge."""
+
+    stage: ClassVar[str] = "corner"
 
     min_picture_px: int = Field(
         32,

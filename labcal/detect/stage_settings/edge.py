@@ -1,5 +1,7 @@
 """Settings of stage 3: the least-squares fit of a dot's blurred edge, and the statistics of its residuals."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from labcal.detect.stage_settings.stage import StageSettings
@@ -7,6 +9,8 @@ from labcal.detect.stage_settings.stage import StageSettings
 
 class EdgeSettings(StageSettings):
     """Settings of the edge fit. A blur is the standard deviation of the edge; radii are those of the dot."""
+
+    stage: ClassVar[str] = "edge"
 
     # Gauss-Newton.
     max_iterations: int = Field(
