@@ -28,8 +28,8 @@ _Y = np.array([0.0, 0.02, 0.05, -0.06, -0.03])
 _REACH = 0.2
 _ALIKE = 1e-6
 """Difference at unit focal length up to which two ways lead to the same."""
-_STEP, _ALIKE_SLOPES = 1e-6, 1e-3
-"""Of difference quotients, and their departure from slopes, of 1 and of the slope."""
+_STEP, _ALIKE_SLOPES, _ROUNDING = 1e-6, 1e-3, 1e-9
+"""Of difference quotients; their departure from slopes, of the largest one, and what rounding adds to it."""
 _FIELD = 2
 
 
@@ -58,13 +58,9 @@ def _require_formulas(lens: "Lens", most_coefficients: int) -> None:
     padded = (*lens.undistorted, *(0.0,) * (most_coefficients - lens.coefficients))
     formula = _parameters(lens, "formula", lambda: lens.formula(NUMPY, padded))
     forward = _parameters(lens, "forward_parameters", lambda: lens.forward_parameters(NUMPY, padded))
+    _require_beginning(lens, forward, formula, ("forward_parameters", "formula"))
     whole = _parameters(lens, "parameters", lambda: lens.parameters(NUMPY, padded, _REACH))
-    for shorter, longer, names in (
-        (formula, forward, ("forward_parameters", "formula")),
-        (forward, whole, ("parameters", "forward_parameters")),
-    ):
-        if longer[: len(shorter)] != shorter:
-            raise _fault(lens, names[0], f"should begin with what '{names[1]}' returns")
+    _require_beginning(lens, whole, forward, ("parameters", "forward_parameters"))
     field = _require_inverse(lens, forward, whole)
     _require_derivatives(lens, padded, forward, field)
 
@@ -117,6 +113,14 @@ def _parameters(lens: "Lens", name: str, made: Callable[[], object]) -> tuple[fl
         if isinstance(found, tuple) and not np.isnan(np.array(found, dtype=np.float64)).any():
             return found
     raise _fault(lens, name, f"should return a tuple of numbers, not {found!r:.80}")
+
+
+def _require_beginning(
+    lens: "Lens", longer: tuple[float, ...], shorter: tuple[float, ...], names: tuple[str, str]
+) -> None:
+    """Raise unless parameters begin with those that leave something out."""
+    if longer[: len(shorter)] != shorter:
+        raise _fault(lens, names[0], f"should begin with what '{names[1]}' returns")
 
 
 def _require_inverse(
@@ -228,7 +232,8 @@ def _require_slopes(
             slope = np.broadcast_to(np.asarray(one.slopes[number], dtype=np.float64), _X.shape)
             quotient = (np.asarray(after) - before) / (sign * _STEP)
             has_effect = has_effect or bool(slope.any())
-            if not (np.abs(slope - quotient) <= _ALIKE_SLOPES * (1.0 + np.abs(quotient))).all():
+            largest = max(np.abs(quotient).max(), np.abs(slope).max())
+            if not (np.abs(slope - quotient) <= _ALIKE_SLOPES * largest + _ROUNDING).all():
                 raise _fault(
                     lens,
                     name,
