@@ -246,7 +246,7 @@ def test_settings_of_rings_have_the_effect_that_they_state(
     assert found(picture, faint_hole_share=0.998, ring_hole_share=0.999).refusal is Refusal.NO_RINGS
     # Two rings do where the third may be anything but a full dot.
     hidden = picture.copy()
-    hidden[y - 6 : y + 7, x - 6 : x + 7] = np.minimum(hidden[y - 6 : y + 7, x - 6 : x + 7], 40)
+    cv2.circle(hidden, (x, y), 5, 40, -1)
     assert found(hidden).refusal is Refusal.NO_RINGS
     assert found(hidden, full_dot_share=1e-6).refusal is None
     # Rings may fit worse than full dots.
