@@ -1,4 +1,4 @@
-"""What a model file keeps of a fitted estimator, checked before it is written: a file should be readable."""
+"""State of a fitted estimator, checked before it is written: a model file should be readable."""
 
 from typing import TYPE_CHECKING, Any
 

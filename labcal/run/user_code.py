@@ -40,7 +40,7 @@ def user_code(what: str, mend: str = "Set LABCAL_TRACEBACK=1 to see where.") -> 
 
 @dataclass(frozen=True)
 class Place:
-    """What ``package.module:name`` should name, for messages.
+    """Words for what ``package.module:name`` should name, for messages.
 
     Attributes
     ----------
