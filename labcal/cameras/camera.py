@@ -218,7 +218,7 @@ class Camera(PublicObject):
             T_world_cam = inverse(self.T_cam_world)
             origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
             direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
-        ok = np.asarray(traced.ok) & np.isfinite(direction).all(axis=-1)
+        ok = np.asarray(traced.ok & np.isfinite(direction).all(axis=-1))
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
     def project(self, p: AnyArray) -> Projection:
@@ -267,7 +267,7 @@ class Camera(PublicObject):
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             found = self.optics.project(NUMPY, self.forward_parameters, (X, Y, Z))
         q = np.stack([found.u, found.v], axis=-1)
-        ok = np.asarray(found.ok) & np.isfinite(q).all(axis=-1)
+        ok = np.asarray(found.ok & np.isfinite(q).all(axis=-1))
         return Projection(np.where(ok[..., None], q, np.nan), ok)
 
     def point_jacobian(self, p: AnyArray) -> PointJacobians:
