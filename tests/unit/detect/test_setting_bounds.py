@@ -112,11 +112,13 @@ def places(pictures: dict[str, tuple[np.ndarray, AnyTarget]]) -> dict[str, dict[
     assert found["dots"].ok.sum() > 60
     assert found["board"].ok.sum() > 15
     assert found["nothing"].refusal is Refusal.NO_DOTS
+    return {name: placed(dots) for name, dots in found.items()}
+
+
+def placed(dots: PictureDots) -> dict[tuple[int, int], np.ndarray]:
+    """Return the places of the dots that are ok, by their ids."""
     return {
-        name: {
-            (int(i), int(j)): q for (i, j), q in zip(dots.index[dots.ok], dots.position[dots.ok], strict=True)
-        }
-        for name, dots in found.items()
+        (int(i), int(j)): q for (i, j), q in zip(dots.index[dots.ok], dots.position[dots.ok], strict=True)
     }
 
 
