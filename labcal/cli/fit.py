@@ -10,6 +10,7 @@ from labcal.cli.options import (
     add_detector_settings,
     add_hold_out,
     add_output,
+    add_page,
     add_seed,
     add_workers,
     refuse_option,
@@ -21,8 +22,10 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.correspond.dot_source import DotSource
     from labcal.estimators.estimator import PointEstimator
-    from labcal.estimators.fitting import FitSettings
+    from labcal.estimators.fitting import FitSettings, Training
     from labcal.estimators.model import Model
+    from labcal.report.fit_result import FitOutcome
+    from labcal.report.page.output import PageOutput
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -81,6 +84,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_hold_out(parser)
     add_seed(parser)
+    add_page(parser)
     add_detector_settings(parser)
     add_workers(parser)
 
@@ -88,6 +92,7 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
     from labcal.cli.dots import dots_given, refuse_idle_detection
+    from labcal.cli.page import asked_page
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
@@ -110,7 +115,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     alone = len(estimators) == 1
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.lens])
-    claim_outputs([FileOutput(path, KIND) for path in paths], read, force=arguments.force)
+    page = asked_page(arguments, session, [arguments.source, arguments.detections])
+    outputs = [FileOutput(path, KIND) for path in paths] + ([] if page is None else [page.file])
+    claim_outputs(outputs, read, force=arguments.force)
     refuse_idle_detection(arguments)
     given = open_dots(arguments.source, arguments.detections)
     target = _target(arguments, given)
@@ -139,6 +146,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         (path, model) for path, model in zip(paths, models, strict=True) if not isinstance(model, InputError)
     ]
     _save_all(fitted, force=arguments.force)
+    _write_page(page, training, outcomes)
     result = fit_result(training, outcomes)
     session.emit(result, fit_table(result, rehearsed=not arguments.no_rehearsal))
     if not fitted:
@@ -177,6 +185,15 @@ def _estimators(arguments: Namespace, settings: "FitSettings") -> "list[PointEst
 def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool:
     """Return whether a method has a lens model, or surrogate validation uses one."""
     return not arguments.no_rehearsal or any("lens" in one.get_params() for one in estimators)
+
+
+def _write_page(page: "PageOutput | None", training: "Training", outcomes: "list[FitOutcome]") -> None:
+    """Write the page, where one is asked for."""
+    if page is not None:
+        from labcal.pipeline.pages import page_maker
+        from labcal.report.fit_page import fit_page
+
+        page.write(fit_page(training, outcomes, page_maker(page, "fit", {})))
 
 
 def _save_all(models: "list[tuple[Path, Model]]", *, force: bool) -> None:

@@ -10,7 +10,7 @@ from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
-from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.given import claimed_page, dots_of, shown_by
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget, load_target
 from labcal.targets.places import DotPlaces
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.reconstruct.reconstruction import Reconstruction
+    from labcal.report.page.output import PageOutput
 
 
 def reconstruct(
@@ -74,6 +75,8 @@ def evaluate(
     detections: Detections | AnyPath | None = None,
     alignment: "Alignment | None" = None,
     rig: Rig | Model | Collection[str] | AnyPath | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> "TruthErrors | LengthErrors":
     """Return the errors of points in mm, against the truth where a shoot has one, else against lengths.
 
@@ -90,6 +93,8 @@ def evaluate(
     rig : Rig, Model, path or collection of str, optional
         What the points were reconstructed with, or the views that it was calibrated from: these are not
         scored, or are said to be.
+    page : path, optional
+        A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
     Returns
     -------
@@ -100,6 +105,8 @@ def evaluate(
     ------
     InputError
         The points are not of that target or shoot, or something is given that needs a truth.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -107,15 +114,38 @@ def evaluate(
     >>> pipeline.evaluate(examples.points(), examples.TARGET)
     LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
     """
-    from labcal.cameras.rig import Rig
     from labcal.correspond.points import read_points
+
+    output = claimed_page(page, [points, source, detections, rig])
+    shown = source if isinstance(source, DotPlaces) else shown_by(source)
+    found = points if isinstance(points, Points) else read_points(as_path(points))
+    errors = _errors(found, shown, detections, alignment, rig)
+    if output is not None:
+        from labcal.pipeline.pages import page_maker
+        from labcal.pipeline.surroundings import surroundings
+        from labcal.report.evaluation_page import evaluation_page
+
+        given = {"points": points, "source": source, "detections": detections, "alignment": alignment}
+        maker = page_maker(output, "evaluate", {**given, "rig": rig, "page": output.path})
+        target = shown.target if isinstance(shown, Shoot) else shown
+        output.write(evaluation_page(errors, found, target, surroundings(errors, shown, rig), maker))
+    return errors
+
+
+def _errors(
+    found: Points,
+    shown: Shoot | AnyTarget | DotPlaces,
+    detections: Detections | AnyPath | None,
+    alignment: "Alignment | None",
+    rig: Rig | Model | Collection[str] | AnyPath | None,
+) -> "TruthErrors | LengthErrors":
+    """Return the errors of points; as :func:`evaluate`."""
     from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews
     from labcal.reconstruct.reconstruction import calibration_views
     from labcal.shoot.truth import has_truth
 
-    shown = source if isinstance(source, DotPlaces) else shown_by(source)
     if not (isinstance(shown, Shoot) and has_truth(shown.folder)):
         for name, given in (("detections", detections), ("alignment", alignment)):
             if given is not None:
@@ -123,7 +153,6 @@ def evaluate(
                     f"`{name}` goes with the truth of a rendered shoot, which is not given here. "
                     "Leave it out."
                 )
-    found = points if isinstance(points, Points) else read_points(as_path(points))
     learned: Collection[str] | None
     if isinstance(rig, Rig | Model):
         learned = rig.calibrated_on or None

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from labcal.errors import InputError
-from labcal.report.page import missing_pictures, reproduction_page
 from labcal.report.reproduction import Reproduction, ShownPicture, read_reproduction
+from labcal.report.reproduction_page import missing_pictures, reproduction_page
 from labcal.run.json_text import to_json
 from labcal.shoot.pictures import write_picture
 

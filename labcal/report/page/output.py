@@ -1,0 +1,105 @@
+"""A page as an output of a command or of a function."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.errors import OutputError
+from labcal.paths import AnyPath, as_path
+from labcal.report.page.document import PAGE_KIND, Page
+from labcal.run.claims import FileOutput
+from labcal.run.outputs import write_file
+
+_ENDINGS = (".html", ".htm")
+
+
+@dataclass(frozen=True)
+class PageOutput:
+    """Where a page goes, and what it says that it was made by.
+
+    Attributes
+    ----------
+    path : path
+        Ends in ``.html``.
+    force : bool
+        Replace a page of labcal's that exists.
+    command : str
+        The command line that makes it again; empty where a function was called.
+    phrase : callable
+        What turns a message of the library into the reader's words; the command line speaks of options.
+    inputs : tuple of path
+        Files that were read; where none is named, those that the function was given by their paths.
+    """
+
+    path: AnyPath
+    force: bool = False
+    command: str = ""
+    phrase: Callable[[str], str] = str
+    inputs: tuple[AnyPath, ...] = ()
+
+    @classmethod
+    def of(cls, given: "PageOutput | AnyPath") -> "PageOutput":
+        """Return the output that is given, by its path, too."""
+        return given if isinstance(given, PageOutput) else cls(given)
+
+    @property
+    def file(self) -> FileOutput:
+        """The file, for :func:`~labcal.run.claims.claim_outputs`.
+
+        Raises
+        ------
+        OutputError
+            Its name does not end in ``.html``.
+        """
+        return page_file(self.path)
+
+    def write(self, page: Page) -> None:
+        """Write a page whole.
+
+        Raises
+        ------
+        OutputError
+            It exists and may not be replaced, or it cannot be written.
+        """
+        write_file(self.file.path, page.text(), kind=PAGE_KIND, force=self.force)
+
+
+def page_file(path: AnyPath) -> FileOutput:
+    """Return a page as a file to write.
+
+    Raises
+    ------
+    OutputError
+        Its name does not end in ``.html``.
+    """
+    place = as_path(path)
+    if place.suffix.lower() not in _ENDINGS:
+        raise OutputError(f"{place} cannot be written: it would be a page. Choose a name that ends in .html.")
+    return FileOutput(place, PAGE_KIND)
+
+
+def called(function: str, arguments: Mapping[str, object]) -> str:
+    """Return a call of a function of the pipeline as text; objects without a short text are named by type.
+
+    Parameters
+    ----------
+    function : str
+    arguments : mapping of str to object
+        Those that are None, or empty, are left out.
+    """
+    given = [f"{name}={_text(value)}" for name, value in arguments.items() if value not in (None, ())]
+    return f"labcal.pipeline.{function}({', '.join(given)})"
+
+
+def _text(value: object) -> str:
+    if isinstance(value, Path):
+        return repr(str(value))
+    if isinstance(value, str | int | float) or (
+        isinstance(value, Iterable) and not hasattr(value, "__array__")
+    ):
+        text = repr(value)
+        return text if len(text) <= _LONGEST else f"<{type(value).__name__}>"
+    return f"<{type(value).__name__}>"
+
+
+_LONGEST = 120
