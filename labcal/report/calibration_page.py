@@ -25,7 +25,7 @@ from labcal.report.page.statement import Statement
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 from labcal.report.page_maker import PageMaker
 from labcal.report.print_words import print_words
-from labcal.report.residual_map import residual_map
+from labcal.report.residual_map import residual_magnification, residual_map
 from labcal.report.space import Space
 from labcal.report.target_outline import target_outline
 from labcal.report.view_residuals import view_residuals
@@ -77,8 +77,8 @@ _IN_SPACE = (
 )
 _RESIDUALS = (
     "A residual is the predicted minus the measured position of a dot. Thin lines are single dots, which "
-    "show noise. A thick arrow is the mean of its cell: noise averages out there, so that thick arrows that point "
-    "the same way as their neighbours show a wrong lens or a bent print."
+    "show noise. A thick arrow is the mean of its cell: noise averages out there, so that thick arrows that "
+    "point the same way as their neighbours show a wrong lens or a bent print."
 )
 _PICTURES = (
     "Of each camera the picture with the largest RMS residual, with its dots in green and residuals in red."
@@ -120,10 +120,12 @@ def _residual_parts(found: HandheldCalibration) -> list[Part]:
     """Return the residuals of each camera over its picture, and by view."""
     of, names = found.residuals, list(found.rig.cameras)
     parts: list[Part] = []
+    widest = max(record.size[0] for record in found.rig.cameras.values())
+    times = residual_magnification(of.residual[~of.outlier], widest)
     for number, name in enumerate(names):
         mine = of.camera == number
         size = found.rig.cameras[name].size
-        svg = residual_map(name, of.q[mine], of.residual[mine], of.outlier[mine], size)
+        svg = residual_map(name, of.q[mine], of.residual[mine], of.outlier[mine], size, times)
         outliers = int(of.outlier[mine].sum())
         crosses = f"; {counted(outliers, 'outlier')} as crosses" if outliers else ""
         caption = f"{name}: residuals of {int(mine.sum()) - outliers} dots over the picture{crosses}."
@@ -178,8 +180,8 @@ def _camera_table(result: CalibrateResult) -> PageTable:
         rows.append(
             [
                 name, str(camera.views), str(camera.dots), f"{camera.rms_px:.4f}",
-                f"{camera.rms_in_rig_px:.4f}", f"{camera.scatter_px:.4f}", *(f"{value:.2f} ± {one:.2f}" for value, one in figures),
-                lens,
+                f"{camera.rms_in_rig_px:.4f}", f"{camera.scatter_px:.4f}",
+                *(f"{value:.2f} ± {one:.2f}" for value, one in figures), lens,
             ]
         )  # fmt: skip
     return PageTable("cameras-table", "Cameras; ± is one standard deviation.", columns, rows)

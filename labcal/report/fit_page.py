@@ -21,7 +21,7 @@ from labcal.report.page.space_view import SpaceView
 from labcal.report.page.statement import Statement
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 from labcal.report.page_maker import PageMaker
-from labcal.report.residual_map import residual_map
+from labcal.report.residual_map import residual_magnification, residual_map
 from labcal.report.space import Space
 from labcal.run.tables import table_text
 from labcal.wording import counted, listed
@@ -174,12 +174,15 @@ def _residual_parts(training: Training, model: Model) -> list[Part]:
         return []
     data = training.centred.data
     measured = data.X.reshape(len(data.X), -1, 2)
+    cameras = model.estimator.fitted_cameras_
+    residuals = [camera.project(data.Y) - measured[:, i] for i, camera in enumerate(cameras)]
+    widest = max(width for width, _ in model.image_sizes)
+    times = residual_magnification(np.concatenate(residuals), widest)
     parts: list[Part] = []
-    for number, (name, camera) in enumerate(zip(model.cameras, model.estimator.fitted_cameras_, strict=True)):
-        residual = camera.project(data.Y) - measured[:, number]
+    for number, (name, residual) in enumerate(zip(model.cameras, residuals, strict=True)):
         ok = np.isfinite(residual).all(axis=1)
         none = np.zeros(int(ok.sum()), dtype=bool)
-        svg = residual_map(name, measured[ok, number], residual[ok], none, model.image_sizes[number])
+        svg = residual_map(name, measured[ok, number], residual[ok], none, model.image_sizes[number], times)
         parts.append(
             Chart(f"residuals-{name}", svg, f"{name}: residuals of {int(ok.sum())} dots over the picture.")
         )

@@ -17,9 +17,17 @@ _FEWEST = 3
 """Dots that a mean is of, at least."""
 _MOST_ARROWS = 900
 """Thin arrows: each is an element of the SVG."""
-_LONG = 0.07
+_LONG = 0.05
 """Of the picture's width: an arrow of the 90th percentile."""
 _LARGE = 90.0
+
+
+def residual_magnification(residual: Float64[np.ndarray, "n 2"], width: int) -> float:
+    """Return how many times as long residuals (px) are drawn over pictures of a width (px)."""
+    length = np.linalg.norm(residual, axis=1)
+    length = length[np.isfinite(length)]
+    large = max(float(np.percentile(length, _LARGE)) if len(length) else 0.0, 1e-9)
+    return round_magnification(_LONG * width / large)
 
 
 def residual_map(
@@ -28,6 +36,7 @@ def residual_map(
     residual: Float64[np.ndarray, "n 2"],
     outlier: Bool[np.ndarray, " n"],
     size: tuple[int, int],
+    times: float,
 ) -> str:
     """Return an SVG of residuals where their dots are, with a scale bar in px.
 
@@ -43,12 +52,11 @@ def residual_map(
         Those are drawn as crosses.
     size : (int, int)
         Width and height of the picture, px.
+    times : float
+        Residuals are drawn so many times as long; the same for all cameras of a page.
     """
     width, height = size
     good = ~outlier & np.isfinite(residual).all(axis=1)
-    length = np.linalg.norm(residual[good], axis=1)
-    large = max(float(np.percentile(length, _LARGE)) if len(length) else 0.0, 1e-9)
-    times = round_magnification(_LONG * width / large)
     with page_style():
         figure = Figure(figsize=(5.6, 0.9 + 5.0 * height / width), layout="constrained")
         axes = figure.add_subplot(aspect="equal")

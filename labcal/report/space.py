@@ -30,11 +30,14 @@ class Direction:
     Attributes
     ----------
     label : str
+    inside : bool
+        True if it is a camera's own place, from which not all has to be seen.
     eye, focus, up : float64 array, (3,)
         In the world, mm; `up` of any length.
     """
 
     label: str
+    inside: bool
     eye: Float64[np.ndarray, "3"]
     focus: Float64[np.ndarray, "3"]
     up: Float64[np.ndarray, "3"]
@@ -57,9 +60,9 @@ class Space:
     """
 
     cameras: Mapping[str, Camera]
-    outlines: Sequence[Vectors3]
-    points: Vectors3
-    vectors: Vectors3 = field(default_factory=lambda: np.zeros((0, 3)))
+    outlines: Sequence[Float64[np.ndarray, "corners 3"]]
+    points: Float64[np.ndarray, "n 3"]
+    vectors: Float64[np.ndarray, "errors 3"] = field(default_factory=lambda: np.zeros((0, 3)))
     labels: Sequence[str] = ()
 
     def thinned(self, most: int = MOST_POINTS) -> "Space":
@@ -92,8 +95,8 @@ class Space:
         return np.asarray(self.points + self.magnification * self.vectors)
 
     @cached_property
-    def frusta(self) -> dict[str, list[Vectors3]]:
-        """Lines that show the field of view of each camera, mm, by its name."""
+    def frusta(self) -> dict[str, list[np.ndarray]]:
+        """Lines (corners, 3) that show the field of view of each camera, mm, by its name."""
         focus = self._middle
         found = {}
         for name, camera in self.cameras.items():
@@ -120,7 +123,7 @@ class Space:
         """Directions to look from: an overview, along the three axes of the rig, and from each camera."""
         right, up, forward = self._axes
         low, high = self.bounds
-        focus, away = 0.5 * (low + high), 1.5 * float((high - low).max())
+        focus, away = 0.5 * (low + high), 1.3 * float((high - low).max())
         views = {
             "Overview": (0.75 * right + 0.55 * up - forward, up),
             "Front": (-forward, up),
@@ -128,14 +131,15 @@ class Space:
             "Side": (right, up),
         }
         found = [
-            Direction(label, focus + away * towards / np.linalg.norm(towards), focus, upward)
+            Direction(label, inside=False, eye=focus + away * _unit(towards, up), focus=focus, up=upward)
             for label, (towards, upward) in views.items()
         ]
         for name, camera in self.cameras.items():
             axis = camera.T_cam_world[2, :3]
             ahead = max(float((self._middle - camera.centre) @ axis), 0.1 * away)
             eye = camera.centre
-            found.append(Direction(f"Camera {name}", eye, eye + ahead * axis, -camera.T_cam_world[1, :3]))
+            up = -camera.T_cam_world[1, :3]
+            found.append(Direction(f"Camera {name}", inside=True, eye=eye, focus=eye + ahead * axis, up=up))
         return found
 
     @property
@@ -168,8 +172,8 @@ def _unit(v: np.ndarray, instead: np.ndarray) -> np.ndarray:
     return v / length if length > 1e-9 else _unit(instead, np.array([0.0, 1.0, 0.0]))  # noqa: PLR2004 -- of units
 
 
-def _frustum(camera: Camera, deep: float) -> list[Vectors3]:
-    """Return the lines from a camera's centre to the corners of its picture, and around these, mm."""
+def _frustum(camera: Camera, deep: float) -> list[np.ndarray]:
+    """Return lines (corners, 3) from a camera's centre to its picture's corners, and around these, mm."""
     right, bottom = camera.size[0] - 0.5, camera.size[1] - 0.5
     q = [[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]]
     rays = camera.rays(q)

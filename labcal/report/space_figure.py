@@ -5,7 +5,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from labcal.arrays import Vectors3
 from labcal.report.error_colours import ERROR_COLOURS
 from labcal.report.inline_svg import GROUND, LINE, OURS, QUIET, SECOND, TEXT, inline_svg, page_style
 from labcal.report.magnification import round_magnification
@@ -60,7 +59,7 @@ class _Projection:
         up = np.cross(away, right)
         self._axes = np.stack([right / np.linalg.norm(right), up / np.linalg.norm(up)])
 
-    def of(self, p: Vectors3) -> np.ndarray:
+    def of(self, p: np.ndarray) -> np.ndarray:
         """Return points (mm) as x to the right and y up, mm."""
         return np.asarray(p @ self._axes.T)
 

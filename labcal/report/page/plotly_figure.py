@@ -5,7 +5,6 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from labcal.arrays import Vectors3
 from labcal.report.error_colours import STOPS
 from labcal.report.space import Direction, Space
 
@@ -29,7 +28,9 @@ def plotly_figure(space: Space) -> str:
     figure = {
         "data": [*_camera_traces(space), *_target_traces(space), *_point_traces(space)],
         "layout": _layout(low, high, space),
-        "directions": [_camera(direction, low, high) for direction in space.directions],
+        "directions": [
+            {**_camera(direction, low, high), "inside": direction.inside} for direction in space.directions
+        ],
     }
     return json.dumps(figure, separators=(",", ":"), allow_nan=False)
 
@@ -90,8 +91,8 @@ def _point_traces(space: Space) -> list[Trace]:
     return [point, {**vectors, "line": {"color": "var(--second)", "width": 2}, "hoverinfo": "skip"}]
 
 
-def _lines(layer: str, lines: Iterable[Vectors3]) -> Trace:
-    """Return lines as one trace, with gaps between them."""
+def _lines(layer: str, lines: Iterable[np.ndarray]) -> Trace:
+    """Return lines (corners, 3) as one trace, with gaps between them."""
     columns: list[list[float | None]] = [[], [], []]
     for line in lines:
         for column, values in zip(columns, line.T, strict=True):

@@ -38,7 +38,7 @@ class Provenance(Part):
     inputs: Mapping[str, str]
 
     @classmethod
-    def of(cls, command: str, inputs: Iterable[AnyPath | None]) -> "Provenance":
+    def of(cls, command: str, inputs: Iterable[AnyPath | None], home: AnyPath = ".") -> "Provenance":
         """Return the provenance of a page that is made now.
 
         Parameters
@@ -46,14 +46,17 @@ class Provenance(Part):
         command : str
         inputs : iterable of path or None
             Files that were read; of a folder of a shoot, its manifest. Names that are no paths are left out.
+        home : path
+            The folder that they are relative to.
         """
         versions = {"Python": ".".join(map(str, sys.version_info[:3]))}
         versions |= {name: found for name in _PACKAGES if (found := package_version(name)) is not None}
         digests = {}
         for given in (as_path(one) for one in inputs if one is not None):
-            file = given / MANIFEST if (given / MANIFEST).is_file() else given
-            if file.is_file():
-                digests[str(file)] = _digest(file)
+            at = as_path(home) / given
+            file = MANIFEST if (at / MANIFEST).is_file() else ""
+            if (at / file).is_file():
+                digests[str(given / file)] = _digest(at / file)
         return cls(command, versions, digests)
 
     def html(self) -> Markup:

@@ -92,6 +92,10 @@
   const steer = (figure, drawn, directions) => {
     const stage = figure.querySelector(".stage");
     const show = (camera) => Plotly.relayout(drawn, { "scene.camera": camera });
+    // In a view that is higher than wide all is seen from farther away; a camera's place stays where it is.
+    const room = Math.max(1, (0.9 * drawn.clientHeight) / drawn.clientWidth);
+    const fitted = ({ eye, center, up, inside }) =>
+      inside ? { eye, center, up } : { eye: plus(center, plus(eye, center, -1), room), center, up };
     const now = () => drawn.layout.scene.camera;
     const buttons = [...figure.querySelectorAll("[data-direction]")];
     const pressed = (chosen) => buttons.forEach((one) => one.setAttribute("aria-pressed", one === chosen));
@@ -113,7 +117,7 @@
     buttons.forEach((button, number) =>
       button.addEventListener("click", () => {
         pressed(button);
-        show(directions[number]);
+        show(fitted(directions[number]));
       })
     );
     for (const button of figure.querySelectorAll("[data-turn]")) {
@@ -145,6 +149,7 @@
     stage.setAttribute("role", "application");
     figure.querySelector(".controls").hidden = false;
     pressed(buttons[0]);
+    if (room > 1) show(fitted(directions[0]));
     stage.focus({ preventScroll: true });
   };
 
