@@ -1,13 +1,22 @@
 """The verdict on the errors of lengths on the target, by rules."""
 
+from dataclasses import dataclass
+
+import numpy as np
+
 from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.verdict.amounts import millimetres
 from labcal.evaluate.verdict.finding import Finding, Rules
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
 
-MOST_TIMES_RMS = 6.0
-"""Greatest error over the RMS from which on single points are bad: of normal errors one in a billion is."""
+MOST_BEYOND = 5.0
+"""Times the 99th percentile from which on single points are bad.
+
+Errors of lengths are a mixture: those in depth are several times as large as those across. Their greatest is
+therefore many times the RMS, but not the 99th percentile, which a single bad point hardly moves.
+"""
+_ALMOST_ALL = 99.0
 MOST_SCALE_SHARE = 0.5
 """Of the RMS error, from which on the scale is its main part."""
 
@@ -30,11 +39,12 @@ def length_verdict(errors: LengthErrors, longest_mm: float) -> Verdict:
     return _RULES.verdict(_Lengths(errors, longest_mm), expectation, _LEAVES_OUT)
 
 
+@dataclass(frozen=True)
 class _Lengths:
-    """Errors of lengths and the longest length."""
+    """Errors of lengths and the longest length, mm."""
 
-    def __init__(self, errors: LengthErrors, longest_mm: float) -> None:
-        self.errors, self.longest_mm = errors, longest_mm
+    errors: LengthErrors
+    longest_mm: float
 
 
 def _not_one_ok(given: _Lengths) -> Finding | None:
@@ -72,12 +82,13 @@ def _scale(given: _Lengths) -> Finding | None:
 
 
 def _single_points(given: _Lengths) -> Finding | None:
-    length = given.errors.length_error_mm
-    if length.max <= MOST_TIMES_RMS * length.rms:
+    greatest = given.errors.length_error_mm.max
+    usual = float(np.percentile(np.abs(given.errors.error), _ALMOST_ALL))
+    if greatest <= MOST_BEYOND * usual:
         return None
     return Finding(
         Belief.PARTLY,
-        f"single points are far off: the greatest error is {length.max / length.rms:.0f} times the RMS",
+        f"single points are far off: 99% of the lengths are within {millimetres(usual)}, but not all",
         "single points",
         "find them in the map of errors, and look at their dots in the pictures",
     )
