@@ -7,7 +7,8 @@ from labcal.correspond.view_roles import HoldOut, held_out_views
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
-from labcal.pipeline.given import claimed_page, dots_of, shown_by
+from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -79,7 +80,6 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
         kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
     made = calibrated(dots, target, lens, settings, kept_back, progress)
     if output is not None:
-        from labcal.pipeline.pages import page_maker
         from labcal.report.calibration_page import calibration_page
 
         given = {"source": source, "detections": detections, "lens": lens, "hold_out": hold_out}
@@ -144,7 +144,6 @@ def fit(
     if isinstance(model, InputError):
         raise model
     if output is not None:
-        from labcal.pipeline.pages import page_maker
         from labcal.report.fit_page import fit_page
         from labcal.report.fit_result import FitOutcome
 

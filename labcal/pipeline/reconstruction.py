@@ -10,7 +10,8 @@ from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
-from labcal.pipeline.given import claimed_page, dots_of, shown_by
+from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget, load_target
 from labcal.targets.places import DotPlaces
@@ -121,7 +122,6 @@ def evaluate(
     found = points if isinstance(points, Points) else read_points(as_path(points))
     errors = _errors(found, shown, detections, alignment, rig)
     if output is not None:
-        from labcal.pipeline.pages import page_maker
         from labcal.pipeline.surroundings import surroundings
         from labcal.report.evaluation_page import evaluation_page
 

@@ -64,6 +64,11 @@ class PageOutput:
         write_file(self.file.path, page.text(), kind=PAGE_KIND, force=self.force)
 
 
+def is_page(path: AnyPath) -> bool:
+    """Tell whether a name is that of a page."""
+    return as_path(path).suffix.lower() in _ENDINGS
+
+
 def page_file(path: AnyPath) -> FileOutput:
     """Return a page as a file to write.
 
@@ -73,7 +78,7 @@ def page_file(path: AnyPath) -> FileOutput:
         Its name does not end in ``.html``.
     """
     place = as_path(path)
-    if place.suffix.lower() not in _ENDINGS:
+    if not is_page(place):
         raise OutputError(f"{place} cannot be written: it would be a page. Choose a name that ends in .html.")
     return FileOutput(place, PAGE_KIND)
 
