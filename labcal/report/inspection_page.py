@@ -77,13 +77,11 @@ def _remarks(found: Inspection) -> list[str]:
     soft = [_named(one) for name in found.cameras for one in _soft(found.pictures, name)]
     if soft:
         remarks.append(
-            f"less sharp than the others of the same camera: {listed(soft)}. The target moved, or was out of focus."
+            f"less sharp than the others of the same camera: {listed(soft)}. The target moved, or was out of "
+            "focus."
         )
-    bare = [
-        f"{name} ({camera.coverage:.0%})"
-        for name, camera in found.cameras.items()
-        if camera.coverage < _COVERED
-    ]
+    coverages = {name: camera.coverage for name, camera in found.cameras.items()}
+    bare = [f"{name} ({share:.0%})" for name, share in coverages.items() if share < _COVERED]
     if bare:
         remarks.append(
             f"dots cover little of the picture of {listed(bare)}. Take views with dots up to the corners."

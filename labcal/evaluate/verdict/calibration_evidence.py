@@ -13,6 +13,9 @@ from labcal.geometry.poses import transform
 from labcal.optim.solution import StopReason
 from labcal.targets.catalogue import AnyTarget
 
+_PAIR = 2
+_MOST_PLACES = 1500
+"""For the error by the cameras' uncertainty: more add nothing."""
 _UNFINISHED = (StopReason.EPOCHS, StopReason.NOT_FINITE)
 
 
@@ -23,9 +26,10 @@ def calibration_evidence(made: Calibration, target: AnyTarget) -> CalibrationEvi
     fits = found.fits
     noise = [float(np.hypot(fit.noise_px, _scatter_px(found, name))) for name, fit in fits.items()]
     names = list(found.rig.cameras)
+    places = target_places(found, target)
     return CalibrationEvidence(
-        at=working_distance(cameras, target_places(found, target), noise),
-        calibration_mm=float("nan"),
+        at=working_distance(cameras, places, noise),
+        calibration_mm=_calibration_mm(found, places),
         noise_px=float(np.median([fit.noise_px for fit in fits.values()])),
         scatter_px=max(_scatter_px(found, name) for name in names),
         rms_px=found.rms_px,
@@ -49,6 +53,16 @@ def target_places(found: HandheldCalibration, target: AnyTarget) -> np.ndarray:
     """Return where all dots of the target were in all views, in the world, shape (n, 3), mm."""
     places = target.points() if found.freed is None else found.freed.place
     return np.concatenate([transform(T, places) for T in found.T_world_target])
+
+
+def _calibration_mm(found: HandheldCalibration, places: np.ndarray) -> float:
+    """Return the RMS error of points by the uncertainty of the cameras; NaN of one camera."""
+    cameras = [found.rig.camera(name) for name in found.rig.cameras]
+    if len(cameras) < _PAIR:
+        return float("nan")
+    seen = np.all([camera.in_picture(camera.project(places).q) for camera in cameras], axis=0)
+    places = places[seen]
+    return found.covariance.rms_mm(cameras, places[:: -(-len(places) // _MOST_PLACES) or 1])
 
 
 def _scatter_px(found: HandheldCalibration, name: str) -> float:
