@@ -10,6 +10,8 @@ from labcal.report.page.document import PAGE_KIND, Page
 from labcal.run.claims import FileOutput
 from labcal.run.outputs import write_file
 
+_LONGEST = 120
+"""Letters of an argument in the text of a call."""
 _ENDINGS = (".html", ".htm")
 
 
@@ -92,11 +94,16 @@ def called(function: str, arguments: Mapping[str, object]) -> str:
     arguments : mapping of str to object
         Those that are None, or empty, are left out.
     """
-    given = [f"{name}={_text(value)}" for name, value in arguments.items() if value not in (None, ())]
+    given = [f"{name}={_text(value)}" for name, value in arguments.items() if not _is_left_out(value)]
     return f"labcal.pipeline.{function}({', '.join(given)})"
 
 
+def _is_left_out(value: object) -> bool:
+    return value is None or (isinstance(value, tuple) and not value)
+
+
 def _text(value: object) -> str:
+    """Return a value as it is typed; what would be long, or cannot be typed, by its type."""
     if isinstance(value, Path):
         return repr(str(value))
     if isinstance(value, str | int | float) or (
@@ -105,6 +112,3 @@ def _text(value: object) -> str:
         text = repr(value)
         return text if len(text) <= _LONGEST else f"<{type(value).__name__}>"
     return f"<{type(value).__name__}>"
-
-
-_LONGEST = 120
