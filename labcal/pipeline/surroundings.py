@@ -1,4 +1,4 @@
-"""What stands around evaluated points: cameras and target of the truth, or of what reconstructed them."""
+"""Cameras and target around evaluated points: those of the truth, or of what reconstructed them."""
 
 import os
 from collections.abc import Collection

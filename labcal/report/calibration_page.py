@@ -169,7 +169,7 @@ def _camera_table(result: CalibrateResult) -> PageTable:
         Column("fy, px"),
         Column("cx, px"),
         Column("cy, px"),
-        Column("lens", Side.LEFT),
+        Column("lens", Side.WIDE),
     ]
     rows = []
     for name, camera in result.cameras.items():
@@ -211,7 +211,7 @@ def _further(result: CalibrateResult) -> list[Part]:
     parts: list[Part] = []
     if result.inconsistent is not None:
         rows = [[one.cause, one.why, ", ".join(one.views)] for one in result.inconsistent.causes]
-        columns = [Column("likely cause", Side.LEFT), Column("why", Side.LEFT), Column("views", Side.LEFT)]
+        columns = [Column("likely cause", Side.LEFT), Column("why", Side.WIDE), Column("views", Side.LEFT)]
         parts.append(
             PageTable("causes", "Likely causes of the contradiction, the likeliest first.", columns, rows)
         )
@@ -254,6 +254,6 @@ def _lens_table(result: CalibrateResult) -> PageTable:
         Column("lens model", Side.LEFT),
         Column("RMS held out, px"),
         Column("worse than the best by, px²"),
-        Column("", Side.LEFT),
+        Column("", Side.WIDE),
     ]
     return PageTable("lenses", "Lens models that were tried on views held out.", columns, rows)

@@ -1,4 +1,4 @@
-"""How errors are spread, with figures that sum them up."""
+"""A histogram of errors, with figures that sum them up."""
 
 from collections.abc import Mapping
 

@@ -41,7 +41,7 @@ _FEWEST = 3
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What stands around the points, in the world in which their errors are drawn.
+    """Cameras and target around the points, in the world in which their errors are drawn.
 
     Attributes
     ----------

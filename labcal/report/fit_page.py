@@ -99,7 +99,7 @@ def _evidence(training: Training, result: FitResult, models: Sequence[Model]) ->
     return FitEvidence(
         methods=methods,
         volume=f"within the trained volume of {sides} mm",
-        rehearsed=any(model.rehearsed is not None for model in models),
+        validated=any(model.rehearsed is not None for model in models),
         causes=() if doubt is None else tuple(cause.cause for cause in doubt.causes),
     )
 
@@ -109,11 +109,13 @@ def _method_table(methods: Sequence[MethodResult]) -> PageTable:
         Column("method", Side.LEFT),
         Column("dots"),
         Column("RMS on the trained dots, mm"),
-        Column("to expect between them, mm", meaning="RMS error in a rehearsal with cameras like these"),
+        Column(
+            "to expect between them, mm", meaning="RMS error by surrogate validation, on cameras like these"
+        ),
         Column("noise alone, mm", meaning="What exactly known cameras leave"),
         Column("in 95% ellipsoids"),
         Column("epochs"),
-        Column("remarks", Side.LEFT),
+        Column("remarks", Side.WIDE),
     ]
     rows = []
     for one in methods:

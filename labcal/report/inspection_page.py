@@ -146,7 +146,7 @@ def _table(pictures: Sequence[InspectedPicture]) -> PageTable:
         Column("at full scale", meaning="Share of pixels"),
         Column("sharpness, 1/px", meaning="Contrast of strong edges per pixel"),
         Column("dots"),
-        Column("refused because", Side.LEFT),
+        Column("refused because", Side.WIDE),
     ]
     rows = [
         [

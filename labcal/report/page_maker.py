@@ -1,4 +1,4 @@
-"""How a page speaks to its reader, and what it was made by: what the builders of pages share."""
+"""The words and the origin of a page, common to the builders of pages."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from labcal.report.page.provenance import Provenance
 
 @dataclass(frozen=True)
 class PageMaker:
-    """What is the same for every page.
+    """Words and origin of a page.
 
     Attributes
     ----------
@@ -24,8 +24,9 @@ class PageMaker:
 
     def notes(self, messages: Sequence[str]) -> list[Part]:
         """Return warnings as notes, each in a box of its own."""
-        return [Prose((_capital(self.phrase(message)),), Tone.NOTE) for message in messages]
+        return [Prose((_sentence(self.phrase(message)),), Tone.NOTE) for message in messages]
 
 
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+def _sentence(text: str) -> str:
+    """Return a message with a capital letter and a full stop."""
+    return f"{text[:1].upper()}{text[1:]}{'' if text.endswith(('.', '?')) else '.'}"

@@ -15,6 +15,7 @@ from labcal.report.page.download import Download
 from labcal.report.page.part import Part
 from labcal.report.page.prose import Prose, Tone
 from labcal.report.page.provenance import Provenance
+from labcal.report.page.templates import rendered
 from labcal.report.page.written import Written
 from labcal.report.reproduction import RESULTS, Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
@@ -171,7 +172,7 @@ def _quick_note(result: Reproduction) -> list[Part]:
     paragraphs = (
         "This was a quick run: a check that everything works, not the paper's conditions.",
         *(f"• {restriction}" for restriction in result.restrictions),
-        "Run 'labcal reproduce' without --quick for figures to quote.",
+        "Run 'labcal reproduce' in full for figures to quote.",
     )
     return [Prose(paragraphs, Tone.NOTE)]
 
@@ -187,11 +188,13 @@ def _not_reported(result: Reproduction) -> str:
 def _provenance(result: Reproduction, folder: Path) -> Provenance:
     """Return the command that gives these results; ``labcal report`` makes the page of them again."""
     every = len(result.rows) + len(result.not_reported) == _ROWS
-    words = [] if every else [row.exp for row in result.rows]
-    words += ["--quick"] if result.quick else []
-    seeds = sorted({row.seeds for row in result.rows})
-    words += ["--seeds", str(seeds[-1])] if seeds else []
-    return Provenance.of(" ".join(["labcal reproduce", *words, "-o DIR"]), [RESULTS], folder)
+    words = {
+        "rows": [] if every else [row.exp for row in result.rows],
+        "seeds": max((row.seeds for row in result.rows), default=0),
+        "result": result,
+    }
+    command = str(rendered("reproduction_command.txt.jinja", words)).strip()
+    return Provenance.of(command, [RESULTS], folder)
 
 
 def missing_pictures(result: Reproduction, folder: AnyPath) -> list[str]:

@@ -45,7 +45,7 @@ class Direction:
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """What there is in space, in one world, mm.
+    """Cameras, target and points in one world, mm.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the rules for calibrations look at, from a calibration."""
+"""Evidence for the rules, from a calibration."""
 
 from itertools import combinations
 
@@ -45,6 +45,7 @@ def calibration_evidence(made: Calibration, target: AnyTarget) -> CalibrationEvi
         uneven=() if found.freed is not None else tuple(name for name, fit in fits.items() if fit.uneven),
         undetermined=tuple(name for name, fit in fits.items() if fit.undetermined),
         finished=found.reason not in _UNFINISHED,
+        freed=found.freed is not None,
         baseline_mm=max((found.rig.baseline_mm(*pair) for pair in combinations(names, 2)), default=0.0),
     )
 

@@ -11,7 +11,7 @@ Evidence = TypeVar("Evidence")
 
 @dataclass(frozen=True)
 class Finding:
-    """What a rule sees: how far it shakes belief, why, what limits the accuracy then, and what to do."""
+    """A doubt that a rule finds: how far it shakes belief, its reason, the limit then, and what to do."""
 
     belief: Belief
     reason: str

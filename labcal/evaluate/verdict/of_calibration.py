@@ -12,7 +12,7 @@ from labcal.wording import counted, listed
 FEW_VIEWS = 6
 """Fewer views leave hardly anything to check a lens by."""
 GOOD_VIEWS = 15
-"""What to take instead; see the page on how to shoot a good set."""
+"""Views to take instead; see the page on how to shoot a good set."""
 LEAST_COVERAGE = 0.4
 """Share of the cells of a picture with dots, below which most of the lens is extrapolated."""
 MOST_OUTLIERS = 0.05
@@ -25,7 +25,7 @@ SCALE = 1e-3
 
 @dataclass(frozen=True)
 class CalibrationEvidence:
-    """What the rules look at.
+    """Evidence for the rules.
 
     Attributes
     ----------
@@ -47,6 +47,8 @@ class CalibrationEvidence:
         Names of cameras.
     finished : bool
         True if the adjustment came to its end.
+    freed : bool
+        True if the places of the dots on the print were estimated.
     baseline_mm : float
         Greatest distance of two cameras; 0 of one.
     """
@@ -66,6 +68,7 @@ class CalibrationEvidence:
     uneven: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
     finished: bool = True
+    freed: bool = False
     baseline_mm: float = 0.0
 
     @property
@@ -247,6 +250,8 @@ def _leaves_out(evidence: CalibrationEvidence) -> list[str]:
         f"places where the target was not: it was held between {millimetres(at.nearest_mm)} and "
         f"{millimetres(at.farthest_mm)} away"
     )
+    if not evidence.freed:
+        left.append("errors of the print: its dots count as exactly placed; `free_dots=True` estimates them")
     left.append("an error of the lens model that all views share")
     left.append("whatever changes after the calibration: focus, temperature, a camera that is knocked")
     return left
@@ -258,9 +263,9 @@ _RULES = Rules[CalibrationEvidence](
         _two_lenses,
         _unfinished,
         _nowhere,
+        _uneven,
         _few_views,
         _open_lens,
-        _uneven,
         _undetermined,
         _outliers,
         _uncovered,

@@ -44,7 +44,7 @@ class MethodEvidence:
 
 @dataclass(frozen=True)
 class FitEvidence:
-    """What the rules look at.
+    """Evidence for the rules.
 
     Attributes
     ----------
@@ -52,15 +52,15 @@ class FitEvidence:
         Those that could be fitted.
     volume : str
         Of the training dots, in words.
-    rehearsed : bool
-        Whether the expected error was looked for.
+    validated : bool
+        True if surrogate validation was asked for.
     causes : tuple of str
         Of contradictions between the views of a hand-held target.
     """
 
     methods: Sequence[MethodEvidence]
     volume: str
-    rehearsed: bool
+    validated: bool
     causes: tuple[str, ...] = ()
 
     @property
@@ -113,22 +113,22 @@ def _contradiction(evidence: FitEvidence) -> Finding | None:
     )
 
 
-def _not_rehearsed(evidence: FitEvidence) -> Finding | None:
+def _not_validated(evidence: FitEvidence) -> Finding | None:
     best = evidence.best
     if best is None or best.expected is not None:
         return None
-    if evidence.rehearsed:
+    if evidence.validated:
         return Finding(
             Belief.PARTLY,
-            "the dots, all on one plane perhaps, determine no cameras to rehearse it with",
+            "the dots, all on one plane perhaps, determine no cameras for surrogate validation",
             "not known",
             "train on two planes or more, or score test views with 'labcal evaluate'",
         )
     return Finding(
         Belief.PARTLY,
-        "the fit was not rehearsed",
+        "surrogate validation was left out",
         "not known",
-        "fit again with the rehearsal, or score test views with 'labcal evaluate'",
+        "fit again with surrogate validation, or score test views with 'labcal evaluate'",
     )
 
 
@@ -171,7 +171,7 @@ def _sound(evidence: FitEvidence) -> Finding:
         raise ValueError("A rule finds what has no expected error.")
     times = expected.rmse_mm / expected.limit_mm if expected.limit_mm > 0.0 else float("nan")
     held = percent(expected.coverage95)
-    reason = f"it was rehearsed with cameras like these, and its 95% ellipsoids hold {held}"
+    reason = f"surrogate validation, on cameras like these, finds {held} of the points in its 95% ellipsoids"
     advice = f"reconstruct with '{best.method}', and score views that it has not seen with 'labcal evaluate'"
     if times <= AT_THE_LIMIT:
         limit = f"the noise of the dots, which alone leaves {millimetres(expected.limit_mm)}"
@@ -183,12 +183,12 @@ def _sound(evidence: FitEvidence) -> Finding:
 def _leaves_out(evidence: FitEvidence) -> list[str]:
     left = [
         "places outside the trained volume, where every method guesses",
-        "what the rehearsal's cameras do not show: they follow the training dots, and not what lies between",
+        "what the surrogate's cameras do not show: they follow the training dots, and not what lies between",
         "errors of the trained places: of the stage, or of the adjustment that placed the target",
     ]
     return left if evidence.methods else []
 
 
 _RULES = Rules[FitEvidence](
-    doubts=(_none_fitted, _contradiction, _not_rehearsed, _misfit, _few_dots), sound=_sound
+    doubts=(_none_fitted, _contradiction, _not_validated, _misfit, _few_dots), sound=_sound
 )

@@ -17,8 +17,8 @@ Errors of lengths are a mixture: those in depth are several times as large as th
 therefore many times the RMS, but not the 99th percentile, which a single bad point hardly moves.
 """
 _ALMOST_ALL = 99.0
-MOST_SCALE_SHARE = 0.5
-"""Of the RMS error, from which on the scale is its main part."""
+MOST_SCALE_SHARE = 0.7
+"""Of the RMS error, from which on the scale is half of the mean square."""
 
 
 def length_verdict(errors: LengthErrors, longest_mm: float) -> Verdict:

@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class Belief(StrEnum):
-    """Whether the expected error is to be believed."""
+    """Trust in the expected error."""
 
     YES = "yes"
     PARTLY = "with reservations"

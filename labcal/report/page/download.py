@@ -27,5 +27,5 @@ class Download:
 
     @property
     def label(self) -> str:
-        """What the button says: the kind of the file."""
+        """The text of its button: the kind of the file."""
         return self.file.rpartition(".")[2].upper()

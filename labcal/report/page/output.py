@@ -17,7 +17,7 @@ _ENDINGS = (".html", ".htm")
 
 @dataclass(frozen=True)
 class PageOutput:
-    """Where a page goes, and what it says that it was made by.
+    """The place of a page, and the command that it names.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a page was made by, and of."""
+"""The origin of a page: command, versions and files."""
 
 import hashlib
 import sys

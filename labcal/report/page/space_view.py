@@ -49,17 +49,17 @@ class SpaceView(Part):
 
     @property
     def directions(self) -> list[Direction]:
-        """What the buttons look from."""
+        """Directions of view, one a button."""
         return self._shown.directions
 
     @property
     def layers(self) -> tuple[str, ...]:
-        """What can be shown and hidden."""
+        """Layers that can be shown and hidden."""
         return layers(self._shown)
 
     @property
     def caption(self) -> str:
-        """What is drawn, with the scale of the error vectors."""
+        """The description, with the scale of the error vectors."""
         text = self.description
         if len(self.space.vectors):
             text += f" Error vectors are drawn {self._shown.magnification:g} times as long as they are."

@@ -55,7 +55,7 @@ class Statement(Part):
 
     @property
     def leaves_out(self) -> list[str]:
-        """What the expected error does not hold."""
+        """Errors that the expected one does not hold."""
         return [_as_sentence(self.phrase(one)) for one in self.verdict.leaves_out]
 
 

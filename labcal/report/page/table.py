@@ -19,6 +19,8 @@ class Side(StrEnum):
     """The side of a column on which its cells stand, which is also the name of their style."""
 
     LEFT = "text"
+    WIDE = "text wide"
+    """On the left, and wide enough for a sentence."""
     RIGHT = "figure"
 
 

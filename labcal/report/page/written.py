@@ -1,4 +1,4 @@
-"""A part of a page that has a template of its own."""
+"""Parts of pages with templates of their own."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from labcal.report.page.templates import rendered
 
 @dataclass(frozen=True)
 class Written(Part):
-    """What a template makes of values; for what only one page has.
+    """A part of a single page, which has a template of its own.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ def test_fit_gives_a_page_of_all_methods(home: Path, capsys: pytest.CaptureFixtu
     for method in ("dlt", "affine", "homography"):
         assert f'<th scope="row" class="text">{method}</th>' in text
     assert "refused:" in text
-    assert "was not rehearsed" in sentence("fit.html")
+    assert "surrogate validation was left out" in sentence("fit.html")
     assert home.is_dir()
     capsys.readouterr()
 

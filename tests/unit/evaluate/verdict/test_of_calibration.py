@@ -84,6 +84,8 @@ def test_what_the_sigma_leaves_out_is_said_with_its_size() -> None:
     assert "0.64 mm in 640 mm" in left  # of a pitch that is 0.1% off
     assert "between 500 mm and 800 mm" in left
     assert "they count as exact" not in " ".join(calibration_verdict(GOOD).leaves_out)
+    assert "errors of the print" in left
+    assert "errors of the print" not in " ".join(calibration_verdict(replace(GOOD, freed=True)).leaves_out)
 
 
 def test_one_camera_gives_no_depth() -> None:

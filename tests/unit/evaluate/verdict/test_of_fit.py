@@ -10,7 +10,7 @@ from labcal.evaluate.verdict.verdict import Belief
 
 HYBRID = MethodEvidence("hybrid", 520, 0.3, ExpectedError(0.42, 0.41, 0.95))
 NETWORK = MethodEvidence("mlp", 520, 0.02, ExpectedError(4.6, 0.41, 0.4))
-GOOD = FitEvidence([NETWORK, HYBRID], "within the trained volume", rehearsed=True)
+GOOD = FitEvidence([NETWORK, HYBRID], "within the trained volume", validated=True)
 
 
 def test_the_method_that_errs_least_between_the_dots_is_named_not_the_one_that_fits_them_best() -> None:
@@ -32,9 +32,9 @@ def test_a_method_without_misfit_goes_before_one_that_errs_less() -> None:
         (replace(GOOD, causes=("swapped-cameras",)), Belief.NO, "swapped-cameras"),
         (replace(GOOD, methods=[replace(HYBRID, expected=None)]), Belief.PARTLY, "one plane"),
         (
-            replace(GOOD, methods=[replace(HYBRID, expected=None)], rehearsed=False),
+            replace(GOOD, methods=[replace(HYBRID, expected=None)], validated=False),
             Belief.PARTLY,
-            "not rehearsed",
+            "was left out",
         ),
         (replace(GOOD, methods=[NETWORK]), Belief.PARTLY, "11.2 times"),
         (
