@@ -40,6 +40,11 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
         raise InputError("`only` names groups of checks, of which the benchmark 'render' has none.")
     if settings.methods and what != "solve":
         raise InputError("`method` goes with 'bench solve', which measures methods. Leave it out.")
+    if settings.scheduler is not None and what != "solve":
+        raise InputError(
+            f"`scheduler` goes with 'bench solve', whose cases a cluster can do; '{what}' is measured here. "
+            "Leave it out."
+        )
     photographs = real_home()
     claim_outputs([FolderOutput(folder)], () if photographs is None else (photographs,), force=settings.force)
     return BENCHMARKS[what](folder, settings, progress)

@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from labcal.cli.methods import named_methods
-from labcal.cli.options import add_output, add_seed
+from labcal.cli.options import add_output, add_scheduler, add_seed
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -39,6 +39,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
+    add_scheduler(parser, "cases of 'solve' (groups limits and mistakes)")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -48,7 +49,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
     methods = () if arguments.method is None else tuple(named_methods(arguments.method))
-    settings = BenchSettings(arguments.quick, arguments.seed, arguments.force, groups, methods)
+    settings = BenchSettings(
+        arguments.quick, arguments.seed, arguments.force, groups, methods, arguments.scheduler
+    )
     with session.progress() as progress:
         result = bench(arguments.what, arguments.output, settings, progress)
     session.emit(result, bench_table(result))

@@ -115,7 +115,7 @@ def evaluate(
     >>> pipeline.evaluate(examples.points(), examples.TARGET)
     LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
     """
-    from labcal.correspond.points import read_points
+    from labcal.correspond.points_csv import read_points
 
     output = claimed_page(page, [points, source, detections, rig])
     shown = source if isinstance(source, DotPlaces) else shown_by(source)

@@ -5,9 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
+from markupsafe import Markup
 
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
+from labcal.report import claims_words
+from labcal.report.claims_figure import claim_figure
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import PAGE_KIND, Page, Section
@@ -19,6 +22,7 @@ from labcal.report.page.templates import rendered
 from labcal.report.page.written import Written
 from labcal.report.reproduction import RESULTS, Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
+from labcal.report.row_verdict import RowVerdict
 from labcal.report.thumbnail import thumbnail
 from labcal.run.file_kinds import recognised_by
 from labcal.run.tables import table_text
@@ -37,39 +41,15 @@ _PICTURE_WIDTH = 640
 _JPEG_QUALITY = 82
 
 
-@dataclass(frozen=True)
-class _Verdict:
-    """A verdict: how it looks, and what it means."""
-
-    word: str
-    look: str
-    glyph: str
-    meaning: str
-
-
-_VERDICTS = (
-    _Verdict(
-        "reproduced",
-        "good",
-        "✓",
-        "The mean signed error is no larger than the paper's (give or take 0.1 mm, which the paper rounds "
-        "away), and the epochs, where there are any, are within a factor of 2 of the paper's.",
-    ),
-    _Verdict(
-        "reproduced in other epochs",
-        "fair",
-        "≈",
-        "The error is no larger than the paper's, but the training took more than twice or less than half of "
-        "the paper's epochs.",
-    ),
-    _Verdict("not reproduced", "bad", "✗", "The mean signed error is larger than the paper's."),
-    _Verdict(
-        "paper contradicts itself",
-        "odd",
-        "!",
-        "The paper's figures of this row cannot all be right, so there is nothing to agree with.",
-    ),
-)
+_LOOKS = {
+    RowVerdict.MATCHES: ("good", "✓"),
+    RowVerdict.OTHER_EPOCHS: ("fair", "≈"),
+    RowVerdict.SMALLER: ("fair", "↓"),
+    RowVerdict.LARGER: ("bad", "↑"),
+    RowVerdict.CONTRADICTION: ("odd", "!"),
+}
+"""Class and sign of each verdict."""
+_CLAIM_LOOKS = {"holds": "good", "holds only where": "fair", "does not hold": "bad"}
 
 
 @dataclass(frozen=True)
@@ -101,7 +81,7 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         "result": result,
         "entries": sorted(rows, key=_number),
         "tally": _tally(result),
-        "verdicts": [(verdict.word, verdict.meaning) for verdict in _VERDICTS],
+        "verdicts": [(verdict.value, verdict.meaning) for verdict in RowVerdict],
         "runs": _runs(result),
         "verdict_class": _verdict_class,
         "verdict_glyph": _verdict_glyph,
@@ -111,7 +91,7 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         Section("Every row", [Written("reproduction_rows.html.jinja", values)]),
     ]
     if result.claims:
-        sections.append(Section("The claims", [Written("reproduction_claims.html.jinja", values)]))
+        sections.append(Section("The claims", [_claims(result)]))
     sections.append(Section("How a row is read", [Written("reproduction_reading.html.jinja", values)]))
     if result.not_reported:
         sections.append(Section("Not reported", [Prose((_not_reported(result),))]))
@@ -203,22 +183,36 @@ def missing_pictures(result: Reproduction, folder: AnyPath) -> list[str]:
     return [picture.file for picture in result.pictures if _embed(picture, folder).absent]
 
 
+def _claims(result: Reproduction) -> Written:
+    """Return the claims with their figures."""
+    values: dict[str, object] = {
+        "claims": [(claim, Markup(claim_figure(claim))) for claim in result.claims],  # noqa: S704 -- matplotlib's
+        "plan": result.claims_plan_sha256 or "",
+        "claim_class": lambda verdict: _CLAIM_LOOKS.get(verdict, ""),
+        "claim_words": claims_words.verdict_words,
+        "statement_words": claims_words.statement_words,
+        "ratio_words": lambda one: claims_words.ratio_words(one.ratio, one.interval),
+        "p_words": claims_words.p_words,
+        "outcome_words": claims_words.outcome_words,
+    }
+    return Written("claims.html.jinja", values)
+
+
 def _verdict_class(word: str) -> str:
-    return next((verdict.look for verdict in _VERDICTS if verdict.word == word), "")
+    return _LOOKS[RowVerdict(word)][0]
 
 
 def _verdict_glyph(word: str) -> str:
-    return next((verdict.glyph for verdict in _VERDICTS if verdict.word == word), "")
+    return _LOOKS[RowVerdict(word)][1]
 
 
 def _number(row: RowResult | str) -> str:
     return row if isinstance(row, str) else row.exp
 
 
-def _tally(result: Reproduction) -> list[tuple[str, int]]:
+def _tally(result: Reproduction) -> list[tuple[RowVerdict, int]]:
     """Return every verdict with the number of its rows."""
-    words = dict.fromkeys([*(verdict.word for verdict in _VERDICTS), *(row.verdict for row in result.rows)])
-    return [(word, sum(row.verdict == word for row in result.rows)) for word in words]
+    return [(verdict, sum(row.verdict is verdict for row in result.rows)) for verdict in RowVerdict]
 
 
 def _runs(result: Reproduction) -> str:

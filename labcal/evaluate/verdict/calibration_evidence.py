@@ -10,7 +10,7 @@ from labcal.correspond.coverage import coverage_of
 from labcal.evaluate.verdict.of_calibration import CalibrationEvidence
 from labcal.evaluate.working_distance import working_distance
 from labcal.geometry.poses import transform
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 from labcal.targets.catalogue import AnyTarget
 
 _PAIR = 2
