@@ -37,9 +37,9 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     if what not in BENCHMARKS:
         raise UnknownNameError("benchmark", what, BENCHMARKS)
     if settings.groups and what == "render":
-        raise InputError("`only` names groups of checks, of which the benchmark 'render' has none.")
+        raise InputError("`groups` names groups of checks, of which the benchmark 'render' has none.")
     if settings.methods and what != "solve":
-        raise InputError("`method` goes with 'bench solve', which measures methods. Leave it out.")
+        raise InputError("`methods` goes with 'bench solve', which measures methods. Leave it out.")
     if settings.scheduler is not None and what != "solve":
         raise InputError(
             f"`scheduler` goes with 'bench solve', whose cases a cluster can do; '{what}' is measured here. "

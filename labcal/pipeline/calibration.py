@@ -2,14 +2,15 @@
 
 from typing import TYPE_CHECKING
 
+from labcal.arguments import one_text, settings_of
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.correspond.view_roles import HoldOut, checked_hold_out, held_out_views
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
 from labcal.pipeline.given import dots_of, shown_by
 from labcal.pipeline.pages import claimed_page, page_maker
-from labcal.run.progress import Progress
+from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.targets.catalogue import AnyTarget
@@ -68,16 +69,20 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     Calibration(cameras=['left', 'right'], lens=brown5, views=6, rms=0.0275 px, warnings=0)
     """
     from labcal.calibrate.calibration import calibrated
+    from labcal.calibrate.handheld import HandheldSettings
 
     output = claimed_page(page, [source, detections])
+    lens = None if lens is None else one_text(lens, "lens")
+    settings, progress = settings_of(settings, HandheldSettings), progress_of(progress)
+    hold_out = checked_hold_out(hold_out)
     shown = shown_by(source)
-    dots = dots_of(detections, shown)
-    target = shown.target if isinstance(shown, Shoot) else shown
-    kept_back = hold_out
+    dots = dots_of(detections, shown, progress)
+    target, kept_back = shown, hold_out
     if isinstance(shown, Shoot):
         tested = {view.name for view in shown.views(Role.TEST)}
         rest = [view for view in dots.views if view not in tested]
         kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
+        target = shown.target
     made = calibrated(dots, target, lens, settings, kept_back, progress)
     if output is not None:
         from labcal.report.calibration_page import calibration_page
@@ -136,10 +141,10 @@ def fit(
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 
     output = claimed_page(page, [source, detections])
-    settings = settings or FitSettings()
+    settings, progress = settings_of(settings, FitSettings), progress_of(progress)
     shown = shown_by(source)
     estimators = estimators_of([method], settings)
-    training = training_of(shown, dots_of(detections, shown), settings, progress)
+    training = training_of(shown, dots_of(detections, shown, progress), settings, progress)
     (model,) = fit_methods(training, estimators, settings, progress)
     if isinstance(model, InputError):
         raise model
