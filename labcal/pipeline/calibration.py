@@ -77,12 +77,11 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     hold_out = checked_hold_out(hold_out)
     shown = shown_by(source)
     dots = dots_of(detections, shown, progress)
-    target, kept_back = shown, hold_out
+    target, kept_back = shown.target if isinstance(shown, Shoot) else shown, hold_out
     if isinstance(shown, Shoot):
         tested = {view.name for view in shown.views(Role.TEST)}
         rest = [view for view in dots.views if view not in tested]
         kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
-        target = shown.target
     made = calibrated(dots, target, lens, settings, kept_back, progress)
     if output is not None:
         from labcal.report.calibration_page import calibration_page
