@@ -15,6 +15,10 @@ _LONGEST = 120
 _ENDINGS = (".html", ".htm")
 
 
+def _as_it_is(text: str) -> str:
+    return text
+
+
 @dataclass(frozen=True)
 class PageOutput:
     """The place of a page, and the command that it names.
@@ -31,12 +35,18 @@ class PageOutput:
         What turns a message of the library into the reader's words; the command line speaks of options.
     inputs : tuple of path
         Files that were read; where none is named, those that the function was given by their paths.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> page = pipeline.PageOutput("errors.html", force=True)
+    >>> errors = pipeline.evaluate(examples.points(), examples.TARGET, page=page)
     """
 
     path: AnyPath
     force: bool = False
     command: str = ""
-    phrase: Callable[[str], str] = str
+    phrase: Callable[[str], str] = _as_it_is
     inputs: tuple[AnyPath, ...] = ()
 
     @classmethod
