@@ -1,6 +1,6 @@
 """Precision of points at the distance at which a target was held."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +35,14 @@ class WorkingDistance:
     sigma_mm: float
     across_mm: float
     along_mm: float
+
+
+def usual_distance(cameras: Collection[Camera], p: Vectors3) -> float | None:
+    """Return the median distance of points from the middle between cameras, mm; None without cameras."""
+    if not cameras:
+        return None
+    middle = np.mean([camera.centre for camera in cameras], axis=0)
+    return float(np.median(np.linalg.norm(p - middle, axis=1)))
 
 
 def working_distance(cameras: Sequence[Camera], p: Vectors3, noise_px: Sequence[float]) -> WorkingDistance:

@@ -3,7 +3,9 @@
 import numpy as np
 
 from labcal.calibrate.calibration import Calibration
+from labcal.calibrate.displacement_figure import displacement_figure
 from labcal.calibrate.eccentricity import centred
+from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
@@ -13,10 +15,11 @@ from labcal.evaluate.verdict.calibration_evidence import calibration_evidence, t
 from labcal.evaluate.verdict.of_calibration import calibration_verdict
 from labcal.geometry.poses import transform
 from labcal.report.calibrate_result import CalibrateResult, calibrate_result
+from labcal.report.inline_svg import inline_svg, page_style
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Page, Section
-from labcal.report.page.download import Download
+from labcal.report.page.download import Download, table_download
 from labcal.report.page.part import Part
 from labcal.report.page.photograph import Photograph
 from labcal.report.page.prose import Prose
@@ -59,6 +62,8 @@ def calibration_page(made: Calibration, detections: Detections, target: AnyTarge
         Section("Pictures", [Prose((_PICTURES,)), Beside(tuple(_photographs(found, detections)))]),
     ]
     further = _further(result)
+    if found.freed is not None:
+        further.insert(0, _print_chart(found.freed))
     if further:
         sections.append(Section("Further figures", further))
     return Page(
@@ -146,15 +151,14 @@ def _residual_file(found: HandheldCalibration, number: int) -> Download:
     """Return the residuals of a camera as a table."""
     of, name = found.residuals, list(found.rig.cameras)[number]
     rows = np.flatnonzero(of.camera == number)
-    lines = zip(
+    columns = (
         [found.views[view] for view in of.view[rows].tolist()],
         *np.round(of.q[rows].T, 4).tolist(),
         *np.round(of.residual[rows].T, 4).tolist(),
         of.outlier[rows].astype(int).tolist(),
-        strict=True,
     )
     header = ("view", "x_px", "y_px", "residual_x_px", "residual_y_px", "outlier")
-    return Download(f"residuals-{name}.csv", table_text(header, lines))
+    return table_download(f"residuals-{name}.csv", header, columns)
 
 
 def _camera_table(result: CalibrateResult) -> PageTable:
@@ -204,6 +208,23 @@ def _photographs(found: HandheldCalibration, detections: Detections) -> list[Par
             Photograph(f"picture-{name}", path, of.q[rows], of.residual[rows], f"{view}, camera {name}")
         )
     return parts
+
+
+def _print_chart(dots: FreedDots) -> Chart:
+    """Return the displacements of the dots on the print."""
+    with page_style():
+        figure = displacement_figure(dots)
+        svg = inline_svg(figure, "print", "Displacements of the dots on the print, magnified")
+    header = ("col", "row", "dx_mm", "dy_mm", "dz_mm", "freed")
+    columns = (
+        *dots.target.indices().T.tolist(),
+        *np.round(dots.displacement.T, 5).tolist(),
+        dots.freed.astype(int).tolist(),
+    )
+    caption = (
+        "Where the dots are on the print, against where they are declared; circles are their uncertainty."
+    )
+    return Chart("print", svg, caption, table_download("print.csv", header, columns))
 
 
 def _further(result: CalibrateResult) -> list[Part]:

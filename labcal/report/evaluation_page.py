@@ -15,13 +15,14 @@ from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.scored_views import scored_description
 from labcal.evaluate.verdict.of_length_errors import length_verdict
 from labcal.evaluate.verdict.of_truth_errors import over_limit, truth_verdict
+from labcal.evaluate.working_distance import usual_distance
 from labcal.geometry.poses import rigid_alignment, transform
 from labcal.report.error_histogram import error_histogram
 from labcal.report.error_map import error_map
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Page, Section
-from labcal.report.page.download import Download
+from labcal.report.page.download import Download, table_download
 from labcal.report.page.part import Part
 from labcal.report.page.prose import Prose
 from labcal.report.page.space_view import SpaceView
@@ -30,11 +31,12 @@ from labcal.report.page.table import Column, PageTable, Side
 from labcal.report.page_maker import PageMaker
 from labcal.report.space import Space
 from labcal.report.target_outline import target_outline
-from labcal.run.tables import table_text
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import Target
 from labcal.wording import counted
 
+_MOST_VIEWS = 60
+"""In the table of views."""
 _FEWEST = 3
 """Points of a view that its target can be laid onto."""
 
@@ -77,11 +79,12 @@ def evaluation_page(
     board = target.target if isinstance(target, DotPlaces) else target
     if isinstance(errors, TruthErrors):
         scored = _Scored(errors.points, errors.true_points, errors.error, _IN_SPACE)
-        verdict, table, spread = truth_verdict(errors), _truth_table(errors), _truth_spread(errors)
+        verdict = truth_verdict(errors, _distance(scored, around))
+        table, spread = _truth_table(errors), _truth_spread(errors)
         against = "against the known truth"
     else:
         scored = _laid_on(points, errors.views_scored, target)
-        verdict = length_verdict(errors, _longest(scored))
+        verdict = length_verdict(errors, _longest(scored), _distance(scored, around))
         table, spread = _length_table(errors), _length_spread(errors)
         against = "against the target's own lengths"
     outlines = [transform(T, target_outline(board)) for T in _outline_poses(scored, around, target)]
@@ -164,6 +167,11 @@ def _outline_poses(scored: _Scored, around: Surroundings, target: Target | DotPl
     return poses
 
 
+def _distance(scored: _Scored, around: Surroundings) -> float | None:
+    """Return the median distance of the points from the middle between the cameras, mm."""
+    return None if len(scored.places) == 0 else usual_distance(around.cameras.values(), scored.places)
+
+
 def _longest(scored: _Scored) -> float:
     """Return the longest length between two points of a view, about: the diagonal of their box, mm."""
     sides = [np.ptp(scored.places[rows], axis=0) for rows in rows_by_name(scored.points.view).values()]
@@ -232,14 +240,17 @@ def _view_table(scored: _Scored) -> Part:
         return Prose(("No view has three points that its target could be laid onto.",))
     headings = ("points", "RMS, mm", "greatest, mm", "mean in X, mm", "mean in Y, mm", "mean in Z, mm")
     columns = [Column("view", Side.LEFT), *map(Column, headings)]
-    return PageTable("views-table", "Errors by view.", columns, rows)
+    caption = "Errors by view."
+    if len(rows) > _MOST_VIEWS:
+        caption = f"Errors by view: the {_MOST_VIEWS} views with the largest errors of {len(rows)}."
+        rows = sorted(rows, key=lambda row: -float(row[2]))[:_MOST_VIEWS]
+    return PageTable("views-table", caption, columns, rows)
 
 
 def _error_file(scored: _Scored) -> Download:
     """Return every error as a table."""
     points = scored.points
-    figures = np.round(np.concatenate([scored.places, scored.error], axis=1), 5).tolist()
-    lines = zip(points.view.tolist(), points.index.tolist(), figures, points.flag.tolist(), strict=True)
+    figures = np.round(np.concatenate([scored.places, scored.error], axis=1).T, 5).tolist()
     header = ("view", "col", "row", "X_mm", "Y_mm", "Z_mm", "X_error_mm", "Y_error_mm", "Z_error_mm", "flag")
-    text = table_text(header, ([view, *index, *values, flag] for view, index, values, flag in lines))
-    return Download("errors.csv", text)
+    columns = (points.view.tolist(), *points.index.T.tolist(), *figures, points.flag.tolist())
+    return table_download("errors.csv", header, columns)

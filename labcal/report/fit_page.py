@@ -4,17 +4,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from labcal.cameras.camera import Camera
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.fitting import Training
 from labcal.estimators.model import Model
+from labcal.evaluate.verdict.amounts import at_distance
 from labcal.evaluate.verdict.of_fit import FitEvidence, MethodEvidence, fit_verdict
+from labcal.evaluate.working_distance import usual_distance
 from labcal.report.error_map import error_map
 from labcal.report.fit_result import FitOutcome, FitResult, MethodResult, fit_result, fit_warnings
 from labcal.report.learning_curves import learning_curves
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Page, Section
-from labcal.report.page.download import Download
+from labcal.report.page.download import Download, table_download
 from labcal.report.page.part import Part
 from labcal.report.page.prose import Prose
 from labcal.report.page.space_view import SpaceView
@@ -23,7 +26,6 @@ from labcal.report.page.table import MISSING, Column, PageTable, Side
 from labcal.report.page_maker import PageMaker
 from labcal.report.residual_map import residual_magnification, residual_map
 from labcal.report.space import Space
-from labcal.run.tables import table_text
 from labcal.wording import counted, listed
 
 
@@ -98,10 +100,23 @@ def _evidence(training: Training, result: FitResult, models: Sequence[Model]) ->
     ]
     return FitEvidence(
         methods=methods,
-        volume=f"within the trained volume of {sides} mm",
+        volume=f"within the trained volume of {sides} mm{at_distance(_distance(training, models))}",
         validated=any(model.rehearsed is not None for model in models),
         causes=() if doubt is None else tuple(cause.cause for cause in doubt.causes),
     )
+
+
+def _distance(training: Training, models: Sequence[Model]) -> float | None:
+    """Return the median distance of the training dots from the cameras, mm, where a method has cameras."""
+    found = [cameras for model in models if (cameras := _cameras(model))]
+    return usual_distance(found[0].values(), training.centred.data.Y) if found else None
+
+
+def _cameras(model: Model) -> dict[str, Camera]:
+    """Return the cameras of a method or, where it has none, those that its training dots determine."""
+    if isinstance(model.estimator, CameraEstimator):
+        return dict(zip(model.cameras, model.estimator.cameras_, strict=True))
+    return dict(zip(model.cameras, model.resected or (), strict=False))
 
 
 def _method_table(methods: Sequence[MethodResult]) -> PageTable:
@@ -146,20 +161,15 @@ def _error_sections(training: Training, model: Model) -> list[Section]:
     predicted = np.asarray(model.estimator.predict(data.X)[:, :3])
     ok = np.isfinite(predicted).all(axis=1)
     Y, error = data.Y[ok], predicted[ok] - data.Y[ok]
-    cameras = dict(zip(model.cameras, model.resected or (), strict=False))
-    if isinstance(model.estimator, CameraEstimator):
-        cameras = dict(zip(model.cameras, model.estimator.cameras_, strict=True))
     labels = [
         f"{view}, dot {col}, {row}" for view, (col, row) in zip(data.view[ok], data.index[ok], strict=True)
     ]
-    space = Space(cameras, [], Y + error, -error, labels)
+    space = Space(_cameras(model), [], Y + error, -error, labels)
     said = f"The training dots as '{method}' gives them. An error vector leads from a point to its dot."
-    figures = np.round(np.concatenate([Y, error], axis=1), 5).tolist()
+    figures = np.round(np.concatenate([Y, error], axis=1).T, 5).tolist()
     header = ("view", "col", "row", "X_mm", "Y_mm", "Z_mm", "X_error_mm", "Y_error_mm", "Z_error_mm")
-    lines = zip(data.view[ok].tolist(), data.index[ok].tolist(), figures, strict=True)
-    file = Download(
-        "errors.csv", table_text(header, ([view, *index, *values] for view, index, values in lines))
-    )
+    columns = (data.view[ok].tolist(), *data.index[ok].T.tolist(), *figures)
+    file = table_download("errors.csv", header, columns)
     volume = Chart(
         "error-map", error_map(Y, np.linalg.norm(error, axis=1)), f"RMS error of '{method}'. {_TRAINED}", file
     )
@@ -193,6 +203,6 @@ def _residual_parts(training: Training, model: Model) -> list[Part]:
 
 def _curve_file(curves: dict[str, np.ndarray]) -> Download:
     lines = [
-        [name, epoch, float(error)] for name, errors in curves.items() for epoch, error in enumerate(errors)
+        (name, epoch, float(error)) for name, errors in curves.items() for epoch, error in enumerate(errors)
     ]
-    return Download("learning.csv", table_text(("method", "epoch", "mse"), lines))
+    return table_download("learning.csv", ("method", "epoch", "mse"), list(zip(*lines, strict=True)))

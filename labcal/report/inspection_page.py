@@ -21,6 +21,8 @@ from labcal.run.tables import table_text
 from labcal.wording import counted, listed
 
 _JPEG_QUALITY = 72
+_MOST_PIXELS = 1.2e7
+"""Of all pictures together, so that the page stays below 10 MB."""
 _BURNT = 0.01
 """Share of pixels at full scale from which on a picture is worth a word."""
 _SOFT = 0.6
@@ -123,15 +125,22 @@ def _coverage_part(coverages: Sequence[SheetCoverage]) -> Part:
 
 def _tiles_part(tiles: Sequence[SheetTile]) -> Part:
     """Return every picture, small."""
+    pixels = sum(
+        tile.thumbnail.shape[0] * tile.thumbnail.shape[1] for tile in tiles if tile.thumbnail is not None
+    )
+    smaller = min(1.0, (_MOST_PIXELS / max(pixels, 1)) ** 0.5)
     shown = []
     for tile in tiles:
-        data, size = ("", (0, 0)) if tile.thumbnail is None else _jpeg(tile.thumbnail)
+        data, size = ("", (0, 0)) if tile.thumbnail is None else _jpeg(tile.thumbnail, smaller)
         shown.append({"lines": tile.lines, "refused": tile.refused, "data": data, "size": size})
     return Written("tiles.html.jinja", {"tiles": shown})
 
 
-def _jpeg(picture: UInt8[np.ndarray, "h w 3"]) -> tuple[str, tuple[int, int]]:
-    """Return a picture as a JPEG in base64, and its width and height, px."""
+def _jpeg(picture: UInt8[np.ndarray, "h w 3"], scale: float) -> tuple[str, tuple[int, int]]:
+    """Return a picture, scaled, as a JPEG in base64, and its width and height, px."""
+    if scale < 1.0:
+        size = [max(1, round(scale * side)) for side in picture.shape[1::-1]]
+        picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
     _, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
     height, width = picture.shape[:2]
     return base64.b64encode(data.tobytes()).decode(), (width, height)

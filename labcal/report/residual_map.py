@@ -7,8 +7,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from labcal.arrays import Pixels
+from labcal.geometry.magnification import round_magnification
 from labcal.report.inline_svg import OURS, QUIET, SECOND, TEXT, inline_svg, page_style
-from labcal.report.magnification import round_magnification
 from labcal.report.page_axes import plain_axes
 
 CELLS = 10

@@ -9,7 +9,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
-from labcal.report.magnification import round_magnification
+from labcal.geometry.magnification import round_magnification
 
 MOST_POINTS = 4000
 """Of the 3-D view; more are thinned out evenly."""

@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
+from labcal.geometry.magnification import round_magnification
 from labcal.report.error_colours import ERROR_COLOURS
 from labcal.report.inline_svg import GROUND, LINE, OURS, QUIET, SECOND, TEXT, inline_svg, page_style
-from labcal.report.magnification import round_magnification
 from labcal.report.space import Direction, Space
 
 _MOST_POINTS = 1200

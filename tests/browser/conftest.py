@@ -100,6 +100,16 @@ def evaluation_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="session")
+def inspection_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a shoot, one of whose pictures cannot be read."""
+    folder = tmp_path_factory.mktemp("inspection")
+    shoot = examples.shoot(folder / "shoot")
+    (shoot.folder / "images" / "hand-1_left.png").write_bytes(b"no picture")
+    pipeline.inspect(shoot, page=folder / "sheet.html")
+    return folder / "sheet.html"
+
+
 @pytest.fixture
 def reproduction_file(tmp_path: Path, made_up: Reproduction) -> Path:
     """The page of the paper's rows, with invented figures."""

@@ -17,7 +17,7 @@ MOST_BYTES = 10_000_000
 READABLE_S, SPACE_S = 2.0, 6.0
 PHONE = 375
 Open = Callable[..., Any]
-FILES = ("calibration_file", "evaluation_file", "reproduction_file")
+FILES = ("calibration_file", "evaluation_file", "inspection_file", "reproduction_file")
 
 
 def processor_seconds() -> float:
@@ -58,7 +58,7 @@ def test_a_page_is_readable_at_once_and_fetches_nothing(
     page = opened.page
     assert page.locator("h1").is_visible()
     assert page.locator("table").first.is_visible()
-    assert page.locator("figure svg").first.is_visible()
+    assert page.locator("figure svg, figure img").first.is_visible()
     assert watch.seconds < READABLE_S
     assert opened.errors == []
     assert opened.requests == []

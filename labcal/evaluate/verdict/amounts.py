@@ -18,3 +18,10 @@ def pixels(value: float) -> str:
 def percent(share: float) -> str:
     """Return a share in whole per cent."""
     return f"{100.0 * share:.0f}%"
+
+
+def at_distance(distance_mm: float | None) -> str:
+    """Return words for a distance from the cameras; none where it is not known."""
+    if distance_mm is None or not isfinite(distance_mm):
+        return ""
+    return f" at {millimetres(distance_mm)} from the cameras"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.evaluate.own_lengths import LengthErrors
-from labcal.evaluate.verdict.amounts import millimetres
+from labcal.evaluate.verdict.amounts import at_distance, millimetres
 from labcal.evaluate.verdict.finding import Finding, Rules
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
@@ -21,7 +21,7 @@ MOST_SCALE_SHARE = 0.7
 """Of the RMS error, from which on the scale is half of the mean square."""
 
 
-def length_verdict(errors: LengthErrors, longest_mm: float) -> Verdict:
+def length_verdict(errors: LengthErrors, longest_mm: float, distance_mm: float | None = None) -> Verdict:
     """Return what the errors of lengths on the target promise for other lengths.
 
     Parameters
@@ -29,8 +29,10 @@ def length_verdict(errors: LengthErrors, longest_mm: float) -> Verdict:
     errors : LengthErrors
     longest_mm : float
         The longest length that was compared.
+    distance_mm : float, optional
+        Of the target from the cameras, where these are known.
     """
-    where = f"lengths of up to {millimetres(longest_mm)}"
+    where = f"lengths of up to {millimetres(longest_mm)}{at_distance(distance_mm)}"
     length = errors.length_error_mm
     expectation = (
         f"an error of {millimetres(length.rms)} (RMS; the greatest of {counted(errors.n, 'length')} is "

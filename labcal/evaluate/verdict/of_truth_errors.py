@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.estimators.expected_error import LEAST_COVERAGE
 from labcal.evaluate.against_truth import TruthErrors
-from labcal.evaluate.verdict.amounts import millimetres, percent
+from labcal.evaluate.verdict.amounts import at_distance, millimetres, percent
 from labcal.evaluate.verdict.finding import Finding, Rules
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
@@ -17,9 +17,16 @@ MOST_SHIFT = 0.5
 """Mean error with its sign over the RMS error from which on errors are systematic."""
 
 
-def truth_verdict(errors: TruthErrors) -> Verdict:
-    """Return what the errors of points, against a known truth, promise for other points."""
-    return _RULES.verdict(errors, _expectation(errors), _leaves_out(errors))
+def truth_verdict(errors: TruthErrors, distance_mm: float | None = None) -> Verdict:
+    """Return what the errors of points, against a known truth, promise for other points.
+
+    Parameters
+    ----------
+    errors : TruthErrors
+    distance_mm : float, optional
+        Of the points from the cameras, where these are known.
+    """
+    return _RULES.verdict(errors, _expectation(errors, distance_mm), _leaves_out(errors))
 
 
 def over_limit(errors: TruthErrors) -> float:
@@ -33,10 +40,10 @@ def shift(errors: TruthErrors) -> float:
     return length / errors.rmse_mm if errors.rmse_mm > 0.0 else 0.0
 
 
-def _expectation(errors: TruthErrors) -> str:
+def _expectation(errors: TruthErrors, distance_mm: float | None) -> str:
     return (
         f"a 3-D error of {millimetres(errors.rmse_mm)} (RMS; 95% of points within "
-        f"{millimetres(errors.p95_mm)}), as of {counted(errors.n, 'point')} in "
+        f"{millimetres(errors.p95_mm)}){at_distance(distance_mm)}, as of {counted(errors.n, 'point')} in "
         f"{counted(len(errors.views_scored), 'view')}"
     )
 

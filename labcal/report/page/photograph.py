@@ -10,8 +10,8 @@ from markupsafe import Markup
 
 from labcal.arrays import Pixels
 from labcal.errors import InputError
+from labcal.geometry.magnification import round_magnification
 from labcal.paths import AnyPath
-from labcal.report.magnification import round_magnification
 from labcal.report.page.part import Part
 from labcal.report.page.templates import rendered
 from labcal.report.thumbnail import thumbnail

@@ -11,11 +11,11 @@ import pytest
 
 from labcal import examples, pipeline
 from labcal.errors import OutputError
+from labcal.geometry.magnification import round_magnification
 from labcal.geometry.poses import transform
-from labcal.report.magnification import round_magnification
 from labcal.report.page.asset import Asset
 from labcal.report.page.document import PAGE_KIND, Page, Section
-from labcal.report.page.download import Download
+from labcal.report.page.download import Download, table_download
 from labcal.report.page.output import PageOutput, called, page_file
 from labcal.report.page.plotly_figure import plotly_figure
 from labcal.report.page.prose import Prose, Tone
@@ -158,3 +158,12 @@ def test_a_page_of_a_calibration_from_python_says_how_it_was_made(tmp_path: Path
     assert "Expect a 3-D error of" in text
     with pytest.raises(OutputError, match="force"):
         pipeline.calibrate(examples.TARGET, tmp_path / "dots.csv", "brown5", page=path)
+
+
+def test_of_very_many_lines_a_page_holds_some_and_says_so() -> None:
+    few = table_download("a.csv", ("n",), [range(10)])
+    assert (few.file, few.text.count("\n")) == ("a.csv", 11)
+    many = table_download("a.csv", ("n",), [range(150_000)])
+    assert many.file == "a-1-of-3.csv"
+    assert many.text.split()[1:4] == ["0", "3", "6"]
+    assert many.text.count("\n") == 50_001
