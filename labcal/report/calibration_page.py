@@ -22,7 +22,7 @@ from labcal.report.page.document import Page, Section
 from labcal.report.page.download import Download, table_download
 from labcal.report.page.part import Part
 from labcal.report.page.photograph import Photograph
-from labcal.report.page.prose import Prose
+from labcal.report.page.prose import Prose, Terms
 from labcal.report.page.space_view import SpaceView
 from labcal.report.page.statement import Statement
 from labcal.report.page.table import MISSING, Column, PageTable, Side
@@ -239,7 +239,10 @@ def _further(result: CalibrateResult) -> list[Part]:
     if result.lens_choice is not None:
         parts.append(_lens_table(result))
     if result.free_dots is not None:
-        parts.append(Prose(tuple(print_words(result.free_dots.shape).splitlines())))
+        lines = print_words(result.free_dots.shape).splitlines()
+        parts.append(
+            Terms(tuple((name.strip(), words) for name, _, words in (one.partition(": ") for one in lines)))
+        )
     if result.outliers:
         rows = [
             [one.view, one.camera, f"{one.col}, {one.row}", f"{one.off_px[0]:+.2f}", f"{one.off_px[1]:+.2f}"]

@@ -112,8 +112,8 @@ def _sound(given: _Lengths) -> Finding:
     return Finding(
         Belief.YES,
         f"{views} that the calibration has not seen",
-        "noise of the dots, lens and print together; lengths alone do not tell them apart",
-        "measure; a rendered shoot tells noise from model",
+        "noise, lens and print together, which lengths alone do not tell apart",
+        "measure (a rendered shoot would tell noise from model)",
     )
 
 

@@ -130,7 +130,7 @@ def _sound(errors: TruthErrors) -> Finding:
         f"the noise of the dots: the error is {times:.2f} times what triangulation by exact cameras leaves"
     )
     return Finding(
-        Belief.YES, reason, limit, "measure; more light, larger dots or a wider baseline make it smaller"
+        Belief.YES, reason, limit, "measure (more light, larger dots or a wider baseline make it smaller)"
     )
 
 

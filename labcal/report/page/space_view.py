@@ -34,7 +34,7 @@ class SpaceView(Part):
     def html(self) -> Markup:
         """Return the still picture, and what starts and steers the 3-D view."""
         svg = Markup(space_figure(self.space, self.name, self.description))  # noqa: S704 -- made by matplotlib
-        megabytes = f"{len(plotly_script().html()) / 1e6:.1f}"
+        megabytes = f"{len(plotly_script().packed) / 1e6:.1f}"
         values = {"view": self, "svg": svg, "script": NAME, "megabytes": megabytes}
         return rendered("space_view.html.jinja", values)
 

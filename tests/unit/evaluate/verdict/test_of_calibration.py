@@ -147,6 +147,7 @@ def test_the_example_is_good_and_its_noise_is_found(known: tuple[CalibrationEvid
     assert calibration_verdict(evidence).belief is Belief.YES
 
 
+@pytest.mark.slow
 def test_a_camera_that_moved_is_not_believed() -> None:
     target, dots = load_target(examples.TARGET), examples.detections()
     after = (dots.camera == "right") & np.isin(dots.view, dots.views[4:])
