@@ -123,7 +123,7 @@ class Space:
         """Directions to look from: an overview, along the three axes of the rig, and from each camera."""
         right, up, forward = self._axes
         low, high = self.bounds
-        focus, away = 0.5 * (low + high), 1.3 * float((high - low).max())
+        focus, away = 0.5 * (low + high), 1.45 * float((high - low).max())
         views = {
             "Overview": (0.75 * right + 0.55 * up - forward, up),
             "Front": (-forward, up),

@@ -47,7 +47,11 @@ class Stopwatch:
         return min(time.monotonic() - self._began, processor_seconds() - self._spent)
 
 
-@pytest.mark.parametrize("file", FILES)
+OFTEN = ("calibration_file", "reproduction_file")
+ALL = [pytest.param(file, marks=[] if file in OFTEN else pytest.mark.slow) for file in FILES]
+
+
+@pytest.mark.parametrize("file", ALL)
 def test_a_page_is_readable_at_once_and_fetches_nothing(
     file: str, open_page: Open, request: pytest.FixtureRequest
 ) -> None:
@@ -153,7 +157,7 @@ def test_everybody_can_use_the_3d_view(open_page: Open, calibration_file: Path) 
     assert [one["id"] for one in found if one["impact"] in ("serious", "critical")] == []
 
 
-@pytest.mark.parametrize("file", FILES)
+@pytest.mark.parametrize("file", ALL)
 def test_a_phone_scrolls_no_page_sideways(file: str, open_page: Open, request: pytest.FixtureRequest) -> None:
     page = open_page(request.getfixturevalue(file), width=PHONE).page
     assert page.evaluate("document.documentElement.scrollWidth") == PHONE

@@ -55,6 +55,16 @@
     return plus(plus(plus({ x: 0, y: 0, z: 0 }, a, Math.cos(angle)), cross(axis, a), Math.sin(angle)), axis, along);
   };
 
+  // Where there is little room the scale of colours lies below the view, not beside it.
+  const narrow = (drawn, given) => {
+    if (drawn.clientWidth < 560) {
+      for (const { marker } of given.data.filter((trace) => trace.marker?.colorbar)) {
+        Object.assign(marker.colorbar, { orientation: "h", y: -0.02, yanchor: "bottom", len: 0.9 });
+      }
+    }
+    return given;
+  };
+
   const start = async (figure) => {
     const stage = figure.querySelector(".stage");
     const status = figure.querySelector("[role=status]");
@@ -73,11 +83,11 @@
       const drawn = document.createElement("div");
       drawn.className = "space-drawn";
       stage.replaceChildren(drawn);
-      const { data, layout, directions } = coloured();
+      const { data, layout, directions } = narrow(drawn, coloured());
       await Plotly.newPlot(drawn, data, layout, { displayModeBar: false, responsive: true });
       steer(figure, drawn, directions);
       matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-        const anew = coloured();
+        const anew = narrow(drawn, coloured());
         anew.layout.scene.camera = drawn.layout.scene.camera;
         Plotly.react(drawn, anew.data, anew.layout);
       });

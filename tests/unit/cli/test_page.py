@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from labcal import examples, pipeline
+from labcal import examples
 from labcal.cli import main
 from labcal.cli.status import ExitStatus
 
@@ -84,6 +84,3 @@ def test_inspect_gives_a_page_with_every_picture(home: Path, capsys: pytest.Capt
     assert text.count('<img src="data:image/jpeg') == 4
     assert "4 of 4 pictures can be used, with 352 dots" in text
     assert "labcal inspect shoot -o sheet.html" in text
-    found = pipeline.inspect("shoot", page="python.html")
-    assert len(found.tiles) == 4
-    assert Path("python.html").read_text(encoding="utf-8").count('<img src="data:image/jpeg') == 4

@@ -95,7 +95,7 @@ def test_the_page_needs_nothing_beside_it(made_up: Reproduction, folder: Path) -
     assert "https:" not in page
     assert "@import" not in page
     assert page.count("<svg") == 2
-    assert page.count("<style") == 1
+    assert page.count("<style") == 2
 
 
 def test_pictures_are_embedded_small_in_their_colours(made_up: Reproduction, folder: Path) -> None:
