@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
 from functools import partial
+from threading import Thread
 from typing import Any
 
 from distributed import Client, KilledWorker
@@ -12,12 +13,15 @@ from distributed import Client, KilledWorker
 from labcal.errors import DeviceError, WorkerError
 from labcal.run.cluster_address import LOCAL, require_address
 from labcal.run.cluster_executor import ClusterExecutor
+from labcal.run.cluster_greeting import wait_for_greeting
 from labcal.run.cluster_local import local_cluster
 from labcal.run.cluster_work import Installation, mismatch, perform
 
-ANSWER_S = 8.0
+ANSWER_S = 7.0
 """Time within which a scheduler has to answer."""
 _CLOSE_S = 2.0
+CONNECT_S = 2.0
+"""Time for the rest of the connection."""
 
 
 @contextmanager
@@ -84,7 +88,8 @@ class DaskConnection:
     def __init__(self, address: str) -> None:
         self._address = address
         try:
-            self._client = Client(address, timeout=ANSWER_S, set_as_default=False, name="labcal")
+            wait_for_greeting(address, ANSWER_S)
+            self._client = _client(address)
         except Exception as error:
             reason = " ".join(str(error).split()) or type(error).__name__
             raise DeviceError(
@@ -105,7 +110,11 @@ class DaskConnection:
         OSError
             The scheduler does not answer.
         """
-        return frozenset(self._client.scheduler_info(n_workers=-1)["workers"])
+        if self._client.scheduler is None:
+            raise ConnectionError("The client has left the scheduler.")
+        # Not `scheduler_info`, which returns the client's last answer, perhaps to a question without workers.
+        identity = self._client.sync(self._client.scheduler.identity, n_workers=-1)
+        return frozenset(identity["workers"])
 
     def refusals(self, workers: Sequence[str]) -> dict[str, str | None]:
         """Return why workers cannot do cases, by address; None for those that can.
@@ -131,19 +140,40 @@ class DaskConnection:
         done = self._executor.submit(perform, case, workers=[*workers])
 
         def hand_on(done: Future[bytes]) -> None:
-            error = None if done.cancelled() else done.exception()
             if done.cancelled():
                 sent.cancel()
-            elif isinstance(error, KilledWorker):
+            if not sent.set_running_or_notify_cancel():
+                return
+            error = done.exception()
+            if isinstance(error, KilledWorker):
                 sent.set_exception(WorkerError(f"at {error.last_worker.address}, whose log may tell more"))
             elif error is not None:
                 sent.set_exception(error)
             else:
                 sent.set_result(done.result())
 
+        def give_up(sent: Future[bytes]) -> None:
+            if sent.cancelled():
+                done.cancel()
+
         done.add_done_callback(hand_on)
+        sent.add_done_callback(give_up)
         return sent
 
     def close(self) -> None:
         """Leave the cluster; cases that are not begun are cancelled."""
         self._client.close(timeout=_CLOSE_S)
+
+
+def _client(address: str) -> Client:
+    """Return a client, or raise in time, which Dask's own does not for whatever else may listen."""
+    made: Future[Client] = Future()
+
+    def make() -> None:
+        try:
+            made.set_result(Client(address, timeout=CONNECT_S, set_as_default=False, name="labcal"))
+        except Exception as error:  # noqa: BLE001 -- Dask raises much, depending on what answers
+            made.set_exception(error)
+
+    Thread(target=make, name="labcal-cluster-connect", daemon=True).start()
+    return made.result(CONNECT_S + 1.0)

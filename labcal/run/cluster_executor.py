@@ -23,7 +23,7 @@ LOOK_S = 0.5
 """Time between two looks at what workers there are."""
 PATIENCE_S = 60.0
 """Time for which a lost scheduler, or a cluster without any worker that can be used, is waited for."""
-CASES_AHEAD = 4
+CASES_AHEAD = 8
 """Number of cases for each worker that are sent before one is finished, so that none waits."""
 _LOG = logging.getLogger(__name__)
 
