@@ -201,8 +201,8 @@ class Rig(PublicObject, BaseModel):
         rows = []
         for name in self.cameras:
             camera = self.camera(name)
-            x, y, z = camera.centre.tolist()
-            rows.append([name, *map(str, camera_description(camera).values()), f"{x:.1f}, {y:.1f}, {z:.1f}"])
+            centre = ", ".join(f"{one:z.1f}" for one in camera.centre.tolist())
+            rows.append([name, *map(str, camera_description(camera).values()), centre])
         return [HtmlTable(("camera", "lens", "size", "focal length", "field", "centre (mm)"), rows)]
 
 

@@ -143,8 +143,7 @@ def _refuse_of_held(settings: FitSettings) -> None:
     for name in ("free_dots", "hold_out"):
         if getattr(settings, name) not in (False, ()):
             raise InputError(
-                f"`{name}` is for a target that was held, but a stage gives the poses of this shoot's. "
-                "Leave it out."
+                f"`{name}` is for a hand-held target, but this shoot's target stood on a stage. Leave it out."
             )
 
 

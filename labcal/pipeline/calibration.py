@@ -27,7 +27,7 @@ def calibrate(
     hold_out: HoldOut = (),
     progress: Progress | None = None,
 ) -> "Calibration":
-    """Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.
+    """Calibrate cameras from views of a hand-held target. The first camera is the rig's world.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def calibrate(
     detections : Detections or path, optional
         Dots, or the table of them; those of the shoot are found in its pictures where left out.
     lens : str, optional
-        A lens model; ``"auto"``: views held out choose it. That of the rig to start from, or
-        ``brown5``, where left out.
+        A lens model; ``"auto"``: the simplest one that predicts held-out views as well as the best. Where
+        left out, that of the rig to start from, or ``brown5``.
     settings : HandheldSettings, optional
     hold_out : int, str or sequence of str
         Views that do not enter, so that the result can be scored on them: how many, or which.

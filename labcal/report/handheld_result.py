@@ -23,14 +23,19 @@ class HandheldResult:
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
+    @property
+    def doubtful(self) -> bool:
+        """True if pictures were left out, or cameras contradict each other."""
+        return bool(self.left_out) or self.inconsistent is not None
+
     def words(self) -> str:
         """Return it for people."""
         freed = "with" if self.free_dots else "without"
         views, left_out = counted(self.views, "view"), counted(len(self.left_out), "picture")
         return (
-            f"the target was held: a bundle adjustment of {views} ({left_out} left out), lens {self.lens}, "
-            f"{freed} free dots, left an RMS of {self.rms_px:.4f} px and "
-            f"{counted(self.outlier_count, 'outlier')}; the first camera is the world"
+            f"hand-held target: bundle adjustment of {views} ({left_out} left out), lens {self.lens}, "
+            f"{freed} free dots: RMS {self.rms_px:.4f} px, {counted(self.outlier_count, 'outlier')}; "
+            "the first camera is the world"
         )
 
 

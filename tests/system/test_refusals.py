@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-from labcal.correspond.detections import read_detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.run.begun import COMMAND
 
 Run = Callable[..., Any]

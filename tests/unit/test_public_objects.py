@@ -178,8 +178,8 @@ def test_without_the_library_the_error_says_what_to_install(
 ) -> None:
     for name in ("pandas", "xarray"):
         monkeypatch.setitem(sys.modules, name, None)
-    for ask in (examples.rig().to_pandas, points.to_xarray):
-        with pytest.raises(DeviceError, match=r"pip install 'labcal\[data\]'"):
+    for name, ask in (("pandas", examples.rig().to_pandas), ("xarray", points.to_xarray)):
+        with pytest.raises(DeviceError, match=rf"pip install {name} \("):
             ask()
 
 

@@ -16,7 +16,7 @@ from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.report.reproduction import Measured
+from labcal.report.values import Measured
 from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 from labcal.scene.mistakes import Mistake
