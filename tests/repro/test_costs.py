@@ -20,7 +20,7 @@ from repro.processes import ROOT
 
 pytestmark = pytest.mark.slow
 ROUNDS = 8
-"""Rounds at most: other work on the machine makes times longer, never shorter, so the least of each counts."""
+"""Rounds at most: other work on the machine makes times longer, never shorter, so the least counts."""
 
 
 @dataclass(frozen=True)
