@@ -1,8 +1,9 @@
 """A cluster of Dask, as an executor; the only file that uses Dask."""
 
+import asyncio
 import logging
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future
+from collections.abc import Awaitable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
 from functools import partial
 from threading import Thread
@@ -62,14 +63,16 @@ def _connected(address: str) -> Iterator[ClusterExecutor]:
 
 @contextmanager
 def _quiet_dask() -> Iterator[None]:
-    """Silence Dask's own messages: lost connections are dealt with here."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    """Silence Dask's own messages: lost connections and workers are dealt with here."""
+    known = [name for name in logging.Logger.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    levels = {name: logging.getLogger(name).level for name in known}
+    for name in known:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        logger.setLevel(before)
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
 
 
 class DaskConnection:
@@ -96,7 +99,9 @@ class DaskConnection:
                 f"No Dask scheduler answers at {address} within {ANSWER_S:g} s ({reason}). See whether "
                 "it runs ('dask scheduler' starts one) and whether its port can be reached from here."
             ) from error
-        self._executor = self._client.get_executor(pure=False, allow_other_workers=False)
+        if self._client.loop is None:
+            raise RuntimeError("A client that is connected has a loop.")
+        self._loop = self._client.loop
 
     def is_open(self) -> bool:
         """Tell whether the scheduler is still there."""
@@ -137,27 +142,14 @@ class DaskConnection:
         the connection breaks.
         """
         sent: Future[bytes] = Future()
-        done = self._executor.submit(perform, case, workers=[*workers])
-
-        def hand_on(done: Future[bytes]) -> None:
-            if done.cancelled():
-                sent.cancel()
-            if not sent.set_running_or_notify_cancel():
-                return
-            error = done.exception()
-            if isinstance(error, KilledWorker):
-                sent.set_exception(WorkerError(f"at {error.last_worker.address}, whose log may tell more"))
-            elif error is not None:
-                sent.set_exception(error)
-            else:
-                sent.set_result(done.result())
+        task = self._client.submit(perform, case, pure=False, workers=[*workers], allow_other_workers=False)
 
         def give_up(sent: Future[bytes]) -> None:
             if sent.cancelled():
-                done.cancel()
+                task.cancel()
 
-        done.add_done_callback(hand_on)
         sent.add_done_callback(give_up)
+        self._loop.add_callback(_hand_on, task, sent)
         return sent
 
     def close(self) -> None:
@@ -177,3 +169,27 @@ def _client(address: str) -> Client:
 
     Thread(target=make, name="labcal-cluster-connect", daemon=True).start()
     return made.result(CONNECT_S + 1.0)
+
+
+async def _hand_on(task: Awaitable[bytes], sent: Future[bytes]) -> None:
+    """Hand the end of a task on, in the loop of the client.
+
+    Dask's own executor leaves a future without an end where a worker is lost after its result and before that
+    was fetched.
+    """
+    result = b""
+    error: Exception | None = None
+    try:
+        result = await task
+    except (asyncio.CancelledError, CancelledError):
+        sent.cancel()
+    except KilledWorker as killed:
+        error = WorkerError(f"at {killed.last_worker.address}, whose log may tell more")
+    except Exception as raised:  # noqa: BLE001 -- whatever the case raises
+        error = raised
+    if not sent.set_running_or_notify_cancel():
+        return
+    if error is None:
+        sent.set_result(result)
+    else:
+        sent.set_exception(error)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from labcal.run.case import Fault
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress
 from labcal.run.sweep import sweep
@@ -121,10 +122,22 @@ def test_a_worker_without_labcal_that_joins_in_mid_sweep_does_no_case(
     assert caplog.text.count("left out") == 1
 
 
+@pytest.mark.slow
+def test_a_case_that_ends_every_worker_has_a_reason_and_the_others_results(tmp_path: Path) -> None:
+    cases = [*sums(5), Sum(5, ends_process=True), *sums(20)[6:]]
+    with open_executor(2, "local") as executor:
+        outcomes = sweep(cases, summed, Figures, tmp_path / "cluster", executor, NoProgress())
+    assert [one.key for one in outcomes if one.result is None] == ["sum-5"]
+    assert outcomes[5].fault is Fault.MACHINE
+    expected = swept([case for case in cases if not case.ends_process], tmp_path / "serial")
+    assert document([one for one in outcomes if one.result is not None]) == expected
+
+
 SWEEP = """
 import sys
 from pathlib import Path
 from repro.summing import Figures, document, summed, sums
+from labcal.run.case import Fault
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress
 from labcal.run.sweep import sweep
