@@ -145,7 +145,7 @@ class DaskConnection:
         task = self._client.submit(perform, case, pure=False, workers=[*workers], allow_other_workers=False)
 
         def give_up(sent: Future[bytes]) -> None:
-            if sent.cancelled():
+            if sent.cancelled() and not task.done():
                 task.cancel()
 
         sent.add_done_callback(give_up)
