@@ -23,3 +23,9 @@ class BenchSettings:
     """Only these groups of checks, of a benchmark that has them; all where empty."""
     methods: tuple[str, ...] = ()
     """Methods to measure besides, of a benchmark of methods: names, or ``package.module:Class``."""
+    plan: str | None = None
+    """Of the benchmark of distortion: ``quick``, ``full``, or the path of a YAML file."""
+    overrides: tuple[str, ...] = ()
+    """Of the benchmark of distortion: levels in the place of the plan's, each ``factor=level,level``."""
+    seeds: int | None = None
+    """Of the benchmark of distortion: number of seeds in the place of the plan's."""
