@@ -10,8 +10,8 @@ OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
         "alignment", "cameras", "detections", "distance_mm", "dots", "dpi", "fix_intrinsics", "force",
-        "free_dots", "hold_out", "lens", "method", "only", "overlay", "plan", "quick", "rectify", "rig", "seed",
-        "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
+        "free_dots", "hold_out", "lens", "method", "only", "overlay", "plan", "quick", "rectify", "rig",
+        "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {"overrides": "--set", "from_format": "--from", "to_format": "--to"}  # fmt: skip
 """Options by the names of the arguments that they stand for."""

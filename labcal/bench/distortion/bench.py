@@ -15,7 +15,6 @@ from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
 from labcal.bench.distortion.winners import winners
-from labcal.bench.families.registry import FAMILIES
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
 from labcal.run.cases import run_cases
@@ -60,11 +59,6 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         make_folder(working / "figures")
         for name, text in figures_of(summaries).items():
             write_file(working / "figures" / name, text, force=True)
-        known_as = {
-            (family, strength): FAMILIES[family].known_as(strength)
-            for family in plan.families
-            for strength in plan.strengths
-        }
         result = DistortionResult(
             bench="distortion",
             quick=settings.quick,
@@ -75,7 +69,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             first_seed=settings.seed,
             cases=len(outcomes),
             answer=tuple(network_answer(summaries)),
-            families=tuple(family_figures(summaries, known_as)),
+            families=tuple(family_figures(summaries)),
             winners=tuple(winners(summaries)),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)

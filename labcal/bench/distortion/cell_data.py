@@ -130,7 +130,8 @@ def _images(pair: tuple[Camera, Camera], p: Vectors3) -> Float64[np.ndarray, "n 
 
 
 def _seen(pair: tuple[Camera, Camera], q: Float64[np.ndarray, "n cameras 2"]) -> np.ndarray:
-    return np.stack([camera.in_picture(q[:, i]) for i, camera in enumerate(pair)], axis=1).all(axis=1)
+    seen = [camera.in_picture(q[:, i]) for i, camera in enumerate(pair)]
+    return np.asarray(np.stack(seen, axis=1).all(axis=1))
 
 
 def _beyond_pinhole(Y: Vectors3, exact: Float64[np.ndarray, "n cameras 2"]) -> float:

@@ -107,5 +107,5 @@ def _beside_bundle(summaries: Sequence[CellSummary], networks: set[str]) -> list
     count = f"{len(better)} of {counted(len(pairs), 'cell')}"
     return [
         "Beside the bundle adjustment, which assumes a lens model, the best network has the smaller error "
-        + f"in {count} with distortion{where}."
+        f"in {count} with distortion{where}."
     ]

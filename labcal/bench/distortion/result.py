@@ -12,6 +12,7 @@ from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import ENOUGH_POINTS
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.winners import Winner
+from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
 from labcal.report.reproduction import Measured as Figure
 
@@ -51,9 +52,7 @@ class DistortionResult(BenchResult):
     winners: tuple[Winner, ...]
 
 
-def family_figures(
-    summaries: Sequence[CellSummary], known_as: dict[tuple[str, float], str]
-) -> list[FamilyFigures]:
+def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
     """Return the figures by family, method and strength."""
     within = [one for one in summaries if one.measured == Measured.WITHIN]
     most = max((one.cell.points for one in within), default=0)
@@ -66,7 +65,7 @@ def family_figures(
             family=family,
             method=method,
             strength=strength,
-            known_as=known_as[family, strength],
+            known_as=FAMILIES[family].known_as(strength),
             over_oracle=_median([one.over_oracle for one in group]),
             worst=max((one.over_oracle for one in group if one.over_oracle >= 0.0), default=float("nan")),
             coverage95=_median([one.coverage95 for one in group]),

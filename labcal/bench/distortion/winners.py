@@ -43,7 +43,7 @@ def winners(summaries: Sequence[CellSummary]) -> list[Winner]:
 def paired_ratios(one: CellSummary, other: CellSummary) -> np.ndarray:
     """Return the error of one method over another's, by seed; those without both are left out."""
     ratios = np.array(one.by_seed) / np.array(other.by_seed)
-    return ratios[np.isfinite(ratios)]
+    return np.asarray(ratios[np.isfinite(ratios)])
 
 
 def _winner(group: Sequence[CellSummary]) -> Winner:

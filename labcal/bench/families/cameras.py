@@ -149,7 +149,7 @@ def index_behind(strength: float) -> float:
 
 
 def in_water(strength: float) -> CameraAt:
-    """Return cameras behind a tilted window: its tilt, its thickness and all refraction grow with the strength."""
+    """Return cameras behind a window whose tilt, thickness and refraction grow with the strength."""
     window = FlatWindow(
         distance_mm=_DISTANCE_MM,
         tilt_x_deg=TILT_DEG * strength,
