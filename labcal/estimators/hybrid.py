@@ -3,11 +3,12 @@
 from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
-from labcal.calibrate.resection.resected import resect
+from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.errors import InputError
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.gp_field.fitted_camera import FittedCamera
@@ -40,6 +41,8 @@ class Hybrid(CameraEstimator):
         The lens formulas, in the order of the columns.
     field_px_ : float64 array, (cameras,)
         What the field explains of the trained pixels, root mean square of its length; 0 where there is none.
+    resected_ : tuple of ResectedCamera
+        The cameras before a field was estimated: those of `bundle`. Not kept in a model file.
     """
 
     method: ClassVar[str] = "hybrid"
@@ -60,6 +63,10 @@ class Hybrid(CameraEstimator):
             ]
         )
 
+    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
+        self.resected_: tuple[ResectedCamera, ...] = ()
+        super()._fit(pixels, points)
+
     def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         if len(p) > MOST_POINTS:
             raise InputError(
@@ -70,4 +77,5 @@ class Hybrid(CameraEstimator):
             start = chosen_camera(self.method, q, p, size)
         else:
             start = resect(self.method, q, p, camera_of_lens(self.lens, size, None))
+        self.resected_ = (*self.resected_, start)
         return fitted_camera(start, q, p)

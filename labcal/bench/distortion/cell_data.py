@@ -24,7 +24,7 @@ _STREAM = "bench distortion"
 
 
 @dataclass(frozen=True)
-class TestPoints:
+class RegionPoints:
     """Points of a region, their noisy pixels, and what exact cameras make of them.
 
     Attributes
@@ -58,7 +58,7 @@ class CellData:
 
     X: Float64[np.ndarray, "n inputs"]
     Y: Vectors3
-    tests: Mapping[Measured, TestPoints]
+    tests: Mapping[Measured, RegionPoints]
     beyond_pinhole_px: float
 
 
@@ -105,7 +105,7 @@ def _layout(cell: Cell, volume: Volume, random: np.random.Generator) -> Vectors3
 
 def _test_points(
     case: Case, pair: tuple[Camera, Camera], volume: Volume, Y: Vectors3, region: Measured
-) -> TestPoints:
+) -> RegionPoints:
     """Return the points of a region that both cameras see."""
     random = generator(case.seed, _STREAM, *case.cell.names, str(region))
     box = volume if region is Measured.WITHIN else volume.enlarged(MARGIN)
@@ -122,7 +122,7 @@ def _test_points(
     exact = _images(pair, p)
     q = exact + case.cell.noise_px * random.standard_normal(exact.shape)
     weights = np.tile(case.cell.noise_px**2 * np.eye(2), (len(p), len(pair), 1, 1))
-    return TestPoints(p, q, triangulate(pair, q, weights).point)
+    return RegionPoints(p, q, triangulate(pair, q, weights).point)
 
 
 def _images(pair: tuple[Camera, Camera], p: Vectors3) -> Float64[np.ndarray, "n cameras 2"]:

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.linalg import LinAlgError
 
 from labcal.bench.distortion.case import Case, Measured
-from labcal.bench.distortion.cell_data import CellData, TestPoints, cell_data
+from labcal.bench.distortion.cell_data import CellData, RegionPoints, cell_data
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.families.cameras import SIZE
-from labcal.errors import LabcalError
+from labcal.errors import LabcalError, UnknownNameError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import TrainingBox
@@ -47,7 +47,10 @@ def prepared(case: Case, method: str) -> PointEstimator:
     known = estimator.get_params()
     given = {"image_sizes": _SIZES, "random_state": case.seed}
     estimator.set_params(**{name: value for name, value in given.items() if name in known})
-    estimator.set_params(**case.settings.get(method, {}))
+    for name, value in case.settings.get(method, {}).items():
+        if name not in known:
+            raise UnknownNameError(f"setting of {method}", name, known)
+        estimator.set_params(**{name: value})
     return estimator
 
 
@@ -55,7 +58,9 @@ def _measured_method(case: Case, method: str, data: CellData, surrogate: Surroga
     estimator = prepared(case, method)
     try:
         estimator = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
-        regions = tuple(_in_region(estimator, data, region, case.cell.noise_px) for region in case.regions)
+        regions = tuple(
+            region_figures(estimator, data, region, case.cell.noise_px) for region in case.regions
+        )
         expected = None if surrogate is None else validate_on(estimator, surrogate)
     except (LabcalError, LinAlgError) as error:
         return MethodFigures(method=method, reason=f"{type(error).__name__}: {error}")
@@ -64,8 +69,20 @@ def _measured_method(case: Case, method: str, data: CellData, surrogate: Surroga
     return MethodFigures(method=method, regions=regions, misfit=expected.misfit, expected_mm=expected.rmse_mm)
 
 
-def _in_region(estimator: PointEstimator, data: CellData, region: Measured, noise_px: float) -> RegionFigures:
-    """Return errors and coverage of a fitted method at the points of a region."""
+def region_figures(
+    estimator: PointEstimator, data: CellData, region: Measured, noise_px: float
+) -> RegionFigures:
+    """Return errors and coverage of a fitted method at the points of a region.
+
+    Parameters
+    ----------
+    estimator : PointEstimator
+        Fitted.
+    data : CellData
+    region : Measured
+    noise_px : float
+        Of the pixels, which the method is given as their covariance.
+    """
     tests = data.tests[region]
     found, stated = _predicted(estimator, tests, noise_px)
     error, oracle = found - tests.p, tests.oracle - tests.p
@@ -84,7 +101,7 @@ def _in_region(estimator: PointEstimator, data: CellData, region: Measured, nois
 
 
 def _predicted(
-    estimator: PointEstimator, tests: TestPoints, noise_px: float
+    estimator: PointEstimator, tests: RegionPoints, noise_px: float
 ) -> tuple[np.ndarray, np.ndarray]:
     n, cameras = tests.q.shape[:2]
     covariance = np.tile(noise_px**2 * np.eye(2), (n, cameras, 1, 1))

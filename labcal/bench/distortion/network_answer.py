@@ -105,7 +105,5 @@ def _beside_bundle(summaries: Sequence[CellSummary], networks: set[str]) -> list
     better = [one for one in pairs if one.decided and one.network_over_other < 1.0]
     where = f" ({listed(_places(better))})" if better else ""
     count = f"{len(better)} of {counted(len(pairs), 'cell')}"
-    return [
-        "Beside the bundle adjustment, which assumes a lens model, the best network has the smaller error "
-        f"in {count} with distortion{where}."
-    ]
+    beside = f"in {count} with distortion{where}."
+    return [f"Beside the bundle adjustment, which assumes a lens model, the best network is better {beside}"]
