@@ -9,7 +9,7 @@ from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.figures import CaseFigures
-from labcal.bench.distortion.lines import Outcome, lines_of, results_table
+from labcal.bench.distortion.lines import lines_of, results_table
 from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
@@ -52,8 +52,8 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
     plan = plan_of(settings)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
     with unfinished_folder(folder, command, force=settings.force) as working:
-        outcomes = _measured(plan.cases(settings.seed), working / "cases", progress)
-        lines = lines_of(outcomes)
+        cases = plan.cases(settings.seed)
+        lines = lines_of(cases, _measured(cases, working / "cases", progress))
         write_file(working / "results.csv", results_table(lines), force=True)
         summaries = summarised(lines)
         make_folder(working / "figures")
@@ -67,7 +67,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             plan=plan,
             plan_sha256=plan.sha256,
             first_seed=settings.seed,
-            cases=len(outcomes),
+            cases=len(cases),
             answer=tuple(network_answer(summaries)),
             families=tuple(family_figures(summaries)),
             winners=tuple(winners(summaries)),
@@ -101,8 +101,7 @@ def plan_of(settings: BenchSettings) -> Plan:
     return plan
 
 
-def _measured(cases: Sequence[Case], folder: Path, progress: Progress) -> list[Outcome]:
-    """Return the outcomes of all cases, in their order."""
+def _measured(cases: Sequence[Case], folder: Path, progress: Progress) -> list[CaseFigures]:
+    """Return the figures of all cases, in their order."""
     with open_executor(min(usable_cores(), len(cases))) as executor:
-        found = run_cases(cases, measured_case, CaseFigures, folder, executor, progress)
-    return [Outcome(case, figures) for case, figures in zip(cases, found, strict=True)]
+        return run_cases(cases, measured_case, CaseFigures, folder, executor, progress)

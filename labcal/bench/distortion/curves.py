@@ -115,8 +115,8 @@ def _lines(
 
 
 def _ratio_axis(axes: Axes) -> None:
+    axes.axhline(1.0, color="0.5", linewidth=0.8, zorder=0)  # so that there is something to scale
     axes.set_yscale("log")
-    axes.axhline(1.0, color="0.5", linewidth=0.8, zorder=0)
     axes.grid(visible=True, color="0.92", linewidth=0.6)
 
 

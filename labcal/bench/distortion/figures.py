@@ -57,7 +57,9 @@ class CaseFigures(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    trained: int
+    trained: int = 0
     """Training points that both cameras see."""
-    beyond_pinhole_px: Figure
-    methods: tuple[MethodFigures, ...]
+    beyond_pinhole_px: Figure = float("nan")
+    methods: tuple[MethodFigures, ...] = ()
+    reason: str | None = None
+    """The reason why the data could not be drawn."""

@@ -43,26 +43,16 @@ class Line:
         return float("nan") if self.figures is None else self.figures.over_oracle
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """The end of one case: its figures, or the reason why there are none."""
-
-    case: Case
-    figures: CaseFigures | None
-    reason: str | None = None
-
-
-def lines_of(outcomes: Iterable[Outcome]) -> list[Line]:
+def lines_of(cases: Iterable[Case], figures: Iterable[CaseFigures]) -> list[Line]:
     """Return a line for each case, method and region, in the order of the cases."""
-    return [line for outcome in outcomes for line in _lines(outcome)]
+    return [line for case, found in zip(cases, figures, strict=True) for line in _lines(case, found)]
 
 
-def _lines(outcome: Outcome) -> Iterator[Line]:
-    case, found = outcome.case, outcome.figures
-    if found is None:
+def _lines(case: Case, found: CaseFigures) -> Iterator[Line]:
+    if found.reason is not None:
         for method in case.methods:
             for region in case.regions:
-                yield Line(method, case.cell, case.seed, str(region), None, reason=outcome.reason)
+                yield Line(method, case.cell, case.seed, str(region), None, reason=found.reason)
         return
     for one in found.methods:
         yield from _of_method(case, found, one)

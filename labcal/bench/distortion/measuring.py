@@ -22,14 +22,19 @@ _SIZES = (SIZE, SIZE)
 
 @one_blas_thread()
 def measured_case(case: Case) -> CaseFigures:
-    """Return the figures of all methods of a case; a method that refuses the data has its reason there.
+    """Return the figures of all methods of a case.
+
+    A method that refuses the data has its reason there, and so has a case whose data cannot be drawn.
 
     Raises
     ------
-    LabcalError
-        The data cannot be drawn, or there is no such method.
+    UnknownNameError, InputError
+        There is no such method, or it cannot be made.
     """
-    data = cell_data(case)
+    try:
+        data = cell_data(case)
+    except LabcalError as error:
+        return CaseFigures(reason=str(error))
     surrogate = surrogate_of(data.X, data.Y, _SIZES, case.seed)
     methods = tuple(_measured_method(case, method, data, surrogate) for method in case.methods)
     return CaseFigures(trained=len(data.Y), beyond_pinhole_px=data.beyond_pinhole_px, methods=methods)

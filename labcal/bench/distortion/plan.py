@@ -142,6 +142,10 @@ def load_plan(
                 f"`overrides` takes a factor and its levels, as in strengths=0,0.5,1, but is '{change}'."
             )
         content[factor] = [level.strip() for level in levels.split(",")]
+        if factor == "methods" and isinstance(content.get("settings"), dict):
+            content["settings"] = {
+                method: own for method, own in content["settings"].items() if method in content[factor]
+            }
     if seeds is not None:
         content["seeds"] = seeds
     plan = validate_description(Plan, "plan", name, content)

@@ -25,13 +25,8 @@ def test_the_oracle_errs_as_the_cramer_rao_bound_says(family: str, strength: flo
     pair = family_by_name(family).pair(strength, case.seed)
     information = np.zeros((len(tests.p), 3, 3))
     for camera in pair:
-        J = np.stack(
-            [
-                (camera.project(tests.p + h).q - camera.project(tests.p - h).q) / 0.02
-                for h in 0.01 * np.eye(3)
-            ],
-            axis=-1,
-        )
+        moved = [(camera.project(tests.p + h).q, camera.project(tests.p - h).q) for h in 0.01 * np.eye(3)]
+        J = np.stack([(ahead - behind) / 0.02 for ahead, behind in moved], axis=-1)
         information += J.transpose(0, 2, 1) @ J / 0.1**2
     bound = np.linalg.inv(information)
     error = tests.oracle - tests.p

@@ -30,6 +30,8 @@ def test_levels_methods_and_seeds_are_changed() -> None:
     assert plan.methods == (*load_plan("quick").methods, "sklearn.svm:SVR")
     assert {case.seed for case in plan.cases(7)} == {7, 8}
     assert plan.sha256 != load_plan("quick").sha256 == load_plan("quick").sha256
+    assert set(plan.settings) == {"mlp"}
+    assert load_plan("quick", ["methods=dlt"]).settings == {}
 
 
 @pytest.mark.parametrize(
