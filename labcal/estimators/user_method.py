@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -12,12 +13,10 @@ from numpy.typing import ArrayLike
 
 from labcal.errors import InputError, LabcalError
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
+from labcal.estimators.held_out_errors import Predict, held_out_errors
 from labcal.estimators.scikit_learn import clone
-from labcal.rng import generator
 from labcal.run.threads import one_blas_thread
 
-FOLDS = 5
-"""Parts of the training data, each of which is held out once."""
 Regressor = Any
 """An object with fit and predict, of whatever class a user has."""
 _SEED = "random_state"
@@ -138,20 +137,14 @@ class UserMethod(PointEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Float64[np.ndarray, "dim dim"]:
         """Return the mean product of errors on dots held out; NaN where there is a part that has none."""
-        errors = np.full_like(points, np.nan)
-        part = generator(0, "user method", "folds").permutation(len(points)) % FOLDS
-        for number in range(FOLDS):
-            out = part == number
-            if not out.any():
-                continue
-            try:
-                errors[out] = self._predicted(self._fitted(pixels[~out], points[~out]), pixels[out])
-            except InputError:
-                break  # too few dots for it, say
-            errors[out] -= points[out]
+        errors = held_out_errors(self._fitted_again, pixels, points)
         self.has_covariance_ = bool(np.isfinite(errors).all())
         errors = errors[:, :COORDINATES]
         return np.asarray(errors.T @ errors / len(errors))
+
+    def _fitted_again(self, pixels: np.ndarray, points: np.ndarray) -> Predict:
+        """Return the predictions of a copy that is fitted to other points."""
+        return partial(self._predicted, self._fitted(pixels, points))
 
     def _covariance(
         self,
