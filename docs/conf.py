@@ -31,6 +31,7 @@ extensions = [
     "decision_table",
     "detector_settings",
     "member_table",
+    "paper_results",
     "registry_table",
     "settings_table",
 ]

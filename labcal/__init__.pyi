@@ -6,11 +6,11 @@ from .cameras.rig import Rig as Rig
 from .cameras.rig import read_rig as read_rig
 from .cameras.rig import write_rig as write_rig
 from .correspond.detections import Detections as Detections
-from .correspond.detections import read_detections as read_detections
-from .correspond.detections import write_detections as write_detections
+from .correspond.detections_csv import read_detections as read_detections
+from .correspond.detections_csv import write_detections as write_detections
 from .correspond.points import Points as Points
-from .correspond.points import read_points as read_points
-from .correspond.points import write_points as write_points
+from .correspond.points_csv import read_points as read_points
+from .correspond.points_csv import write_points as write_points
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model

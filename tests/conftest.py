@@ -1,9 +1,13 @@
 """What several tests use."""
 
+import annotation_checks
 import pytest
+
+annotation_checks.check_once()  # before the first import of labcal
 
 from labcal.paper.rows import NOT_REPORTED, ROWS, PaperRow, Solver
 from labcal.report.reproduction import Figures, Reproduction, RowResult, ShownPicture
+from labcal.report.row_verdict import RowVerdict
 from labcal.targets.grid import DotGrid, Rings
 
 
@@ -47,18 +51,24 @@ def made_up_row(row: PaperRow, number: int) -> RowResult:
                 goal_reached=None if epochs is None else row.exp not in {"04", "22"},
                 seconds=0.37 * (number + 1),
                 mean_signed_range_m=(signed - abs(signed) / 2, signed + abs(signed) * 2),
+                mae_range_mm=(scale * 0.8, scale),
+                rmse_range_mm=(scale * 0.9, scale * 1.2),
+                p95_range_mm=(scale * 1.8, scale * 2.4),
+                max_range_mm=(scale * 3.0, scale * 4.0),
+                epochs_range=None if epochs is None else (epochs * 0.9, epochs * 1.2),
+                seconds_range=(0.3 * (number + 1), 0.5 * (number + 1)),
                 further_rmse=(1.25,) if row.exp == "23" else (),
             )
         )
     readings = readings if row.noisy else readings[::2]
     chosen = readings[-1].model_dump(exclude={"further_rmse"})
-    verdicts = ("reproduced", "reproduced in other epochs", "not reproduced")
+    verdicts = [verdict for verdict in RowVerdict if verdict is not RowVerdict.CONTRADICTION]
     return RowResult(
         exp=row.exp, solver=row.solver, data=row.data, points=row.points,
         network="-".join(map(str, (*row.hidden, 3))) if row.hidden else None,
         goal=row.goal, seeds=5, paper_epochs=row.paper_epochs, paper_abs_m=row.paper_abs_m,
         paper_rel=row.paper_rel, contradiction=row.contradiction, readings=tuple(readings),
-        verdict="paper contradicts itself" if row.contradiction else verdicts[(number // 2) % 3], **chosen,
+        verdict=RowVerdict.CONTRADICTION if row.contradiction else verdicts[(number // 2) % 4], **chosen,
     )  # fmt: skip
 
 

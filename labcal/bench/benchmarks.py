@@ -54,6 +54,11 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
         raise InputError(
             "`method` goes with 'bench solve' and 'bench distortion', which measure methods. Leave it out."
         )
+    if settings.scheduler is not None and what not in _OF_METHODS:
+        raise InputError(
+            "`scheduler` goes with 'bench solve' and 'bench distortion', whose cases a cluster can do; "
+            f"'{what}' is measured here. Leave it out."
+        )
     if what != "distortion":
         _refuse_plan(settings)
     photographs = real_home()

@@ -1,13 +1,17 @@
 """A benchmark whose checks come in groups that can be measured one by one."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from labcal.bench.settings import BenchSettings
 from labcal.errors import UnknownNameError
 from labcal.report.bench import BenchResult, Check, Figure
+from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
+from labcal.run.machine import usable_cores
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
@@ -24,6 +28,17 @@ class Bench:
     progress: Progress
     methods: tuple[str, ...] = ()
     """Methods to measure in addition to the default ones."""
+    cluster: Executor | None = None
+    """The executor for the cases of a group that has many, in place of processes of this machine."""
+
+    @contextmanager
+    def executor(self, cases: int) -> Iterator[Executor]:
+        """Yield the executor for so many cases."""
+        if self.cluster is not None:
+            yield self.cluster
+            return
+        with open_executor(min(usable_cores(), cases)) as executor:
+            yield executor
 
 
 @dataclass(frozen=True)
@@ -63,6 +78,8 @@ def measured_groups(
         There is no such group of checks.
     OutputError
         The folder exists already.
+    InputError, DeviceError
+        The scheduler's address is none, or it does not answer.
     """
     for wanted in settings.groups:
         if wanted not in groups:
@@ -71,8 +88,11 @@ def measured_groups(
     command = f"bench {name} {settings.quick} {settings.seed} {chosen}"
     if settings.methods:
         command += f" {list(settings.methods)}"
-    with unfinished_folder(folder, command, force=settings.force) as working:
-        bench = Bench(settings.quick, settings.seed, working, progress, settings.methods)
+    with (
+        _cluster(settings.scheduler) as cluster,
+        unfinished_folder(folder, command, force=settings.force) as working,
+    ):
+        bench = Bench(settings.quick, settings.seed, working, progress, settings.methods, cluster)
         found = [groups[group](bench) for group in chosen]
         result = BenchResult(
             bench=name,
@@ -83,3 +103,13 @@ def measured_groups(
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
     return result
+
+
+@contextmanager
+def _cluster(scheduler: str | None) -> Iterator[Executor | None]:
+    """Yield the executor of a cluster, if there is one; one that does not answer ends the work here."""
+    if scheduler is None:
+        yield None
+        return
+    with open_executor(usable_cores(), scheduler) as executor:
+        yield executor

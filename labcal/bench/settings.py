@@ -23,6 +23,8 @@ class BenchSettings:
     """Only these groups of checks, of a benchmark that has them; all where empty."""
     methods: tuple[str, ...] = ()
     """Methods to measure besides, of a benchmark of methods: names, or ``package.module:Class``."""
+    scheduler: str | None = None
+    """Of a Dask cluster that does the cases of a benchmark that has many: an address, or ``"local"``."""
     plan: str | None = None
     """Of the benchmark of distortion: ``quick``, ``full``, or the path of a YAML file."""
     overrides: tuple[str, ...] = ()

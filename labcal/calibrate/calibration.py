@@ -12,6 +12,7 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.calibrate.lens_choice import LensChoice, choose_lens
+from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_rig import parallel_notes
 from labcal.cameras.blind_pixels import blind_pixels
@@ -20,7 +21,7 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
 from labcal.errors import InputError
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.progress import NoProgress, Progress
@@ -172,12 +173,11 @@ def calibrated(
         start from is given with ``auto``.
     """
     settings = settings or HandheldSettings()
+    refuse_contradictory(lens, settings)
     held_out = held_out_views(detections.views, hold_out)
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
     if lens == AUTO:
-        if settings.start is not None:
-            raise InputError(f"The lens '{AUTO}' is tried from the beginning. Leave `start` out.")
         choice = choose_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     found = calibrate_handheld(entering, target, lens, settings)
@@ -191,6 +191,31 @@ def calibrated(
         *notes,
     )
     return Calibration(found, lens, choice, held_out, learned, warnings)
+
+
+def refuse_contradictory(lens: str | None, settings: HandheldSettings) -> None:
+    """Raise where a lens model and settings cannot go together, whatever the dots are.
+
+    Parameters
+    ----------
+    lens : str or None
+        As of :func:`calibrated`.
+    settings : HandheldSettings
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such lens model.
+    InputError
+        The lens has nothing to calibrate, a rig to start from is given with ``auto``, or lenses are to be
+        kept that no rig gives.
+    """
+    if lens == AUTO and settings.start is not None:
+        raise InputError(f"`lens='{AUTO}'` tries lens models from the beginning. Leave `start` out.")
+    if lens not in (None, AUTO):
+        require_adjustable(lens)
+    if settings.lenses is Lenses.FIXED and settings.start is None:
+        raise InputError("The lenses of a rig can be kept only where there is one. Add `start='rig.json'`.")
 
 
 def _lens_of(settings: HandheldSettings) -> str:

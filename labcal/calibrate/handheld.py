@@ -43,9 +43,8 @@ from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import counted
 
-__all__ = ["HandheldSettings", "calibrate_handheld", "require_handheld_lens"]
+__all__ = ["HandheldSettings", "calibrate_handheld"]
 
-require_handheld_lens = require_adjustable
 _MOST_DOTS = 20_000
 """Measurements from which the triangulation residual is found, about: more add nothing."""
 

@@ -16,7 +16,7 @@ from labcal.calibrate.rig_residuals import RigResiduals
 from labcal.cameras.optics import INTRINSICS
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 
 UNEVEN, UNEVEN_PX = 5.0, 0.1
 """Scatter from which on it is worth a word: so many times the dots' own noise, and so many px."""

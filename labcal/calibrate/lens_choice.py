@@ -13,9 +13,10 @@ from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld import HandheldSettings
-from labcal.calibrate.lens_candidates import LARGE, OF_VIEWS, PLENTY
+from labcal.calibrate.lens_candidates import DEFAULT_LENS, LARGE, OF_VIEWS, PLENTY
 from labcal.calibrate.lens_start import LensStart, start_from_camera, start_from_pictures
 from labcal.calibrate.lens_support import undetermined
+from labcal.calibrate.parallel_views import refuse_parallel_views
 from labcal.calibrate.usable_dots import MIN_DOTS, in_full_pictures, usable_dots
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import joined
@@ -81,7 +82,7 @@ def choose_lens(
     Raises
     ------
     InputError
-        A camera has fewer than :data:`MIN_VIEWS` views, no model can be fitted, or as in
+        A camera has fewer than :data:`MIN_VIEWS` views or parallel rays, no model can be fitted, or as in
         :func:`~labcal.calibrate.handheld.calibrate_handheld`.
     """
     entering, _ = in_full_pictures(usable_dots(detections, target))
@@ -92,6 +93,8 @@ def choose_lens(
                 f"Camera '{name}' has {counted(len(pictures), 'usable view')}, but to choose a lens model "
                 f"needs {MIN_VIEWS}. Take more views, or name the model with `lens`."
             )
+    for pictures in cameras:
+        _refuse_parallel(pictures, target, settings.eccentricity_rounds)
     plenty = min(map(len, cameras)) >= PLENTY
     lenses = [lens for lens in OF_VIEWS if plenty or lens != LARGE]
     progress.start("lens models", len(lenses))
@@ -110,6 +113,15 @@ def choose_lens(
     best = min(squares.values(), key=lambda square: float(square.mean()))
     trials = tuple(_trial(lens, squares.get(lens), best, refused.get(lens)) for lens in lenses)
     return LensChoice(next(trial.lens for trial in trials if trial.as_good), trials)
+
+
+def _refuse_parallel(pictures: list[Detections], target: AnyTarget, eccentricity_rounds: int) -> None:
+    """Raise where the rays of a camera are parallel, so that no candidate suits it."""
+    try:
+        first = start_from_pictures(pictures, target, DEFAULT_LENS).camera
+    except InputError:
+        return  # each lens model says why
+    refuse_parallel_views(pictures, target, first, eccentricity_rounds)
 
 
 def _trial(

@@ -18,7 +18,7 @@ from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 from labcal.targets.catalogue import AnyTarget
 
 FEWEST = 2

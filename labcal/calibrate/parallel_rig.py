@@ -18,6 +18,7 @@ from labcal.calibrate.rig_start import SharedViews, SingleCamera
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.geometry.parallel_pose import mirrored
+from labcal.geometry.poses import nearest_rotation
 
 _CANDIDATES = 100
 
@@ -147,8 +148,7 @@ def _deep(
     """Return the poses with depths that agree, as near to those given as what is left open allows."""
     count, rows = len(first), (2 if pair[1].model.parallel else 3)
     turns = second[:, :3, :3] @ first[:, :3, :3].transpose(0, 2, 1)
-    U, _, Vt = np.linalg.svd(turns.sum(axis=0))
-    R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    R, _ = nearest_rotation(turns.sum(axis=0))
     A, b = np.zeros((count, rows, 3 + count)), np.zeros((count, rows))
     shift = np.median(second[:, :3, 3] - first[:, :3, 3] @ R.T, axis=0)
     for view in range(count):

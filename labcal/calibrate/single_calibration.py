@@ -17,6 +17,7 @@ from labcal.calibrate.lens_start import (
     start_from_pictures,
 )
 from labcal.calibrate.one_lens import TwoLenses
+from labcal.calibrate.parallel_views import refuse_parallel_views
 from labcal.calibrate.rig_start import SingleCamera
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
@@ -120,7 +121,9 @@ def _lens_start(
             raise InputError(
                 "Intrinsics can be kept only where a rig to start from gives them. Add `start='rig.json'`."
             )
-        return start_from_pictures(pictures, target, lens)
+        start = start_from_pictures(pictures, target, lens)
+        refuse_parallel_views(pictures, target, start.camera, settings.eccentricity_rounds)
+        return start
     known = settings.start.camera(name)
     if known.size != size:
         raise InputError(

@@ -33,6 +33,7 @@ from importlib import import_module
 
 from labcal import __version__
 from labcal.cli.failure import report_failure
+from labcal.cli.log_messages import logged_as_warnings
 from labcal.cli.parser import CommandGroup, Parser, UsageError
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -108,7 +109,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     with orderly_termination(), result_stream() as stream:
         session = Session(stream, json=json, quiet=quiet)
         try:
-            return int(arguments.run(arguments, session))
+            with logged_as_warnings(session):
+                return int(arguments.run(arguments, session))
         except BrokenPipeError:
             return ExitStatus.NOBODY_READS
         except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the one place where every error ends

@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from labcal.cli.methods import named_methods
-from labcal.cli.options import add_output, add_seed, positive_number
+from labcal.cli.options import add_output, add_scheduler, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -55,6 +55,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("--seeds", type=positive_number, metavar="N", help="of distortion: number of seeds")
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
+    add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits and mistakes),")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -76,6 +77,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         plan=arguments.plan,
         overrides=tuple(arguments.overrides),
         seeds=arguments.seeds,
+        scheduler=arguments.scheduler,
     )
     if arguments.what == "distortion":
         session.say(announcement(plan_of(settings)))

@@ -75,13 +75,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.wording import listed
 
     require_name(arguments.output)
+    if arguments.overlay is not None and not arguments.free_dots:
+        raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
     outputs = [FileOutput(arguments.output, KIND)]
-    if arguments.free_dots:
-        outputs.append(FileOutput(_dots_path(arguments.output), DOTS_KIND))
-    if arguments.overlay is not None:
-        if not arguments.free_dots:
-            raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
-        outputs.append(png_output(arguments.overlay))
+    outputs += [FileOutput(_dots_path(arguments.output), DOTS_KIND)] if arguments.free_dots else []
+    outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
@@ -101,29 +99,23 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     _write_dots(arguments, made)
     result = calibrate_result(made, detections, target)
     session.emit(result, calibrate_table(result))
-    two_lenses = any(camera.two_lenses is not None for camera in result.cameras.values())
-    amiss = result.skipped or two_lenses or result.inconsistent
-    return ExitStatus.PARTIAL if amiss else ExitStatus.DONE
+    return ExitStatus.PARTIAL if result.doubtful else ExitStatus.DONE
 
 
 def _settings(arguments: Namespace) -> "HandheldSettings":
-    """Return how to calibrate, and refuse a lens model or a rig that is of no use before any dot is found."""
+    """Return how to calibrate; raise where that is of no use, before any dot is found."""
     from labcal.calibrate.adjustment.state import Lenses
-    from labcal.calibrate.handheld import HandheldSettings, require_handheld_lens
+    from labcal.calibrate.calibration import refuse_contradictory
+    from labcal.calibrate.handheld import HandheldSettings
     from labcal.cameras.rig import read_rig
-    from labcal.errors import InputError
 
-    if arguments.lens == AUTO and arguments.start is not None:
-        raise InputError(f"--lens {AUTO} tries lens models from the beginning. Leave --start out.")
-    if arguments.lens not in (None, AUTO):
-        require_handheld_lens(arguments.lens)
-    if arguments.fix_intrinsics and arguments.start is None:
-        raise InputError("--fix-intrinsics keeps the lenses of a rig. Name it: --start rig.json.")
-    return HandheldSettings(
+    settings = HandheldSettings(
         lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
         start=None if arguments.start is None else read_rig(arguments.start),
         free_dots=arguments.free_dots,
     )
+    refuse_contradictory(arguments.lens, settings)
+    return settings
 
 
 def _dots_path(output: Path) -> Path:
@@ -132,14 +124,11 @@ def _dots_path(output: Path) -> Path:
 
 def _write_dots(arguments: Namespace, made: "Calibration") -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
-    from labcal.run.outputs import write_file
     from labcal.targets.places import write_places
 
     if made.places is not None:
         write_places(_dots_path(arguments.output), made.places, force=arguments.force)
     if arguments.overlay is not None and made.found.freed is not None:
-        from labcal.report.displacement_picture import draw_displacements  # imports matplotlib
-        from labcal.shoot.pictures import png_output
+        from labcal.report.displacement_picture import save_displacements  # imports matplotlib
 
-        drawn, kind = draw_displacements(made.found.freed), png_output(arguments.overlay).kind
-        write_file(arguments.overlay, drawn, kind=kind, force=arguments.force)
+        save_displacements(arguments.overlay, made.found.freed, force=arguments.force)

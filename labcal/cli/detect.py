@@ -36,7 +36,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Detect, write the table, report the outcome of each picture."""
-    from labcal.correspond.detections import KIND, detections_csv
+    from labcal.correspond.detections_csv import KIND, detections_csv
     from labcal.correspond.measure import detections_of
     from labcal.correspond.paths_read import paths_read
     from labcal.pipeline import detect_settings, measure, open_pictures

@@ -49,7 +49,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and report."""
-    from labcal.correspond.points import read_points
+    from labcal.correspond.points_csv import read_points
     from labcal.pipeline import evaluate
     from labcal.report.error_tables import error_table
     from labcal.shoot.dataset import Shoot, open_shoot

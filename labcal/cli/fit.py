@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO
-from labcal.cli.methods import named_methods
+from labcal.cli.methods import named_estimators
 from labcal.cli.options import (
     add_detector_settings,
     add_hold_out,
@@ -21,8 +21,6 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.correspond.dot_source import DotSource
     from labcal.estimators.estimator import PointEstimator
-    from labcal.estimators.fitting import FitSettings
-    from labcal.estimators.model import Model
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -91,7 +89,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
-    from labcal.estimators.model_file import KIND
+    from labcal.estimators.model_file import KIND, save_models
     from labcal.pipeline import FitSettings, fit_methods, training_of
     from labcal.report.fit_result import FitOutcome, fit_result, fit_table, fit_warnings
     from labcal.run.claims import FileOutput, claim_outputs
@@ -105,7 +103,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         not arguments.no_rehearsal,
         arguments.hold_out or (),
     )
-    estimators = _estimators(arguments, settings)
+    estimators = named_estimators(arguments.method, settings)
+    _refuse_idle_seed(arguments, estimators)
     require_name(arguments.output)
     alone = len(estimators) == 1
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
@@ -119,10 +118,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         training = training_of(given.showing(target), detections, settings, progress)
     for warning in training.warnings:
         session.warn(warning)
-    if training.held is None and arguments.lens != AUTO and not _uses_lens(estimators, arguments):
-        refuse_option(
-            arguments, "lens", f"means nothing to {arguments.method} on a stage without a rehearsal"
-        )
+    if training.held is None:
+        _refuse_idle_lens(arguments, estimators)
     if training.centred.reason is not None:
         session.say(f"centroids are taken as they are: {training.centred.reason}")
     if training.held_out:
@@ -131,21 +128,18 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         models = fit_methods(training, estimators, settings, progress)
     if alone and isinstance(models[0], InputError):
         raise models[0]
-    named = zip(paths, estimators, models, strict=True)
+    named = list(zip(paths, estimators, models, strict=True))
     outcomes = [FitOutcome(estimator.method, path, model) for path, estimator, model in named]
     for warning in fit_warnings(outcomes):
         session.warn(warning)
-    fitted = [
-        (path, model) for path, model in zip(paths, models, strict=True) if not isinstance(model, InputError)
-    ]
-    _save_all(fitted, force=arguments.force)
+    made = [(path, model) for path, _, model in named if not isinstance(model, InputError)]
+    save_models(made, force=arguments.force)
     result = fit_result(training, outcomes)
-    session.emit(result, fit_table(result, rehearsed=not arguments.no_rehearsal))
-    if not fitted:
+    session.emit(result, fit_table(result, rehearsed=settings.rehearsal))
+    if not made:
         return ExitStatus.UNUSABLE
-    held = result.handheld
-    doubtful = held is not None and (held.left_out or held.inconsistent is not None)
-    return ExitStatus.PARTIAL if len(fitted) < len(paths) or doubtful else ExitStatus.DONE
+    doubtful = result.handheld is not None and result.handheld.doubtful
+    return ExitStatus.PARTIAL if len(made) < len(paths) or doubtful else ExitStatus.DONE
 
 
 def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
@@ -161,39 +155,19 @@ def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
     return given.target(arguments.target)
 
 
-def _estimators(arguments: Namespace, settings: "FitSettings") -> "list[PointEstimator]":
-    """Return the methods that are named, with the options that concern them."""
-    from labcal.errors import InputError
-    from labcal.pipeline import estimators_of
-
-    estimators = estimators_of(named_methods(arguments.method), settings)
-    if len({one.method for one in estimators}) < len(estimators):
-        raise InputError(f"--method names a method twice: {arguments.method}. Name each once.")
+def _refuse_idle_seed(arguments: Namespace, estimators: "list[PointEstimator]") -> None:
+    """Raise where a seed is given and nothing is random."""
     if arguments.no_rehearsal and not any("random_state" in one.get_params() for one in estimators):
         refuse_option(arguments, "seed", f"means nothing to {arguments.method}, in which nothing is random")
-    return estimators
 
 
-def _uses_lens(estimators: "list[PointEstimator]", arguments: Namespace) -> bool:
-    """Return whether a method has a lens model, or surrogate validation uses one."""
-    return not arguments.no_rehearsal or any("lens" in one.get_params() for one in estimators)
-
-
-def _save_all(models: "list[tuple[Path, Model]]", *, force: bool) -> None:
-    """Write all models or, where the disk refuses one, leave none that was not there before."""
-    from labcal.errors import OutputError
-    from labcal.estimators.model_file import save_model
-
-    written: list[Path] = []
-    try:
-        for path, model in models:
-            new = not path.exists()
-            save_model(path, model, force=force)
-            written += [path] if new else []
-    except OutputError:
-        for path in written:
-            path.unlink()
-        raise
+def _refuse_idle_lens(arguments: Namespace, estimators: "list[PointEstimator]") -> None:
+    """Raise where a lens is named for a stage, no method has one, and surrogate validation is left out."""
+    has_lens = any("lens" in one.get_params() for one in estimators)
+    if arguments.lens != AUTO and arguments.no_rehearsal and not has_lens:
+        refuse_option(
+            arguments, "lens", f"means nothing to {arguments.method} on a stage without a rehearsal"
+        )
 
 
 def _path(output: Path, method: str, *, alone: bool) -> Path:

@@ -2,9 +2,14 @@
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labcal.errors import InputError
 from labcal.estimators.registry import SEPARATOR
+
+if TYPE_CHECKING:
+    from labcal.estimators.estimator import PointEstimator
+    from labcal.estimators.fitting import FitSettings
 
 
 def named_methods(text: str) -> list[str]:
@@ -25,6 +30,24 @@ def named_methods(text: str) -> list[str]:
     if any(SEPARATOR in name for name in names):
         _look_here()
     return names
+
+
+def named_estimators(text: str, settings: "FitSettings") -> "list[PointEstimator]":
+    """Return the methods that an option names, with the settings that concern them.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such method or lens.
+    InputError
+        One is named twice, if under two names, or is none.
+    """
+    from labcal.pipeline import estimators_of
+
+    estimators = estimators_of(named_methods(text), settings)
+    if len({one.method for one in estimators}) < len(estimators):
+        raise InputError(f"--method names a method twice: {text}. Name each once.")
+    return estimators
 
 
 def own_method(text: str | None) -> str | None:

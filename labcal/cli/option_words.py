@@ -11,6 +11,7 @@ OPTIONS = {
     for name in (
         "alignment", "cameras", "detections", "distance_mm", "dots", "dpi", "fix_intrinsics", "force",
         "free_dots", "hold_out", "lens", "method", "only", "overlay", "plan", "quick", "rectify", "rig",
+        "scheduler",
         "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {"overrides": "--set", "from_format": "--from", "to_format": "--to"}  # fmt: skip

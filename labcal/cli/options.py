@@ -115,6 +115,23 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_scheduler(parser: argparse.ArgumentParser, cases: str) -> None:
+    """Add ``--scheduler``.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+    cases : str
+        The cases that the cluster does, in the plural.
+    """
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help=f"do the {cases} on a Dask cluster: tcp://HOST:PORT of its scheduler, or 'local' for a cluster "
+        "of processes of this machine; the results are the same",
+    )
+
+
 _MOST = 2**63 - 1
 
 

@@ -5,6 +5,9 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
+_PERIOD_S = 1800.0
+"""Time over which the speed is averaged: a step of a sweep may take minutes."""
+
 
 class RichProgress:
     """Shows every piece of work as a bar; implements :class:`labcal.run.progress.Progress`."""
@@ -16,6 +19,7 @@ class RichProgress:
             MofNCompleteColumn(),
             TimeRemainingColumn(elapsed_when_finished=True),
             console=console,
+            speed_estimate_period=_PERIOD_S,
         )
         self._current: TaskID | None = None
 
@@ -30,9 +34,12 @@ class RichProgress:
         """Give the terminal back."""
         self._bars.stop()
 
-    def start(self, label: str, total: int) -> None:
-        """Begin a piece of work of `total` steps."""
-        self._current = self._bars.add_task(label, total=total)
+    def start(self, label: str, total: int, done: int = 0) -> None:
+        """Begin a piece of work of `total` steps.
+
+        Those that an earlier run has done do not enter the remaining time.
+        """
+        self._current = self._bars.add_task(label, total=total, completed=done)
 
     def advance(self, steps: int = 1) -> None:
         """Report steps as done."""

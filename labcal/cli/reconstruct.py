@@ -42,7 +42,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
-    from labcal.correspond.points import KIND, PointFlag, points_csv
+    from labcal.correspond.points import PointFlag
+    from labcal.correspond.points_csv import KIND, points_csv
     from labcal.pipeline import reconstruct
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.report.reconstruct_result import reconstruct_result, reconstruct_words

@@ -1,8 +1,15 @@
-"""``labcal reproduce``: the paper's rows."""
+"""``labcal reproduce``: the paper's rows and claims."""
 
 from argparse import Namespace
 
-from labcal.cli.options import add_output, add_seed, add_workers, positive_number
+from labcal.cli.options import (
+    add_output,
+    add_scheduler,
+    add_seed,
+    add_workers,
+    positive_number,
+    refuse_option,
+)
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -13,10 +20,15 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "reproduce",
         run,
-        "Reproduce the experiments of the paper, all 22 rows or some, and write results.json and a page.",
-        example="labcal reproduce 01 13 21 --quick -o out/quick",
+        "Reproduce the paper, its 22 rows and 8 claims or some of them, and write results.json and a page.",
+        example="labcal reproduce 01 13 C8 --quick -o out/quick",
     )
-    parser.add_argument("rows", nargs="*", metavar="ROW", help="numbers of rows; all where none is given")
+    parser.add_argument(
+        "experiments",
+        nargs="*",
+        metavar="ROW|CLAIM",
+        help="numbers of rows, and claims (C1 to C8); all where none is given",
+    )
     parser.add_argument(
         "--quick", action="store_true", help="fewer rays a pixel, fewer epochs, one seed; the page states it"
     )
@@ -24,29 +36,37 @@ def add_parser(commands: CommandGroup) -> None:
         "--seeds",
         type=positive_number,
         metavar="N",
-        help="runs of every row, for medians (5, or 1 with --quick)",
+        help="runs of every row, for medians (10, or 1 with --quick); claims have the numbers of their plan",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
     add_workers(parser)
+    add_scheduler(parser, "training runs")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reproduce and show the table."""
-    from labcal.paper.rows import rows_named
+    from rich.console import Group, RenderableType
+
     from labcal.pipeline import ReproduceSettings, reproduce
+    from labcal.report.claims_table import claims_table
     from labcal.report.reproduction_table import reproduction_table
 
+    if arguments.scheduler not in (None, "local"):
+        refuse_option(arguments, "workers", "is for processes of this machine; a cluster has its own workers")
     settings = ReproduceSettings(
-        rows=rows_named(arguments.rows),
+        experiments=tuple(arguments.experiments),
         quick=arguments.quick,
         seeds=arguments.seeds,
         seed=arguments.seed,
         workers=arguments.workers,
+        scheduler=arguments.scheduler,
         force=arguments.force,
     )
     with session.progress() as progress:
         result = reproduce(arguments.output, settings, progress)
-    session.emit(result, reproduction_table(result))
+    tables: list[RenderableType] = [reproduction_table(result)] if result.rows else []
+    tables += [claims_table(result.claims)] if result.claims else []
+    session.emit(result, Group(*tables))
     session.say(f"The page: {arguments.output / 'index.html'}")
     return ExitStatus.DONE

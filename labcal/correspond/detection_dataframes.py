@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labcal.correspond.detection_lines import HEADER
 from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import HEADER
 from labcal.correspond.dot_axis import DotAxis
 from labcal.extras import optional_module
 

@@ -1,4 +1,4 @@
-"""``detections.csv``: the dots of many pictures in one table."""
+"""The dots of many pictures in one table."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -10,21 +10,15 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from labcal.arrays import AnyArray, float_array, lines_array, text_array, truth_array, whole_array
-from labcal.correspond.detection_lines import HEADER, read_columns
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
-from labcal.paths import AnyPath, as_path
+from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
-from labcal.run.file_kinds import beginning_with
-from labcal.run.outputs import write_file
-from labcal.run.tables import table_text
 
 if TYPE_CHECKING:
     import matplotlib.figure
     import pandas
     import xarray
-
-KIND = beginning_with("a table of detections", f"{','.join(HEADER)}\n".encode())
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -170,11 +164,13 @@ class Detections(PublicObject):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Detections":
-        """Read ``detections.csv``; as :func:`read_detections`, which lists its errors."""
+        """Read ``detections.csv``; as :func:`labcal.read_detections`, which lists its errors."""
+        from labcal.correspond.detections_csv import read_detections  # noqa: PLC0415 -- it makes this class
+
         return read_detections(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``detections.csv``; as :func:`write_detections`, which lists its errors.
+        """Write ``detections.csv``; as :func:`labcal.write_detections`, which lists its errors.
 
         Examples
         --------
@@ -185,6 +181,8 @@ class Detections(PublicObject):
         ...     Detections.load(f"{folder}/detections.csv") == examples.detections()
         True
         """
+        from labcal.correspond.detections_csv import write_detections  # noqa: PLC0415 -- as above
+
         write_detections(path, self, force=force)
 
     def to_pandas(self) -> "pandas.DataFrame":
@@ -298,71 +296,3 @@ def _numbers(names: np.ndarray, order: tuple[str, ...]) -> Int64[np.ndarray, " n
     """Return the place of each name in an order."""
     place = {name: number for number, name in enumerate(order)}
     return np.array([place[name] for name in names.tolist()], dtype=np.int64)
-
-
-def detections_csv(table: Detections) -> str:
-    """Return the text of ``detections.csv``; figures are written so that they read back exactly."""
-    lines = []
-    for i in range(len(table)):
-        index = table.index[i].tolist() if table.has_id[i] else ["", ""]
-        (xx, xy), (_, yy) = table.covariance[i].tolist()
-        lines.append(
-            [table.view[i], table.camera[i], table.image[i], *table.size[i].tolist(), *index,
-             *table.position[i].tolist(), xx, xy, yy, table.flag[i]]
-        )  # fmt: skip
-    return table_text(HEADER, lines)
-
-
-def read_detections(path: AnyPath) -> Detections:
-    """Read ``detections.csv``.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file.
-
-    Returns
-    -------
-    Detections
-
-    Raises
-    ------
-    InputError
-        It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
-        picture, or a picture has two names or sizes; the line is named.
-
-    Examples
-    --------
-    >>> from labcal import examples, read_detections
-    >>> examples.detections().save("detections.csv")
-    >>> read_detections("detections.csv")
-    Detections(views=8, cameras=['left', 'right'], dots=1408, ok=1408)
-    """
-    return Detections(*read_columns(as_path(path)))
-
-
-def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -> None:
-    """Write ``detections.csv``.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file to appear.
-    table : Detections
-        What to write.
-    force : bool
-        Replace a table of detections that exists.
-
-    Raises
-    ------
-    OutputError
-        The file exists and `force` is not set, or it cannot be written.
-
-    Examples
-    --------
-    >>> from labcal import examples, read_detections, write_detections
-    >>> write_detections("detections.csv", examples.detections())
-    >>> read_detections("detections.csv") == examples.detections()
-    True
-    """
-    write_file(as_path(path), detections_csv(table), kind=KIND, force=force)

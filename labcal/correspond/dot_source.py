@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from labcal.correspond.detections import Detections, read_detections
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.measure import Measurement, detections_of, measure_pictures, refusals
 from labcal.correspond.picture_set import PictureSet, open_pictures, target_shown
 from labcal.correspond.refused_pictures import shared_reasons

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.correspond.dot_axis import DotAxis
-from labcal.correspond.point_lines import HEADER, UPPER
 from labcal.correspond.points import Points
+from labcal.correspond.points_csv import HEADER, UPPER
 from labcal.extras import optional_module
 
 if TYPE_CHECKING:

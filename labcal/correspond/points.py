@@ -1,8 +1,9 @@
-"""``points.csv``: reconstructed points, a line a dot."""
+"""Reconstructed points in one table, a line a dot."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,21 +18,26 @@ from labcal.arrays import (
     text_array,
     whole_array,
 )
-from labcal.correspond.point_lines import HEADER, UPPER, PointFlag, read_columns
-from labcal.paths import AnyPath, as_path
+from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
-from labcal.run.file_kinds import beginning_with
-from labcal.run.outputs import write_file
-from labcal.run.tables import table_text
 
 if TYPE_CHECKING:
     import matplotlib.figure
     import pandas
     import xarray
 
-__all__ = ["KIND", "PointFlag", "Points", "points_csv", "read_points", "write_points"]
 
-KIND = beginning_with("a table of points", f"{','.join(HEADER)}\n".encode())
+class PointFlag(StrEnum):
+    """Flag of a reconstructed point."""
+
+    OK = "ok"
+    """Reconstructed."""
+    EXTRAPOLATED = "extrapolated"
+    """Outside the volume that the method was trained in."""
+    MODEL_MISFIT = "model-misfit"
+    """The method is known to err by far more than the noise leaves, or by more than its covariances say."""
+    NO_SOLUTION = "no-solution"
+    """The pixels determine no point."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -116,11 +122,13 @@ class Points(PublicObject):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Points":
-        """Read ``points.csv``; as :func:`read_points`, which lists its errors."""
+        """Read ``points.csv``; as :func:`labcal.read_points`, which lists its errors."""
+        from labcal.correspond.points_csv import read_points  # noqa: PLC0415 -- it makes this class
+
         return read_points(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``points.csv``; as :func:`write_points`, which lists its errors.
+        """Write ``points.csv``; as :func:`labcal.write_points`, which lists its errors.
 
         Examples
         --------
@@ -131,6 +139,8 @@ class Points(PublicObject):
         ...     Points.load(f"{folder}/points.csv") == examples.points()
         True
         """
+        from labcal.correspond.points_csv import write_points  # noqa: PLC0415 -- as above
+
         write_points(path, self, force=force)
 
     def to_pandas(self) -> "pandas.DataFrame":
@@ -210,70 +220,3 @@ def _symmetric(covariance: PointCovariances) -> PointCovariances:
     if np.array_equal(covariance, lower, equal_nan=True):
         return covariance
     return np.where(np.tri(covariance.shape[-1], k=-1, dtype=bool), lower, covariance)
-
-
-def points_csv(points: Points) -> str:
-    """Return the text of ``points.csv``; figures are written so that they read back exactly."""
-    return table_text(
-        HEADER,
-        (
-            [points.view[i], *points.index[i].tolist(), *points.point[i].tolist(),
-             *points.covariance[i][UPPER].tolist(), points.flag[i]]
-            for i in range(len(points))
-        ),
-    )  # fmt: skip
-
-
-def read_points(path: AnyPath) -> Points:
-    """Read ``points.csv``.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file.
-
-    Returns
-    -------
-    Points
-
-    Raises
-    ------
-    InputError
-        It cannot be read, has other columns, a line in it is damaged, or two are of the same dot of a view;
-        the line is named.
-
-    Examples
-    --------
-    >>> from labcal import examples, read_points
-    >>> examples.points().save("points.csv")
-    >>> read_points("points.csv")
-    Points(views=8, points=704, ok=704, median_sigma=0.076 mm)
-    """
-    return Points(*read_columns(as_path(path)))
-
-
-def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
-    """Write ``points.csv``.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file to appear.
-    points : Points
-        What to write.
-    force : bool
-        Replace a table of points that exists.
-
-    Raises
-    ------
-    OutputError
-        The file exists and `force` is not set, or it cannot be written.
-
-    Examples
-    --------
-    >>> from labcal import examples, read_points, write_points
-    >>> write_points("points.csv", examples.points())
-    >>> read_points("points.csv") == examples.points()
-    True
-    """
-    write_file(as_path(path), points_csv(points), kind=KIND, force=force)

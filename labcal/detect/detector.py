@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.detect.checks.missing_dots import unmeasured_dots
+from labcal.detect.checks.refusals import cause, hardly_measured
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
@@ -15,7 +16,7 @@ from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.outlines.outlines import Outlines, clear_reach
-from labcal.detect.quality import FlaggedDot, cause, flag_dots, hardly_measured
+from labcal.detect.quality import FlaggedDot, flag_dots
 from labcal.detect.segmentation import Candidates, segmentations
 from labcal.detect.settings import DEFAULTS, DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings

@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
 from labcal.detect.edges.edge_model import STATE
-from labcal.detect.edges.gauss_newton import EdgeLimits, PictureLimits, fit_all
+from labcal.detect.edges.gauss_newton import fit_all
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.residuals import (
     BURNT,

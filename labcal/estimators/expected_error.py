@@ -1,4 +1,7 @@
-"""The expected error of a method, and whether it is acceptable."""
+"""The expected error of a method, and whether it is acceptable.
+
+It is computed by `surrogate_validation.py` beside this file, on points drawn within the training volume.
+"""
 
 from dataclasses import dataclass
 

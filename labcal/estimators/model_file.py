@@ -1,39 +1,36 @@
 """Fitted models on disk: safetensors with a JSON header. Loading never runs code from the file."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import safetensors.numpy
 from safetensors import SafetensorError, safe_open
 
-from labcal.bounds import MOST_MM, MOST_WEIGHT
+from labcal.bounds import MOST_MM
 from labcal.cameras.record import CameraRecord
-from labcal.errors import InputError, LabcalError
+from labcal.errors import InputError, OutputError
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.model import Model, TrainingBox
-from labcal.estimators.model_header import VERSION, ModelHeader, Value, header_of
+from labcal.estimators.model_header import VERSION, ModelHeader, header_of
+from labcal.estimators.stored_estimator import checked_array, stored_estimator
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import recognised_by
 from labcal.run.file_reading import require_file
 from labcal.run.outputs import write_file
 
-if TYPE_CHECKING:
-    from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
-
 # One key only: safetensors writes several in no fixed order, and the same model should give the same bytes.
-METADATA_KEY = "labcal"
-BOX_PREFIX = "box."
-LENGTH_BYTES = 8
+_METADATA_KEY = "labcal"
+_BOX_PREFIX = "box."
+_LENGTH_BYTES = 8
 _MOST_BYTES = 2**28
-_MOST_COUNT = 2**31
-"""Of an integer that an estimator is constructed with."""
-_HEADER_BEGINS = f'{{"__metadata__":{{"{METADATA_KEY}":'.encode()
+_HEADER_BEGINS = f'{{"__metadata__":{{"{_METADATA_KEY}":'.encode()
 KIND = recognised_by(
     "a model",
-    lambda content: content[LENGTH_BYTES:].startswith(_HEADER_BEGINS) and b"labcal-model" in content,
+    lambda content: content[_LENGTH_BYTES:].startswith(_HEADER_BEGINS) and b"labcal-model" in content,
 )
 
 
@@ -62,7 +59,10 @@ def model_kind(path: AnyPath) -> ModelKind:
     with path.open("rb") as handle:
         begin = handle.read(64)
     # A safetensors file begins with the length of its header, which begins with a brace.
-    if begin[LENGTH_BYTES : LENGTH_BYTES + 1] == b"{" and begin[LENGTH_BYTES - 2 : LENGTH_BYTES] == b"\0\0":
+    if (
+        begin[_LENGTH_BYTES : _LENGTH_BYTES + 1] == b"{"
+        and begin[_LENGTH_BYTES - 2 : _LENGTH_BYTES] == b"\0\0"
+    ):
         return ModelKind.FITTED
     if begin.lstrip().startswith(b"{"):
         return ModelKind.RIG
@@ -100,7 +100,7 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
         spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.stored_arrays()
     }
     for field in fields(TrainingBox):
-        arrays[BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
+        arrays[_BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
     header = ModelHeader(
         format="labcal-model",
         version=VERSION,
@@ -119,8 +119,35 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
         calibrated_on=model.calibrated_on or None,
         held_out=model.held_out or None,
     ).signed(arrays)
-    content = safetensors.numpy.save(arrays, {METADATA_KEY: header.text()})
+    content = safetensors.numpy.save(arrays, {_METADATA_KEY: header.text()})
     write_file(as_path(path), content, kind=KIND, force=force)
+
+
+def save_models(models: Sequence[tuple[Path, Model]], *, force: bool = False) -> None:
+    """Write several models or, where the disk refuses one, leave none that was not there before.
+
+    Parameters
+    ----------
+    models : sequence of (Path, Model)
+        Files to appear, and what to write.
+    force : bool
+        Replace models that exist.
+
+    Raises
+    ------
+    OutputError
+        As of :func:`save_model`.
+    """
+    written: list[Path] = []
+    try:
+        for path, model in models:
+            new = not path.exists()
+            save_model(path, model, force=force)
+            written += [path] if new else []
+    except OutputError:
+        for path in written:
+            path.unlink()
+        raise
 
 
 def load_model(path: AnyPath, method: object | None = None) -> Model:
@@ -159,7 +186,7 @@ def load_model(path: AnyPath, method: object | None = None) -> Model:
     path = as_path(path)
     header, arrays = _content(path)
     box = _box(path, header, arrays)
-    estimator = _estimator(path, header, arrays, method)
+    estimator = stored_estimator(path, header, arrays, method)
     resected = None
     if header.resected is not None:
         pairs = zip(header.cameras, header.resected, strict=False)
@@ -203,73 +230,12 @@ def _content(path: Path) -> tuple[ModelHeader, dict[str, np.ndarray]]:
         ) from error
     except OSError as error:
         raise InputError(f"The model {path} cannot be read: {error.strerror or error}.") from error
-    header = header_of(path, metadata.get(METADATA_KEY))
+    header = header_of(path, metadata.get(_METADATA_KEY))
     if header.signed(arrays).digest != header.digest:
         raise InputError(
             f"The model {path} has been changed since it was written: its digest is wrong. Fit it again."
         )
     return header, arrays
-
-
-def _estimator(
-    path: Path, header: ModelHeader, arrays: dict[str, np.ndarray], method: object | None
-) -> "PointEstimator":
-    """Return the fitted estimator; only attributes that its class declares are set."""
-    # Both import scikit-learn, which a reader of a header, or of a rig, does without.
-    from labcal.estimators.user_method import UserMethod  # noqa: PLC0415 -- see above
-    from labcal.estimators.user_model import estimator_to_fill, fit_as_stored  # noqa: PLC0415 -- see above
-
-    estimator = estimator_to_fill(path, header, method)
-    defaults = header.parameters if isinstance(estimator, UserMethod) else estimator.get_params()
-    if header.parameters.keys() != defaults.keys() or header.facts.keys() != set(estimator.fitted_facts):
-        raise InputError(
-            f"The model {path} names parameters that the method '{header.method}' does not have."
-        )
-    if not isinstance(estimator, UserMethod):
-        unknown = [name for name, value in header.parameters.items() if not _like(value, defaults[name])]
-        if unknown:
-            raise InputError(
-                f"The model {path} has a '{unknown[0]}' that '{header.method}' does not take. Fit it again."
-            )
-        estimator.set_params(**header.parameters)
-    estimator.n_features_in_ = header.inputs
-    estimator.n_outputs_ = header.outputs
-    estimator.single_output_ = False
-    for name, value in header.facts.items():
-        setattr(estimator, name, value)
-    try:
-        wanted = estimator.stored_arrays()
-        if any(type(side) is not int for spec in wanted for side in spec.shape):
-            raise TypeError  # noqa: TRY301 -- reported below, like errors of the method itself
-    except LabcalError:
-        raise
-    except (TypeError, ValueError, LookupError, ArithmeticError) as error:
-        raise InputError(
-            f"The facts in the model {path} are none of '{header.method}'. Fit it again."
-        ) from error
-    for attribute, shape in wanted:
-        setattr(estimator, attribute, _checked(path, arrays, attribute, shape))
-    if isinstance(estimator, UserMethod):
-        fit_as_stored(path, estimator)
-    return estimator
-
-
-def _like(value: Value, default: object) -> bool:
-    """Tell whether a parameter has the type of its default and is within bounds."""
-    match default:
-        case bool() | str():
-            return type(value) is type(default)
-        case int():
-            return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= _MOST_COUNT
-        case float():
-            return (
-                isinstance(value, int | float)
-                and not isinstance(value, bool)
-                and 0.0 <= float(value) <= MOST_WEIGHT
-            )
-        case _:  # widths of layers, picture sizes, or nothing
-            counts = [] if value is None else np.ravel(np.array(value, dtype=object)).tolist()
-            return all(type(count) is int and 1 <= count <= _MOST_COUNT for count in counts)
 
 
 def _figures(rehearsed: ExpectedError) -> dict[str, float | None]:
@@ -292,26 +258,16 @@ def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> Trai
     """Return the checked training box."""
     outputs, inputs = (header.outputs,), (header.inputs,)
     box = TrainingBox(
-        low_mm=_checked(path, arrays, BOX_PREFIX + "low_mm", outputs),
-        high_mm=_checked(path, arrays, BOX_PREFIX + "high_mm", outputs),
-        low_px=_checked(path, arrays, BOX_PREFIX + "low_px", inputs),
-        high_px=_checked(path, arrays, BOX_PREFIX + "high_px", inputs),
+        low_mm=checked_array(path, arrays, _BOX_PREFIX + "low_mm", outputs),
+        high_mm=checked_array(path, arrays, _BOX_PREFIX + "high_mm", outputs),
+        low_px=checked_array(path, arrays, _BOX_PREFIX + "low_px", inputs),
+        high_px=checked_array(path, arrays, _BOX_PREFIX + "high_px", inputs),
     )
     farthest = max(np.abs(box.low_mm).max(initial=0.0), np.abs(box.high_mm).max(initial=0.0))
     upright = (box.low_mm <= box.high_mm).all() and (box.low_px <= box.high_px).all()
     if farthest > MOST_MM or not upright:
         raise InputError(f"The volume in which the model {path} was trained is none. Fit it again.")
     return box
-
-
-def _checked(path: Path, arrays: dict[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """Return one array of the file if it has the shape that the method needs."""
-    array = arrays.get(name)
-    if array is None or array.dtype != np.float64 or array.shape != shape or not np.isfinite(array).all():
-        raise InputError(f"The model {path} lacks the array '{name}' as finite float64 of shape {shape}.")
-    if np.abs(array).max(initial=0.0) > MOST_WEIGHT:
-        raise InputError(f"The model {path} holds a number beyond {MOST_WEIGHT:g} in '{name}'. Fit it again.")
-    return array
 
 
 def _array(value: np.ndarray) -> np.ndarray:

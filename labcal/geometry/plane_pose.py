@@ -6,7 +6,7 @@ from jaxtyping import Float64
 from labcal.arrays import Pose
 from labcal.errors import InputError
 from labcal.geometry.map_from_rays import map_from_rays
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import nearest_rotation, pose
 
 _FEWEST = 4
 """Share of the largest eigenvalue below which the second smallest one is rounding: points on a line."""
@@ -46,6 +46,5 @@ def plane_pose(directions: Float64[np.ndarray, "n 3"], plane_mm: Float64[np.ndar
     H = found.linear
     size = 0.5 * (np.linalg.norm(H[:, 0]) + np.linalg.norm(H[:, 1]))
     first, second, third = (H / size).T
-    U, _, Vt = np.linalg.svd(np.column_stack([first, second, np.cross(first, second)]))
-    R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    R, _ = nearest_rotation(np.column_stack([first, second, np.cross(first, second)]))
     return pose(R, found.scale * third - R @ np.array([*found.middle, 0.0]))

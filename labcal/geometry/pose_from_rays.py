@@ -6,7 +6,7 @@ from jaxtyping import Float64
 from labcal.arrays import Pose, Vectors3
 from labcal.errors import InputError
 from labcal.geometry.map_from_rays import map_from_rays
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import nearest_rotation, pose
 
 _FEWEST = 6
 
@@ -42,6 +42,5 @@ def pose_from_rays(directions: Float64[np.ndarray, "n 3"], p: Vectors3) -> Pose:
     if found.is_open:
         raise InputError("A pose from rays needs points that are not all on one plane.")
     M = found.linear
-    U, stretch, Vt = np.linalg.svd(M[:, :3])
-    R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    R, stretch = nearest_rotation(M[:, :3])
     return pose(R, found.scale * M[:, 3] / stretch.mean() - R @ found.middle)

@@ -63,6 +63,15 @@ def from_fixed_angles_deg(xyz: Sequence[float]) -> Matrix3:
     return np.asarray(Rotation.from_euler("xyz", xyz, degrees=True).as_matrix())
 
 
+def nearest_rotation(M: Matrix3) -> tuple[Matrix3, np.ndarray]:
+    """Return the rotation nearest to a matrix (least squares), and the singular values of the matrix.
+
+    Schoenemann 1966, "A generalized solution of the orthogonal Procrustes problem", Psychometrika 31.
+    """
+    U, stretch, Vt = np.linalg.svd(M)
+    return U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt, stretch
+
+
 def look_at(eye: np.ndarray, focus: np.ndarray, up: np.ndarray) -> Pose:
     """Return ``T_cam_world`` of a camera at `eye` that looks at `focus`.
 

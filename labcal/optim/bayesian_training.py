@@ -8,11 +8,11 @@ import torch
 from jaxtyping import Float64
 
 from labcal.optim.damping import Damping
-from labcal.optim.evidence import Evidence
+from labcal.optim.decay_by_evidence import Evidence
 from labcal.optim.levenberg_marquardt import initial_states, take_epoch
-from labcal.optim.solution import Stopping, StopReason
+from labcal.optim.penalised_squares import Decayed, SquaresBatch
+from labcal.optim.stopping import Stopping, StopReason
 from labcal.optim.successive_halving import SuccessiveHalving
-from labcal.optim.weight_decay import Decayed, SquaresBatch
 
 Weights = Float64[torch.Tensor, " p"]
 

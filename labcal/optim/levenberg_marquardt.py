@@ -7,7 +7,8 @@ from typing import Generic
 from labcal.optim.damping import Damping
 from labcal.optim.lm_state import LevenbergMarquardtState
 from labcal.optim.problem import Batch, BatchLinearization, Linearization, Parameters, Problem
-from labcal.optim.solution import Solution, Stopping
+from labcal.optim.solution import Solution
+from labcal.optim.stopping import Stopping
 from labcal.optim.successive_halving import SuccessiveHalving
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from labcal.optim.damping import Damping
 from labcal.optim.problem import Parameters
-from labcal.optim.solution import History, Solution, Stopping, StopReason
+from labcal.optim.solution import History, Solution
+from labcal.optim.stopping import Stopping, StopReason
 
 
 @dataclass
@@ -45,7 +46,7 @@ class LevenbergMarquardtState(Generic[Parameters]):
         """Set the initial damping, and stop a run that is at its goal already."""
         self.mu = self.damping.start
         self._costs, self._dampings = [self.cost], [self.mu]
-        self._check_cost()
+        self.reason = self.stopping.reason(self.cost, self.epochs)
 
     @property
     def epochs(self) -> int:
@@ -66,9 +67,8 @@ class LevenbergMarquardtState(Generic[Parameters]):
         """Begin a step from a linearisation, unless the run has stopped or its gradient is small enough."""
         if self.reason is not None:
             return
-        if gradient_norm <= self.stopping.min_gradient:
-            self.reason = StopReason.GRADIENT
-        else:
+        self.reason = self.stopping.reason_of_gradient(gradient_norm)
+        if self.reason is None:
             self.is_stepping = True
             self._check_damping()
 
@@ -81,7 +81,7 @@ class LevenbergMarquardtState(Generic[Parameters]):
         self._costs.append(cost)
         self._dampings.append(self.mu)
         self.is_stepping = False
-        self._check_cost()
+        self.reason = self.stopping.reason(self.cost, self.epochs)
 
     def raise_damping(self) -> None:
         """Raise the damping after a step that did not lower the cost."""
@@ -93,14 +93,6 @@ class LevenbergMarquardtState(Generic[Parameters]):
         history = History(np.array(self._costs), np.array(self._dampings))
         reason = self.reason or StopReason.EPOCHS
         return Solution(self.parameters, self.cost, reason, self.epochs, self.mu, history)
-
-    def _check_cost(self) -> None:
-        if not math.isfinite(self.cost):
-            self.reason = StopReason.NOT_FINITE
-        elif self.cost <= self.stopping.goal:
-            self.reason = StopReason.GOAL
-        elif self.epochs >= self.stopping.max_epochs:
-            self.reason = StopReason.EPOCHS
 
     def _check_damping(self) -> None:
         if not self.mu <= self.damping.ceiling:

@@ -1,44 +1,14 @@
 """The result of an optimisation: parameters, cost, history and the reason why it stopped."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Generic, TypeVar
 
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.optim.stopping import StopReason
+
 Parameters = TypeVar("Parameters")
-
-
-class StopReason(StrEnum):
-    """The reason why an optimisation stopped. None of these is an error."""
-
-    GOAL = "goal reached"
-    EPOCHS = "epochs exhausted"
-    CEILING = "damping ceiling"
-    GRADIENT = "gradient vanished"
-    NOT_FINITE = "cost not finite"
-    SETTLED = "evidence settled"
-    PRUNED = "pruned by successive halving"
-
-
-@dataclass(frozen=True)
-class Stopping:
-    """Conditions under which an optimisation stops.
-
-    Attributes
-    ----------
-    goal : float
-        Stop as soon as the cost is at or below this.
-    max_epochs : int
-        Stop after so many accepted steps.
-    min_gradient : float
-        Stop when the largest component of J'r is at or below this; 0 stops at an exact stationary point only.
-    """
-
-    goal: float = 0.0
-    max_epochs: int = 100
-    min_gradient: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from labcal.optim.lm_state import LevenbergMarquardtState
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 
 FIRST_MILESTONE = 5
 """Epochs after which runs are compared for the first time (Jamieson and Talwalkar 2016)."""

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from labcal.correspond.dot_source import dots_of_shoot
+from labcal.paper.claims.plan import plan_digest
+from labcal.paper.claims.tested import tested_claims
+from labcal.paper.experiments import Experiments, experiments_named
 from labcal.paper.pictured import pictured_problems
 from labcal.paper.problem import Problem
-from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow, Solver
+from labcal.paper.rows import NOT_REPORTED, SCENES, Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading
-from labcal.paper.summary import figures_of, row_result
+from labcal.paper.summary import figures_of, least_squares_readings, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
 from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
@@ -32,7 +35,9 @@ MAX_EPOCHS = 5000
 """The paper's."""
 QUICK_EPOCHS = 300
 QUICK_SPP = 8
-FULL_SEEDS, QUICK_SEEDS = 5, 1
+FULL_SEEDS, QUICK_SEEDS = 10, 1
+QUICK_PAIRS = 2
+"""Of a claim in a quick run; too few to decide any."""
 _PACKAGES = ("labcal", "mitsuba", "numpy", "opencv-contrib-python-headless", "torch")
 _PLANE_READINGS = ("affine", "quadratic", "homography")
 _VOLUME_READINGS = ("affine", "quadratic", "dlt")
@@ -47,17 +52,38 @@ class ReproduceSettings:
     --------
     >>> from labcal.pipeline import ReproduceSettings
     >>> ReproduceSettings().runs, ReproduceSettings(quick=True).runs
-    (5, 1)
+    (10, 1)
+    >>> ReproduceSettings(experiments=("01", "C4")).selected.claims
+    ('C4',)
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such row or claim; see :func:`labcal.paper.experiments.experiments_named`.
     """
 
-    rows: tuple[PaperRow, ...] = ROWS
+    experiments: tuple[str, ...] = ()
+    """Numbers of rows, and claims (``"C1"``); all of both where empty."""
     quick: bool = False
     seeds: int | None = None
-    """Runs of every reading; 5, or 1 when quick, where not given."""
+    """Runs of every reading of a row; 10, or 1 when quick, where not given.
+
+    Claims have those of their plan.
+    """
     seed: int = 0
     """The first of them, and that of the pictures."""
     workers: int = 1
+    scheduler: str | None = None
+    """Of a Dask cluster for the training runs: an address, or ``"local"``; pictures are rendered here."""
     force: bool = False
+
+    def __post_init__(self) -> None:
+        experiments_named(self.experiments)
+
+    @property
+    def selected(self) -> Experiments:
+        """Rows and claims in the order of the paper."""
+        return experiments_named(self.experiments)
 
     @property
     def runs(self) -> int:
@@ -70,6 +96,11 @@ class ReproduceSettings:
         return QUICK_EPOCHS if self.quick else MAX_EPOCHS
 
     @property
+    def rendering(self) -> RenderSettings:
+        """The settings of rendered shoots."""
+        return RenderSettings(spp=QUICK_SPP if self.quick else None, seed=self.seed, workers=self.workers)
+
+    @property
     def restrictions(self) -> tuple[str, ...]:
         """Description of what is left out."""
         if not self.quick:
@@ -77,11 +108,12 @@ class ReproduceSettings:
         return (
             f"pictures are rendered with {QUICK_SPP} rays a pixel",
             f"training stops after {QUICK_EPOCHS} epochs where the paper allows {MAX_EPOCHS}",
+            f"claims are tested on {QUICK_PAIRS} seeds, which decide none",
         )
 
 
 def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) -> Reproduction:
-    """Reproduce rows of the paper into a new folder: ``results.json``, ``index.html``, shoots and cases.
+    """Reproduce rows and claims of the paper into a new folder: results, a page, shoots and cases.
 
     Parameters
     ----------
@@ -94,19 +126,35 @@ def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) 
     ------
     OutputError
         The folder exists and may not be replaced, or it cannot be written.
+    InputError
+        The scheduler's address is none.
     DeviceError
-        The renderer does not work on this machine.
+        The renderer does not work on this machine, or the scheduler does not answer.
     """
     folder = as_path(folder)
     began = time.time()
-    with unfinished_folder(folder, _command(settings), force=settings.force) as working:
+    with (
+        open_executor(settings.workers, settings.scheduler) as executor,
+        unfinished_folder(folder, _command(settings), force=settings.force) as working,
+    ):
         problems, pictures = _pictured(working, settings, progress)
-        cases = [case for row in settings.rows for case in _cases(row, problems, settings)]
-        with open_executor(settings.workers) as executor:
-            outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
+        cases = [case for row in settings.selected.rows for case in _cases(row, problems, settings)]
+        outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
+        claims = tested_claims(
+            settings.selected.claims,
+            working,
+            QUICK_PAIRS if settings.quick else None,
+            settings.rendering,
+            executor,
+            progress,
+        )
+        rows = _summarise(cases, outcomes, settings)
         result = Reproduction(
-            rows=_summarise(cases, outcomes, settings),
+            rows=rows,
+            least_squares=least_squares_readings(rows),
             not_reported=NOT_REPORTED,
+            claims=claims,
+            claims_plan_sha256=plan_digest() if claims else None,
             quick=settings.quick,
             restrictions=settings.restrictions,
             pictures=pictures,
@@ -123,7 +171,7 @@ def _pictured(
     """Return the problems of rows from pictures, and one picture of every shoot."""
     problems: dict[Data, dict[str, Problem]] = {}
     pictures = []
-    for data in dict.fromkeys(row.data for row in settings.rows if row.pictured):
+    for data in dict.fromkeys(row.data for row in settings.selected.rows if row.pictured):
         shoot = _shoot(working / "shoots" / SCENES[data], SCENES[data], settings, progress)
         problems[data] = pictured_problems(data, shoot, dots_of_shoot(shoot, settings.workers, progress))
         for camera, file in shoot.views()[0].images.items():
@@ -137,10 +185,7 @@ def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Prog
     if is_shoot(folder):
         return open_shoot(folder)
     make_folder(folder.parent)
-    render_settings = RenderSettings(
-        spp=QUICK_SPP if settings.quick else None, seed=settings.seed, workers=settings.workers
-    )
-    return render_shoot(load_scene(scene), folder, render_settings, progress)
+    return render_shoot(load_scene(scene), folder, settings.rendering, progress)
 
 
 def _cases(
@@ -168,7 +213,7 @@ def _summarise(
 ) -> tuple[RowResult, ...]:
     """Return the rows from the outcomes of their runs."""
     rows = []
-    for row in settings.rows:
+    for row in settings.selected.rows:
         readings: dict[str, list[TrainingOutcome]] = {}
         pixel_readings: dict[str, list[TrainingOutcome]] = {}
         for case, outcome in zip(cases, outcomes, strict=True):
@@ -185,7 +230,9 @@ def _command(settings: ReproduceSettings) -> str:
     """Return everything that determines the results."""
     return "reproduce " + json.dumps(
         {
-            "reproduce": [row.exp for row in settings.rows],
+            "reproduce": [row.exp for row in settings.selected.rows],
+            "claims": settings.selected.claims,
+            "plan": plan_digest() if settings.selected.claims else None,
             "quick": settings.quick,
             "runs": settings.runs,
             "seed": settings.seed,
@@ -196,4 +243,11 @@ def _command(settings: ReproduceSettings) -> str:
 def _provenance(settings: ReproduceSettings, seconds: float) -> bytes:
     """Return ``run.json``, which differs between runs."""
     versions = {package: package_version(package) for package in _PACKAGES}
-    return provenance_text({"seconds": seconds, "workers": settings.workers, "versions": versions})
+    return provenance_text(
+        {
+            "seconds": seconds,
+            "workers": settings.workers,
+            "scheduler": settings.scheduler,
+            "versions": versions,
+        }
+    )

@@ -3,7 +3,6 @@
 The paper's page of this project, docs/explanation/reproduction.md, says how each was read.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -131,12 +130,3 @@ def row_named(exp: str) -> PaperRow:
     if exp.zfill(2) not in known:
         raise UnknownNameError("row of the paper", exp, known)
     return known[exp.zfill(2)]
-
-
-def rows_named(names: Sequence[str]) -> tuple[PaperRow, ...]:
-    """Return the rows with these numbers in the order of the paper, or all if none is given.
-
-    See :func:`row_named` for the errors.
-    """
-    wanted = {row_named(name).exp for name in names}
-    return tuple(row for row in ROWS if not wanted or row.exp in wanted)

@@ -82,12 +82,13 @@ def simulate(row: PaperRow, noise: NoiseReading, seed: int) -> Problem:
     rng = generator(seed, "paper", row.exp, noise)
     if row.data is Data.FOCAL_LENGTHS:
         return _two_focal_lengths(row, rng)
-    low, high = _box(row)
-    trained = rng.uniform(low, high, (row.points, 3)) if row.data is Data.VOLUME_RANDOM else _grid(row)
+    low, high = box(row.data)
+    is_random = row.data is Data.VOLUME_RANDOM
+    trained = rng.uniform(low, high, (row.points, 3)) if is_random else grid(row.data, row.points)
     tested = rng.uniform(low, high, (TESTS, 3))
     pair = cameras(FOCAL_LENGTH_MM)
-    X, X_test = _image(pair, trained), _image(pair, tested)
-    sigma = _sigma(X, noise)
+    X, X_test = image_coordinates(pair, trained), image_coordinates(pair, tested)
+    sigma = noise_sigma(X, noise)
     return Problem(
         X=X + sigma * rng.standard_normal(X.shape),
         Y=trained,
@@ -96,7 +97,7 @@ def simulate(row: PaperRow, noise: NoiseReading, seed: int) -> Problem:
     )
 
 
-def _sigma(X: np.ndarray, noise: NoiseReading) -> np.ndarray:
+def noise_sigma(X: np.ndarray, noise: NoiseReading) -> np.ndarray:
     """Return the standard deviation of the noise of every image coordinate, mm."""
     if noise is NoiseReading.SPREAD:
         return np.asarray(NOISE * X.std(axis=0))
@@ -105,13 +106,13 @@ def _sigma(X: np.ndarray, noise: NoiseReading) -> np.ndarray:
 
 def _two_focal_lengths(row: PaperRow, rng: np.random.Generator) -> Problem:
     """Return points seen by both camera models, with focal lengths (mm) as two further outputs."""
-    low, high = _box(row)
+    low, high = box(row.data)
     parts = []
     for focal_length in (FOCAL_LENGTH_MM, FOCAL_RATIO * FOCAL_LENGTH_MM):
         pair = cameras(focal_length)
-        for points in (_grid(row), rng.uniform(low, high, (TESTS // 2, 3))):
+        for points in (grid(row.data, row.points), rng.uniform(low, high, (TESTS // 2, 3))):
             focal = np.full((len(points), 2), focal_length)
-            parts.append((_image(pair, points), np.concatenate([points, focal], axis=1)))
+            parts.append((image_coordinates(pair, points), np.concatenate([points, focal], axis=1)))
     (X_a, Y_a), (Xt_a, Yt_a), (X_b, Y_b), (Xt_b, Yt_b) = parts
     return Problem(
         np.concatenate([X_a, X_b]), np.concatenate([Y_a, Y_b]),
@@ -119,23 +120,30 @@ def _two_focal_lengths(row: PaperRow, rng: np.random.Generator) -> Problem:
     )  # fmt: skip
 
 
-def _image(pair: tuple[PaperCamera, PaperCamera], p: Vectors3) -> np.ndarray:
+def image_coordinates(pair: tuple[PaperCamera, PaperCamera], p: Vectors3) -> np.ndarray:
     """Return x1 y1 x2 y2 on the image planes, mm."""
     return np.concatenate([camera.project(p)[0] for camera in pair], axis=1)
 
 
-def _box(row: PaperRow) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners of the row's plane or volume, mm."""
-    if row.data in {Data.VOLUME, Data.VOLUME_RANDOM}:
+def box(data: Data) -> tuple[np.ndarray, np.ndarray]:
+    """Return the corners of the plane or volume of simulated data, mm."""
+    if data in {Data.VOLUME, Data.VOLUME_RANDOM}:
         z_low, z_high = 0.0, HEIGHT_MM
     else:
-        z_low = z_high = OTHER_PLANE_MM if row.data is Data.OTHER_PLANE else PLANE_MM
+        z_low = z_high = OTHER_PLANE_MM if data is Data.OTHER_PLANE else PLANE_MM
     return np.array([LOW_MM, LOW_MM, z_low]), np.array([HIGH_MM, HIGH_MM, z_high])
 
 
-def _grid(row: PaperRow) -> Vectors3:
-    """Return the row's regular grid, borders included, mm."""
-    low, high = _box(row)
-    counts = (*_GRIDS[row.data, row.points], 1)[:3]
+def grid(data: Data, points: int) -> Vectors3:
+    """Return the regular grid of a row, borders included, mm.
+
+    Parameters
+    ----------
+    data : Data
+    points : int
+        A number that a row of the paper has on such data.
+    """
+    low, high = box(data)
+    counts = (*_GRIDS[data, points], 1)[:3]
     axes = [np.linspace(a, b, count) for a, b, count in zip(low, high, counts, strict=True)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)

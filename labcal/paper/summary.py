@@ -1,15 +1,14 @@
 """The summary of all seeds for one row, next to the values of the paper: medians, reading, verdict."""
 
 from collections.abc import Sequence
-from statistics import median
+from math import log10
+from statistics import fmean, median
 
+from labcal.paper.row_verdict import row_verdict
 from labcal.paper.rows import PaperRow, Solver
+from labcal.paper.simulated import NoiseReading
 from labcal.paper.training_run import TrainingOutcome
-from labcal.report.reproduction import Figures, RowResult
-
-RESOLUTION_M = 1e-4
-"""Below a tenth of a millimetre an error counts as none, as the paper's rounding to zero percent does."""
-EPOCH_FACTOR = 2.0
+from labcal.report.reproduction import Figures, LeastSquaresReading, RowResult
 
 
 def figures_of(reading: str, outcomes: Sequence[TrainingOutcome]) -> Figures:
@@ -28,7 +27,13 @@ def figures_of(reading: str, outcomes: Sequence[TrainingOutcome]) -> Figures:
         epochs=median(epochs) if epochs else None,
         goal_reached=2 * sum(reached) > len(reached) if reached else None,
         seconds=median(outcome.seconds for outcome in outcomes),
-        mean_signed_range_m=(min(signed), max(signed)),
+        mean_signed_range_m=_range(signed),
+        mae_range_mm=_range([outcome.mae_mm for outcome in outcomes]),
+        rmse_range_mm=_range([outcome.rmse_mm for outcome in outcomes]),
+        p95_range_mm=_range([outcome.p95_mm for outcome in outcomes]),
+        max_range_mm=_range([outcome.max_mm for outcome in outcomes]),
+        epochs_range=_range(epochs) if epochs else None,
+        seconds_range=_range([outcome.seconds for outcome in outcomes]),
         further_rmse=tuple(
             median(column) for column in zip(*(outcome.further_rmse for outcome in outcomes), strict=True)
         ),
@@ -68,7 +73,6 @@ def row_result(
         paper_epochs=row.paper_epochs,
         goal_reached=chosen.goal_reached,
         mean_signed_m=chosen.mean_signed_m,
-        mean_signed_range_m=chosen.mean_signed_range_m,
         rel=chosen.rel,
         paper_abs_m=row.paper_abs_m,
         paper_rel=row.paper_rel,
@@ -77,20 +81,56 @@ def row_result(
         p95_mm=chosen.p95_mm,
         max_mm=chosen.max_mm,
         seconds=chosen.seconds,
-        verdict=_verdict(row, chosen),
+        mean_signed_range_m=chosen.mean_signed_range_m,
+        mae_range_mm=chosen.mae_range_mm,
+        rmse_range_mm=chosen.rmse_range_mm,
+        p95_range_mm=chosen.p95_range_mm,
+        max_range_mm=chosen.max_range_mm,
+        epochs_range=chosen.epochs_range,
+        seconds_range=chosen.seconds_range,
+        verdict=row_verdict(row, chosen),
         contradiction=row.contradiction,
         readings=(*readings, *pixel_readings),
     )
 
 
-def _verdict(row: PaperRow, chosen: Figures) -> str:
-    """Return whether the error is at most that of the paper, in about the same number of epochs."""
-    if row.contradiction is not None:
-        return "paper contradicts itself"
-    if abs(chosen.mean_signed_m) > abs(row.paper_abs_m) + RESOLUTION_M:
-        return "not reproduced"
-    if row.paper_epochs is None or chosen.epochs is None:
-        return "reproduced"
-    if row.paper_epochs / EPOCH_FACTOR <= chosen.epochs <= row.paper_epochs * EPOCH_FACTOR:
-        return "reproduced"
-    return "reproduced in other epochs"
+def _range(values: Sequence[float | int]) -> tuple[float, float]:
+    """Return the least and the greatest of the seeds."""
+    return float(min(values)), float(max(values))
+
+
+def least_squares_readings(rows: Sequence[RowResult]) -> tuple[LeastSquaresReading, ...]:
+    """Return how near each reading of "least squares" comes to the paper, over the rows that it has.
+
+    Homography (on planes) and direct linear transform (in volumes) are one reading: a camera's geometry
+    without distortion. Rows whose figures contradict each other count, too: their mean errors are printed.
+
+    Parameters
+    ----------
+    rows : sequence of RowResult
+        Rows with other methods are left out.
+    """
+    paper = {row.exp: row.paper_abs_m for row in rows}
+    decades: dict[str, dict[str, float]] = {}
+    for row in rows:
+        if row.solver != Solver.LEAST_SQUARES:
+            continue
+        for figures in row.readings:
+            method, _, noise = figures.reading.partition(", noise ")
+            if noise == NoiseReading.PIXEL or not figures.mean_signed_m:
+                continue
+            ratio = abs(figures.mean_signed_m / paper[row.exp])
+            decades.setdefault(_PROJECTIVE.get(method, method), {})[row.exp] = abs(log10(ratio))
+    means = {reading: fmean(of_rows.values()) for reading, of_rows in decades.items()}
+    return tuple(
+        LeastSquaresReading(
+            reading=reading,
+            rows=tuple(decades[reading]),
+            decades=mean,
+            nearest=mean == min(means.values()),
+        )
+        for reading, mean in means.items()
+    )
+
+
+_PROJECTIVE = dict.fromkeys(("homography", "dlt"), "homography or dlt")

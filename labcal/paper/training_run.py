@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.registry import make_estimator
 from labcal.evaluate.statistics import error_statistics
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 from labcal.paper.problem import Problem
 from labcal.paper.rows import PaperRow, Solver
 from labcal.paper.simulated import NoiseReading, simulate

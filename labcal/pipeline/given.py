@@ -1,6 +1,7 @@
 """Arguments of the functions of the chain: objects, or the files of them."""
 
-from labcal.correspond.detections import Detections, read_detections
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import detect

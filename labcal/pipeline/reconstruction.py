@@ -108,7 +108,7 @@ def evaluate(
     LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
     """
     from labcal.cameras.rig import Rig
-    from labcal.correspond.points import read_points
+    from labcal.correspond.points_csv import read_points
     from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews

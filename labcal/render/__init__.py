@@ -1,1 +1,1 @@
-"""The only place with Mitsuba: sensors, textures, the scene compiler and sensor noise."""
+"""The only place with Mitsuba: rays of cameras, textures, the scene compiler and sensor noise."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.render.development import develop
-from labcal.render.response import Exposure, Shot, expose, read_sensor
+from labcal.render.sensor_response import Exposure, Shot, expose, read_sensor
 from labcal.scene.photometry import Photometry, PictureFormat, Stage
 from labcal.shoot.exr import write_exr
 from labcal.shoot.pictures import write_picture

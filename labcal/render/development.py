@@ -4,7 +4,7 @@ import numpy as np
 
 from labcal.render.bands import bands
 from labcal.render.demosaic import HALO, demosaic
-from labcal.render.response import Exposure
+from labcal.render.sensor_response import Exposure
 from labcal.scene.photometry import Photometry
 from labcal.shoot.tone_curve import tone
 
@@ -18,7 +18,7 @@ def develop(codes: np.ndarray, photometry: Photometry, exposure: Exposure) -> np
     Parameters
     ----------
     codes : ndarray of uint16, shape (height, width)
-        What :func:`labcal.render.response.read_sensor` gives, DN.
+        What :func:`labcal.render.sensor_response.read_sensor` gives, DN.
     photometry : Photometry
     exposure : Exposure
         Its balance is that of the white.

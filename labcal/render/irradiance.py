@@ -47,7 +47,7 @@ def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
     frames = subframes(case.take, scene.target)
     count = math.ceil(scene.spp / frames.averaged)
     laboratory = laboratories.of_size(camera.size)
-    sensor = laboratory.sensor(camera, scene.cameras[case.camera].aperture)
+    rays = laboratory.rays_of(camera, scene.cameras[case.camera].aperture)
     seed = integer_seed(case.seed, case.view, case.camera)
     light = np.zeros(laboratory.shape, dtype=np.float32)
     for number, seconds in enumerate(frames.seconds):
@@ -58,5 +58,5 @@ def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
         for top in range(first, end, step):
             rows = slice(top, min(top + step, end))
             weight = frames.weights[number, rows].astype(np.float32).reshape(-1, *(1,) * (light.ndim - 1))
-            light[rows] += weight * laboratory.trace(sensor, rows, draw)
+            light[rows] += weight * laboratory.trace(rays, rows, draw)
     return light

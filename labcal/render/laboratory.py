@@ -8,6 +8,7 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
+from labcal.render.camera_rays import CameraRays, Pixels, Shading
 from labcal.render.contents import contents
 from labcal.render.direct_light import Light, LitScene, radiance
 from labcal.render.dots import dots_plugin
@@ -15,7 +16,6 @@ from labcal.render.forms import Flat, Form, forms
 from labcal.render.paint import Paint
 from labcal.render.panels import Panels
 from labcal.render.samples import Samples
-from labcal.render.sensor import Pixels, Sensor, Shading
 from labcal.render.variant import Jit
 from labcal.scene.camera import Aperture
 from labcal.scene.lamps import Ambient
@@ -106,11 +106,11 @@ class Laboratory:
                     self.parameters[f"{name}.{key}"] = self.mi.Float(values)
         self.parameters.update()
 
-    def sensor(self, camera: Camera, aperture: Aperture | None = None) -> Sensor:
+    def rays_of(self, camera: Camera, aperture: Aperture | None = None) -> CameraRays:
         """Return the rays of a camera, with the fall-off of light of the photometry of the scene."""
         photometry = self.description.photometry
         shading = Shading(fall_off=photometry.fall_off, vignetting=photometry.vignetting)
-        return Sensor(self.mi, camera, aperture, shading)
+        return CameraRays(self.mi, camera, aperture, shading)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -123,12 +123,12 @@ class Laboratory:
         width, height = self.size
         return min(height, max(1, RAYS_AT_ONCE // (width * count)))
 
-    def trace(self, sensor: Rays, rows: slice, draw: Draw) -> np.ndarray:
+    def trace(self, camera: Rays, rows: slice, draw: Draw) -> np.ndarray:
         """Return the radiance in a band of rows, the mean of some of the samples of each pixel.
 
         Parameters
         ----------
-        sensor : Rays
+        camera : Rays
         rows : slice
             First row, and the one after the last.
         draw : Draw
@@ -151,7 +151,7 @@ class Laboratory:
         within = samples.square(PIXEL)
         u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
         v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
-        ray, weight = sensor.rays(Pixels(u, v, samples))
+        ray, weight = camera.rays(Pixels(u, v, samples))
         light = radiance(self._placed(), ray, samples) * weight
         dr.eval(light)  # once for all channels: else each of them would trace its own rays
         channels = [np.array(dr.block_sum(channel, count)) for channel in light]

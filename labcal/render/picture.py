@@ -9,7 +9,7 @@ from labcal.cameras.record import CameraRecord
 from labcal.render.delivery import Destination, deliver
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
-from labcal.render.response import Exposure, Shot
+from labcal.render.sensor_response import Exposure, Shot
 from labcal.render.variant import COLOUR, MONO, renderer
 from labcal.scene.model import Scene
 

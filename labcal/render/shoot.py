@@ -11,7 +11,7 @@ from labcal.errors import InputError, WorkerError
 from labcal.paths import AnyPath, as_path
 from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
-from labcal.render.response import exposure_for
+from labcal.render.sensor_response import exposure_for
 from labcal.run.executor import finished, open_executor
 from labcal.run.failed_cases import raise_failed_cases
 from labcal.run.machine import package_version

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from labcal.extras import optional_module
 from labcal.public_object import HtmlTable, PublicObject
-from labcal.report.reproduction import Measured
+from labcal.report.values import Measured
 
 if TYPE_CHECKING:
     import pandas

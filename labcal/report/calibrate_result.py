@@ -113,6 +113,14 @@ class CalibrateResult:
     """RMS triangulation residual; null for one camera."""
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
+    warnings: list[str]
+    """Doubts about the result, and what was not tested."""
+
+    @property
+    def doubtful(self) -> bool:
+        """True if pictures were left out, a camera had two lenses, or cameras contradict each other."""
+        two_lenses = any(camera.two_lenses is not None for camera in self.cameras.values())
+        return bool(self.skipped) or two_lenses or self.inconsistent is not None
 
 
 def calibrate_result(made: Calibration, detections: Detections, target: AnyTarget) -> CalibrateResult:
@@ -137,6 +145,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         if found.rig.calibration is None
         else found.rig.calibration.triangulation_rms_px,
         inconsistent=inconsistent_result(found),
+        warnings=list(made.warnings),
     )
 
 

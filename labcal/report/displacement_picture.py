@@ -1,11 +1,14 @@
 """Displacements of the dots of a print, as arrows on the grid."""
 
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from labcal.calibrate.freed_dots import FreedDots
+from labcal.run.outputs import write_file
+from labcal.shoot.pictures import png_output
 
 _LENGTH = 0.4
 """Longest arrow, as a share of the pitch."""
@@ -44,6 +47,17 @@ def draw_displacements(dots: FreedDots) -> bytes:
     picture = BytesIO()
     figure.savefig(picture, format="png", metadata={"Software": None})
     return picture.getvalue()
+
+
+def save_displacements(path: Path, dots: FreedDots, *, force: bool) -> None:
+    """Write the PNG of :func:`draw_displacements`.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+    """
+    write_file(path, draw_displacements(dots), kind=png_output(path).kind, force=force)
 
 
 def _magnification(most: float) -> float:

@@ -23,6 +23,11 @@ class HandheldResult:
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
+    @property
+    def doubtful(self) -> bool:
+        """True if pictures were left out, or cameras contradict each other."""
+        return bool(self.left_out) or self.inconsistent is not None
+
     def words(self) -> str:
         """Return it for people."""
         freed = "with" if self.free_dots else "without"

@@ -11,9 +11,11 @@ from markupsafe import Markup
 
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
-from labcal.report import figures_text
+from labcal.report import claims_words, figures_text
+from labcal.report.claims_figure import claim_figure
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
+from labcal.report.row_verdict import RowVerdict
 from labcal.report.thumbnail import thumbnail
 from labcal.run.file_kinds import recognised_by
 from labcal.shoot.pictures import read_picture
@@ -26,39 +28,15 @@ _PICTURE_WIDTH = 640
 _JPEG_QUALITY = 82
 
 
-@dataclass(frozen=True)
-class _Verdict:
-    """A verdict: how it looks, and what it means."""
-
-    word: str
-    look: str
-    glyph: str
-    meaning: str
-
-
-_VERDICTS = (
-    _Verdict(
-        "reproduced",
-        "good",
-        "✓",
-        "The mean signed error is no larger than the paper's (give or take 0.1 mm, which the paper rounds "
-        "away), and the epochs, where there are any, are within a factor of 2 of the paper's.",
-    ),
-    _Verdict(
-        "reproduced in other epochs",
-        "fair",
-        "≈",
-        "The error is no larger than the paper's, but the training took more than twice or less than half of "
-        "the paper's epochs.",
-    ),
-    _Verdict("not reproduced", "bad", "✗", "The mean signed error is larger than the paper's."),
-    _Verdict(
-        "paper contradicts itself",
-        "odd",
-        "!",
-        "The paper's figures of this row cannot all be right, so there is nothing to agree with.",
-    ),
-)
+_LOOKS = {
+    RowVerdict.MATCHES: ("good", "✓"),
+    RowVerdict.OTHER_EPOCHS: ("fair", "≈"),
+    RowVerdict.SMALLER: ("fair", "↓"),
+    RowVerdict.LARGER: ("bad", "↑"),
+    RowVerdict.CONTRADICTION: ("odd", "!"),
+}
+"""Class and sign of each verdict."""
+_CLAIM_LOOKS = {"holds": "good", "holds only where": "fair", "does not hold": "bad"}
 
 
 @dataclass(frozen=True)
@@ -100,16 +78,23 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         goal=_typographic(figures_text.goal),
         verdict_class=_verdict_class,
         verdict_glyph=_verdict_glyph,
+        claim_class=lambda verdict: _CLAIM_LOOKS.get(verdict, ""),
+        claim_words=claims_words.verdict_words,
+        statement_words=claims_words.statement_words,
+        ratio_words=lambda one: claims_words.ratio_words(one.ratio, one.interval),
+        p_words=claims_words.p_words,
+        outcome_words=claims_words.outcome_words,
     )
     rows: tuple[RowResult | str, ...] = (*result.rows, *result.not_reported)
     return environment.get_template("page.html.jinja").render(
         result=result,
         entries=sorted(rows, key=_number),
         tally=_tally(result),
-        verdicts=[(verdict.word, verdict.meaning) for verdict in _VERDICTS],
+        verdicts=[(verdict.value, verdict.meaning) for verdict in RowVerdict],
         runs=_runs(result),
         errors=Markup(error_figure(result.rows)),  # noqa: S704 - made by matplotlib from numbers
         epochs=Markup(epoch_figure(result.rows)),  # noqa: S704 - the same
+        claims=[(claim, Markup(claim_figure(claim))) for claim in result.claims],  # noqa: S704 - the same
         pictures=[_embed(picture, folder) for picture in result.pictures],
     )
 
@@ -131,21 +116,20 @@ def _typographic(write: Callable[..., str]) -> Callable[..., str]:
 
 
 def _verdict_class(word: str) -> str:
-    return next((verdict.look for verdict in _VERDICTS if verdict.word == word), "")
+    return _LOOKS[RowVerdict(word)][0]
 
 
 def _verdict_glyph(word: str) -> str:
-    return next((verdict.glyph for verdict in _VERDICTS if verdict.word == word), "")
+    return _LOOKS[RowVerdict(word)][1]
 
 
 def _number(row: RowResult | str) -> str:
     return row if isinstance(row, str) else row.exp
 
 
-def _tally(result: Reproduction) -> list[tuple[str, int]]:
+def _tally(result: Reproduction) -> list[tuple[RowVerdict, int]]:
     """Return every verdict with the number of its rows."""
-    words = dict.fromkeys([*(verdict.word for verdict in _VERDICTS), *(row.verdict for row in result.rows)])
-    return [(word, sum(row.verdict == word for row in result.rows)) for word in words]
+    return [(verdict, sum(row.verdict is verdict for row in result.rows)) for verdict in RowVerdict]
 
 
 def _runs(result: Reproduction) -> str:

@@ -1,18 +1,19 @@
 """The document ``results.json`` of ``labcal reproduce``."""
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
 from typing import TYPE_CHECKING, Annotated
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from labcal.bounds import MOST_WEIGHT, Amount, Finite
+from labcal.bounds import Amount, Finite
 from labcal.errors import InputError
 from labcal.extras import optional_module
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.report.claims import ClaimResult
+from labcal.report.row_verdict import RowVerdict
+from labcal.report.values import Measured, Words
 from labcal.run.documents import read_document
-from labcal.wording import has_control
 
 if TYPE_CHECKING:
     import pandas
@@ -22,33 +23,6 @@ Count = Annotated[int, Field(ge=0, le=10**9)]
 """Of epochs or seeds."""
 _MOST = 300
 """Of rows, readings and pictures; the paper has some thirty."""
-
-
-def _nan_for_null(value: object) -> object:
-    """Return NaN for what :func:`labcal.run.json_text.to_json` writes as null."""
-    return float("nan") if value is None else value
-
-
-def _within_sense(value: float) -> float:
-    """Return a figure that can be drawn and squared, or none."""
-    if isfinite(value) and abs(value) > MOST_WEIGHT:
-        raise ValueError(f"{value!r} is beyond all sense")
-    return value
-
-
-Measured = Annotated[float, BeforeValidator(_nan_for_null), AfterValidator(_within_sense)]
-"""A figure that is null in JSON where it came out as no number."""
-
-
-def _without_control(text: str) -> str:
-    """Return a text that can be drawn and shown."""
-    if has_control(text):
-        raise ValueError("the text holds control characters")
-    return text
-
-
-Words = Annotated[str, Field(max_length=10_000), AfterValidator(_without_control)]
-"""A text for the page and its figures."""
 
 
 class Figures(BaseModel):
@@ -74,7 +48,14 @@ class Figures(BaseModel):
     seconds: Amount
     """Of training."""
     mean_signed_range_m: tuple[Measured, Measured]
-    """Least and greatest of the seeds."""
+    """Least and greatest of the seeds; the other ranges, too."""
+    mae_range_mm: tuple[Measured, Measured]
+    rmse_range_mm: tuple[Measured, Measured]
+    p95_range_mm: tuple[Measured, Measured]
+    max_range_mm: tuple[Measured, Measured]
+    epochs_range: tuple[Amount, Amount] | None
+    """Null for least squares."""
+    seconds_range: tuple[Amount, Amount]
     further_rmse: tuple[Measured, ...] = ()
     """RMS error of the outputs after X, Y and Z, mm."""
 
@@ -97,7 +78,6 @@ class RowResult(BaseModel):
     paper_epochs: Count | None
     goal_reached: bool | None
     mean_signed_m: Measured
-    mean_signed_range_m: tuple[Measured, Measured]
     rel: Measured
     paper_abs_m: Finite
     paper_rel: Finite
@@ -106,21 +86,30 @@ class RowResult(BaseModel):
     p95_mm: Measured
     max_mm: Measured
     seconds: Amount
-    verdict: Words
+    mean_signed_range_m: tuple[Measured, Measured]
+    mae_range_mm: tuple[Measured, Measured]
+    rmse_range_mm: tuple[Measured, Measured]
+    p95_range_mm: tuple[Measured, Measured]
+    max_range_mm: tuple[Measured, Measured]
+    epochs_range: tuple[Amount, Amount] | None
+    seconds_range: tuple[Amount, Amount]
+    verdict: RowVerdict
     contradiction: Words | None
     """The contradiction within the paper that concerns the row."""
     readings: Annotated[tuple[Figures, ...], Field(max_length=_MOST)]
 
 
-class Claim(BaseModel):
-    """A claim of the paper, tested; none is so far."""
+class LeastSquaresReading(BaseModel):
+    """One reading of "least squares", over all rows where it can be computed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    claim: Words
-    verdict: Words
-    effect: float
-    interval: tuple[float, float]
+    reading: Words
+    rows: tuple[Words, ...]
+    decades: Amount
+    """Mean over these rows of |log10| of our mean signed error over the paper's, magnitudes: 0 agrees."""
+    nearest: bool
+    """True for the reading that comes nearest to the paper."""
 
 
 class ShownPicture(BaseModel):
@@ -141,7 +130,11 @@ class Reproduction(PublicObject, BaseModel):
 
     rows: Annotated[tuple[RowResult, ...], Field(max_length=_MOST)]
     not_reported: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
-    claims: Annotated[tuple[Claim, ...], Field(max_length=_MOST)] = ()
+    least_squares: Annotated[tuple[LeastSquaresReading, ...], Field(max_length=_MOST)] = ()
+    """Readings of "least squares", which the paper does not define; empty without such rows."""
+    claims: Annotated[tuple[ClaimResult, ...], Field(max_length=_MOST)] = ()
+    claims_plan_sha256: Words | None = None
+    """Of the plan that the claims were tested by; null where none was."""
     quick: bool
     restrictions: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
     """Description of what ``--quick`` left out; empty for a full run."""

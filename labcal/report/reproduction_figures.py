@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from labcal.report.inline_svg import GROUND, LINE, OURS, QUIET, SECOND, TEXT, inline_svg, page_style
 from labcal.report.reproduction import RowResult
+from labcal.report.row_verdict import EPOCH_FACTOR
 from labcal.wording import clipped
 
 PRINTED_LIMIT_MM = 0.005
@@ -17,7 +18,6 @@ _FLOOR_MM = 1e-4
 _INCH_A_ROW = 0.27
 _WIDTH = 5.6
 _LEFT, _RIGHT, _ABOVE, _BELOW = 0.55, 0.15, 0.62, 0.45  # inches around the rows
-_FACTOR = 2.0  # of epochs, within which a row counts as reproduced
 
 
 def error_figure(rows: Sequence[RowResult]) -> str:
@@ -55,7 +55,7 @@ def epoch_figure(rows: Sequence[RowResult]) -> str:
         figure, axes = _canvas(shown)
         for place, row in enumerate(shown):
             paper, ours = float(row.paper_epochs or 1), float(max(row.epochs or 1, 1))
-            band = [paper / _FACTOR, paper * _FACTOR]
+            band = [paper / EPOCH_FACTOR, paper * EPOCH_FACTOR]
             axes.plot(band, [place, place], color=LINE.drawn, linewidth=9, solid_capstyle="butt", zorder=1)
             axes.plot([paper, ours], [place, place], color=OURS.drawn, linewidth=1, alpha=0.5, zorder=2)
             _dot(axes, paper, place, "s", (QUIET.drawn, QUIET.drawn))

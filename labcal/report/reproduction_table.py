@@ -10,19 +10,17 @@ from rich.text import Text
 
 from labcal.report.figures_text import MISSING, epochs, goal, millimetres, percent, signed_metres
 from labcal.report.reproduction import Reproduction, RowResult
+from labcal.report.row_verdict import RowVerdict
 
 CONTRADICTION_MARK = "!"
 GOAL_MARK = "*"
 _GAP = 2  # blanks between columns
 _STYLES = {
-    "reproduced": "green",
-    "reproduced in other epochs": "yellow",
-    "not reproduced": "red",
-    "paper contradicts itself": "magenta",
-}
-_SHORT = {
-    "reproduced in other epochs": "in other epochs",
-    "paper contradicts itself": "contradiction",
+    RowVerdict.MATCHES: "green",
+    RowVerdict.OTHER_EPOCHS: "yellow",
+    RowVerdict.SMALLER: "yellow",
+    RowVerdict.LARGER: "red",
+    RowVerdict.CONTRADICTION: "magenta",
 }
 
 
@@ -54,7 +52,7 @@ def _epochs(row: RowResult) -> str:
 
 
 def _short_verdict(row: RowResult) -> str:
-    return _SHORT.get(row.verdict, row.verdict)
+    return row.verdict.short
 
 
 _COLUMNS = (
@@ -101,7 +99,7 @@ class _ReproductionTable:
                 missing = {"exp": row, "verdict": "not reported"}
                 table.add_row(*(missing.get(column.heading, MISSING) for column in columns), style="dim")
             else:
-                style = _STYLES.get(row.verdict, "")
+                style = _STYLES[row.verdict]
                 cells = [Text(column.cell(row)) for column in columns]
                 cells[-1].stylize(style)
                 table.add_row(*cells)

@@ -1,32 +1,16 @@
-"""Independent cases with one result file each, so that an interrupted run resumes where it stopped."""
+"""Independent cases that are all needed: their results, or an error."""
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Protocol, TypeVar, runtime_checkable
 
-from pydantic import BaseModel, ValidationError
-
-from labcal.errors import InputError, WorkerError
+from labcal.errors import WorkerError
+from labcal.run.case import C, R
+from labcal.run.case_files import CaseFiles
+from labcal.run.case_work import done
 from labcal.run.executor import finished
 from labcal.run.failed_cases import raise_failed_cases
-from labcal.run.made import make_folder
-from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
-
-
-@runtime_checkable  # so that tests can check annotations
-class Case(Protocol):
-    """A named unit of work."""
-
-    @property
-    def key(self) -> str:
-        """The name of its result file, without the ending."""
-
-
-C = TypeVar("C", bound=Case)
-R = TypeVar("R", bound=BaseModel)
 
 
 def run_cases(
@@ -39,16 +23,20 @@ def run_cases(
 ) -> list[R]:
     """Return the results of all cases in their order; those whose file is there already are read.
 
+    The first case that raises ends the run; :func:`~labcal.run.sweep.sweep` keeps its reason and goes on.
+
     Parameters
     ----------
     cases : sequence of Case
         Their keys differ.
     work : callable
-        A function of the module level, so that other processes find it.
+        A function of the module level, so that other processes find it. Its result must depend on the case
+        alone; it is called with every library set to one thread.
     result_type : type
         The pydantic model that `work` returns.
     folder : Path
-        Where the files ``<key>.json`` are; made where it is missing.
+        Where the files ``<key>.json`` are; made where it is missing. A file whose case, function or code has
+        another hash is made anew.
     executor : Executor
     progress : Progress
 
@@ -56,41 +44,28 @@ def run_cases(
     ------
     InputError
         Two cases have one key.
+    InputTypeError
+        The content of a case has no hash.
     OutputError
         A result cannot be written.
     DeviceError
         A case ends each worker process that tries it; it is named when all others are done and kept.
     """
-    make_folder(folder)
-    files = {case.key: folder / f"{case.key}.json" for case in cases}
-    if len(files) < len(cases):
-        twice = next(key for key, count in Counter(case.key for case in cases).items() if count > 1)
-        raise InputError(f"Two cases are named '{twice}', and each result needs a file of its own.")
-    results = {case.key: _kept_result(files[case.key], result_type) for case in cases}
-    missing = [case for case in cases if results[case.key] is None]
-    progress.start("cases", len(cases))
-    progress.advance(len(cases) - len(missing))
     given_up: dict[str, WorkerError] = {}
-    for number, future in finished(executor, work, [(case,) for case in missing]):
-        key = missing[number].key
-        try:
-            text = future.result().model_dump_json(indent=2) + "\n"
-        except WorkerError as error:
-            given_up[key] = error
-            continue
-        write_file(files[key], text, force=True)
-        results[key] = result_type.model_validate_json(text)  # as it will be read
-        progress.advance()
+    with CaseFiles(folder, cases, work, result_type) as files:
+        kept = {case.key: files.kept(case.key) for case in cases}
+        results = {key: None if outcome is None else outcome.result for key, outcome in kept.items()}
+        missing = [case for case in cases if results[case.key] is None]
+        progress.start("cases", len(cases), done=len(cases) - len(missing))
+        for number, future in finished(executor, done, ((work, case) for case in missing)):
+            key = missing[number].key
+            try:
+                end = future.result()
+            except WorkerError as error:
+                given_up[key] = error
+                continue
+            if end.text is not None:
+                results[key] = files.keep(key, end.text, end.seconds).result
+            progress.advance()
     raise_failed_cases(given_up, len(cases), "cases", "Free memory, or use fewer workers.")
     return [result for case in cases if (result := results[case.key]) is not None]
-
-
-def _kept_result(file: Path, result_type: type[R]) -> R | None:
-    """Return the result of an earlier run; None if there is none, or an incomplete one.
-
-    A file that a power cut has cut short, or that another version wrote, is made anew.
-    """
-    try:
-        return result_type.model_validate_json(file.read_bytes())
-    except (FileNotFoundError, ValidationError):
-        return None

@@ -1,11 +1,13 @@
 """Executors for independent cases, serial or over processes, with the interface of the standard library."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
+from queue import SimpleQueue
 from typing import ParamSpec, TypeVar
 
 from labcal.errors import InputError
+from labcal.extras import optional_module
 from labcal.run.main_guard import end_unguarded_worker, refuse_unguarded
 from labcal.run.pool import WorkerPool
 
@@ -29,7 +31,7 @@ class SerialExecutor(Executor):
 
 
 @contextmanager
-def open_executor(workers: int) -> Iterator[Executor]:
+def open_executor(workers: int, scheduler: str | None = None) -> Iterator[Executor]:
     """Yield an executor, and cancel what it has not begun if the caller fails.
 
     Worker processes are started afresh (*spawn*), so that none inherits the state of a renderer or of
@@ -41,14 +43,28 @@ def open_executor(workers: int) -> Iterator[Executor]:
     ----------
     workers : int
         1 runs everything in this process. There are never more processes than cases.
+    scheduler : str, optional
+        Of a Dask cluster that does the cases: an address, ``tcp://HOST:PORT``, or ``"local"`` for a cluster
+        of `workers` processes of this machine (see `labcal.run.cluster`). A cluster at an address has workers
+        of its own, whatever `workers` says.
 
     Raises
     ------
     InputError
-        There are no workers, or the program lacks that guard.
+        There are no workers, the program lacks that guard, or the scheduler's address is none.
+    DeviceError
+        The scheduler does not answer, or the libraries for a cluster are not installed.
     """
     if workers < 1:
         raise InputError(f"The number of workers must be at least 1, but is {workers}.")
+    if scheduler is not None:
+        end_unguarded_worker()
+        optional_module("distributed", "cluster")
+        from labcal.run.cluster import open_cluster  # noqa: PLC0415 -- Dask takes a second to import
+
+        with open_cluster(workers, scheduler) as cluster:
+            yield cluster
+        return
     if workers == 1:
         end_unguarded_worker()
         yield SerialExecutor()
@@ -72,25 +88,35 @@ def open_pool(workers: int) -> Iterator[WorkerPool]:
         pool.shutdown(cancel_futures=True)
 
 
+WINDOW = 64
+"""The most cases that an executor has at a time, where it does not say how many it wants (`window`)."""
+
+
 def finished(
-    executor: Executor, work: Callable[..., Result], cases: Sequence[tuple[object, ...]]
+    executor: Executor, work: Callable[..., Result], cases: Iterable[tuple[object, ...]]
 ) -> Iterator[tuple[int, Future[Result]]]:
     """Submit cases, and yield the index and the future of each as soon as it is finished.
+
+    Only a few cases more than the executor works on are submitted at a time, so that thousands need no
+    memory.
 
     Parameters
     ----------
     executor : Executor
     work : callable
         A function of the module level, so that other processes find it.
-    cases : sequence of tuple
+    cases : iterable of tuple
         The arguments of each case.
     """
-    pending = {}
+    numbers: dict[Future[Result], int] = {}
+    ended: SimpleQueue[Future[Result]] = SimpleQueue()
     for number, arguments in enumerate(cases):
         future = executor.submit(work, *arguments)
-        if future.done():  # an executor without processes
-            yield number, future
-        else:
-            pending[future] = number
-    for future in as_completed(pending):
-        yield pending[future], future
+        numbers[future] = number
+        future.add_done_callback(ended.put)
+        while not ended.empty() or len(numbers) >= getattr(executor, "window", WINDOW):
+            future = ended.get()
+            yield numbers.pop(future), future
+    while numbers:
+        future = ended.get()
+        yield numbers.pop(future), future

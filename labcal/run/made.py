@@ -1,6 +1,6 @@
 """Marks by which labcal recognises its own files and folders.
 
-While a folder is being made it holds the command (:data:`COMMAND`) and a list of what is written
+While a folder is being made it holds the command (:mod:`labcal.run.begun`) and a list of what is written
 (:data:`JOURNAL`); when it is done, one file that lists all that labcal made (:data:`MADE`). Whatever is not
 listed, or has been changed since, counts as foreign. Another mark is in a folder while it is being replaced
 (:data:`ASIDE`).
@@ -16,11 +16,10 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from labcal.run.begun import COMMAND
 from labcal.run.durable import flush_file, flush_folder
 from labcal.run.file_marks import JSON_KEY, Judgement
 
-COMMAND = ".labcal-command"
-"""In an unfinished folder: the command that is making it."""
 JOURNAL = ".labcal-written"
 """In an unfinished folder: a line for each file that has been written."""
 MADE = ".labcal-made"
@@ -59,16 +58,6 @@ class Made(BaseModel):
         homes = {name.rpartition("/")[0] for name in (*self.files, *self.folders)}
         homes |= {*self.homes, *self.folders}
         return {str(home) for one in homes for home in (PurePosixPath(one), *PurePosixPath(one).parents)}
-
-
-def command_in(folder: Path) -> str | None:
-    """Return the command in the mark of an unfinished folder; None if there is no such mark."""
-    mark = folder / COMMAND
-    return (
-        mark.read_text(encoding="utf-8", errors="replace")
-        if mark.is_file() and not mark.is_symlink()
-        else None
-    )
 
 
 def unfinished_home(path: Path) -> Path | None:

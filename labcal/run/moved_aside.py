@@ -3,10 +3,11 @@
 import os
 from pathlib import Path
 
+from labcal.run.begun import COMMAND, begun_in
 from labcal.run.durable import flush_file
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
-from labcal.run.made import ASIDE, COMMAND, command_in, made_in
+from labcal.run.made import ASIDE, made_in
 from labcal.run.overwriting import old_place_of, working_place_of
 
 
@@ -18,7 +19,7 @@ def recover(path: Path) -> None:
     nor while another process is working.
     """
     for home in (working_place_of(path), path):
-        if command_in(home) is not None:
+        if begun_in(home) is not None:
             with locked(home / COMMAND) as free:
                 if not free:
                     return
@@ -32,7 +33,7 @@ def recover(path: Path) -> None:
         if _is_marked(old, path):
             restore(old, path)
         return
-    replaced = command_in(path) is not None and made_in(path) is not None
+    replaced = begun_in(path) is not None and made_in(path) is not None
     if replaced and (_is_marked(old, path) or not any(old.iterdir())):  # it may have been about to be removed
         remove_made(old)
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import mkstemp
+from threading import Lock
 
 from labcal.errors import DiskFullError, OutputError
 from labcal.run.durable import flush_file, flush_folder
@@ -122,7 +123,12 @@ def _put_in_place(temporary: Path, path: Path, *, force: bool) -> None:
     temporary.replace(path)
 
 
+_UMASK = Lock()
+
+
 def _umask() -> int:
-    mask = os.umask(0o022)
-    os.umask(mask)
+    """Return the mask of rights, which can only be asked for by setting it: in one thread at a time."""
+    with _UMASK:
+        mask = os.umask(0o022)
+        os.umask(mask)
     return mask

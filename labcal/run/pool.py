@@ -21,6 +21,8 @@ TRIES_WITH_OTHERS = 2
 """Number of tries of a case while others run; then it runs alone, since others may need the memory."""
 TRIES_ALONE = 3
 """Number of tries alone if the process was killed, perhaps from outside; if it crashed, there is one."""
+CASES_AHEAD = 4
+"""Number of cases for each worker that are submitted before one is finished, so that none waits."""
 MOST_FAILED = 5
 """Number of failed cases, with none done, after which the cases cannot be the reason."""
 
@@ -44,6 +46,8 @@ class WorkerPool(Executor):
         for worker in self._workers:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(workers, "labcal-worker")
+        self.window = CASES_AHEAD * workers
+        """The number of cases to submit at a time."""
         self._one_alone = Lock()
         self._any_done = False
         self._failed_count = 0

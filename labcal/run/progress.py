@@ -7,8 +7,8 @@ from typing import Protocol, runtime_checkable
 class Progress(Protocol):
     """A receiver of reports of progress."""
 
-    def start(self, label: str, total: int) -> None:
-        """Begin a piece of work of `total` steps."""
+    def start(self, label: str, total: int, done: int = 0) -> None:
+        """Begin a piece of work of `total` steps, some of which an earlier run has done."""
 
     def advance(self, steps: int = 1) -> None:
         """Report steps as done."""
@@ -17,7 +17,7 @@ class Progress(Protocol):
 class NoProgress:
     """A receiver that ignores all reports."""
 
-    def start(self, label: str, total: int) -> None:
+    def start(self, label: str, total: int, done: int = 0) -> None:
         """Do nothing."""
 
     def advance(self, steps: int = 1) -> None:

@@ -1,7 +1,56 @@
 """Switches to one thread for multi-threaded libraries, so that results have the same bytes everywhere."""
 
+import os
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
+
+_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS")
+"""Read by BLAS, OpenMP and torch when they are loaded."""
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let every library compute with one thread inside, and with as many as before afterwards.
+
+    Those that are loaded already are set, those that are loaded inside read it from the environment. The
+    switch holds for the whole process: two threads must not be in it at the same time.
+    """
+    with ExitStack() as switches:
+        switches.enter_context(_environment_of_one_thread())
+        switches.enter_context(_pools(len(sys.modules)).limit(limits=1))
+        for library, switch in _SWITCHES.items():
+            if library in sys.modules:
+                switches.enter_context(switch())
+        yield
+
+
+@contextmanager
+def _environment_of_one_thread() -> Iterator[None]:
+    """Set the variables that libraries read when they are loaded."""
+    before = {name: os.environ.get(name) for name in _VARIABLES}
+    os.environ.update(dict.fromkeys(_VARIABLES, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@lru_cache(maxsize=1)
+def _pools(modules: int) -> "ThreadpoolController":  # noqa: ARG001 -- only to look again when one was loaded
+    """Return the switch of all loaded libraries; to search for them takes milliseconds."""
+    from threadpoolctl import ThreadpoolController  # noqa: PLC0415 -- as below
+
+    return ThreadpoolController()
 
 
 @contextmanager
@@ -66,3 +115,7 @@ def one_drjit_thread() -> Iterator[None]:
         yield
     finally:
         drjit.set_thread_count(before)
+
+
+_SWITCHES = {"cv2": one_opencv_thread, "torch": one_torch_thread}
+"""Switches of libraries with threads of their own, by the name of the module; Dr.Jit's is the renderer's."""

@@ -7,14 +7,13 @@ from pathlib import Path
 from tempfile import mkstemp
 
 from labcal.errors import OutputError
+from labcal.run.begun import COMMAND, Begun, begun_in
 from labcal.run.durable import flush_file, flush_folder, flush_tree
 from labcal.run.foreign import foreign_entries, remove_made
 from labcal.run.lock import locked
 from labcal.run.made import (
-    COMMAND,
     SCRAP,
     command_digest,
-    command_in,
     made_in,
     mark_as_made,
     note_made,
@@ -37,10 +36,11 @@ from labcal.run.overwriting import (
 def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path]:
     """Yield a working folder that becomes `path` if the block succeeds.
 
-    The folder of an interrupted run is used again if `command` is the same, so that the work resumes; the
-    folder of another command is refused. A run may be killed at any moment, also within this function. A
-    folder that is replaced stays until the new one is whole and on the disk, then it is kept as
-    ``NAME.labcal-old`` until the new one is in its place; if that fails it is moved back.
+    The folder of an interrupted run is used again if `command` and the code are the same, so that the work
+    resumes; one that another command or another version of labcal began is refused. A run may be killed at
+    any moment, also within this function. A folder that is replaced stays until the new one is whole and on
+    the disk, then it is kept as ``NAME.labcal-old`` until the new one is in its place; if that fails it is
+    moved back.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     command : str
         Everything that determines the content, as text; its first word is the verb.
     force : bool
-        Replace `path`, and discard what another command left unfinished, where labcal made it and it holds
-        nothing else (:mod:`labcal.run.overwriting`).
+        Replace `path`, and discard what another command or version left unfinished, where labcal made it and
+        it holds nothing else (:mod:`labcal.run.overwriting`).
 
     Yields
     ------
@@ -64,19 +64,19 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
     """
     end_unguarded_worker()
     require_name(path)
-    working = working_place_of(path)
+    working, ours = working_place_of(path), Begun.now(command)
     try:
         recover(path)
-        if not os.path.lexists(working) and not path.is_symlink() and command_in(path) == command:
+        if not os.path.lexists(working) and not path.is_symlink() and begun_in(path) == ours:
             path.rename(working)  # killed after the work and before the mark was removed
         require_folder_place(path, force=force)
         require_working_place(path, command, force=force)
-        theirs = command_in(working)
-        if theirs not in {None, command}:
+        theirs = begun_in(working)
+        if theirs not in {None, ours}:
             with _held(working, theirs):
                 remove_made(working)  # nothing in it is foreign, as has just been seen
-        _begin(working, command)
-        with _held(working, command):
+        _begin(working, ours)
+        with _held(working, ours):
             _require_no_linked_folder(working)
             _remove_scraps(working)
             reopen(working)
@@ -105,14 +105,15 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
     Raises
     ------
     OutputError
-        The folder is unfinished output of another command, or was not made by labcal.
+        The folder is unfinished output of another command or of another version of labcal, or was not made by
+        labcal.
     """
     working = working_place_of(path)
     if not os.path.lexists(working):
         return
-    theirs = command_in(working)
-    ours = working.is_dir() and not working.is_symlink()
-    if not ours or (theirs is None and foreign_entries(working)):
+    theirs = begun_in(working)
+    is_folder = working.is_dir() and not working.is_symlink()
+    if not is_folder or (theirs is None and foreign_entries(working)):
         raise OutputError(
             f"{path.name} would be made in {working}, but that exists and is no unfinished output of "
             "this version of labcal. Move it elsewhere, or choose another name."
@@ -120,12 +121,18 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
     if theirs is not None:
         with _held(working, theirs):
             pass
-    if theirs in {None, command} or command is None:
+    if theirs is None or command is None or theirs == (ours := Begun.now(command)):
         return
-    if not force:
+    if not force and theirs.command != command:
         raise OutputError(
             f"{working} is the unfinished output of another command. Repeat that command to finish it, "
             "or add `force=True` to discard it."
+        )
+    if not force:
+        raise OutputError(
+            f"{working} was begun by {theirs.code}, but this is {ours.code}, and results of different "
+            "code are not put together. Finish it with the code that began it, or add `force=True` to "
+            "discard it and begin anew."
         )
     require_elsewhere(working)
     require_nothing_foreign(working)
@@ -142,16 +149,16 @@ def abandon(working: Path) -> None:
     remove_made(working)
 
 
-def _begin(working: Path, command: str) -> None:
+def _begin(working: Path, ours: Begun) -> None:
     """Make the folder, and mark it unless it is marked; only one of several processes does so."""
     working.mkdir(parents=True, exist_ok=True)
-    if command_in(working) is not None:
+    if begun_in(working) is not None:
         return
     descriptor, name = mkstemp(dir=working, prefix=SCRAP)
     os.close(descriptor)
     scrap = Path(name)
     try:
-        scrap.write_text(command, encoding="utf-8")
+        scrap.write_text(ours.text(), encoding="utf-8")
         flush_file(scrap)
         name_exclusively(scrap, working / COMMAND)  # the mark is there whole or not at all
     except FileNotFoundError as error:  # another one has it, and removes what it takes for scraps
@@ -161,8 +168,8 @@ def _begin(working: Path, command: str) -> None:
 
 
 @contextmanager
-def _held(working: Path, command: str | None) -> Iterator[None]:
-    """Lock an unfinished folder that is marked with a command.
+def _held(working: Path, begun: Begun | None) -> Iterator[None]:
+    """Lock an unfinished folder that has a mark.
 
     Raises
     ------
@@ -170,7 +177,7 @@ def _held(working: Path, command: str | None) -> Iterator[None]:
         Another one is at work in it, or has just ended.
     """
     with locked(working / COMMAND) as free:
-        if not free or command_in(working) != command:
+        if not free or begun_in(working) != begun:
             raise _at_work(working)
         yield
 

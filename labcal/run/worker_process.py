@@ -3,6 +3,7 @@
 import os
 import pickle
 import signal
+from collections.abc import Callable
 
 from labcal.run.parent_watch import end_with_parent
 from labcal.run.process_exit import OUT_OF_MEMORY_STATUS
@@ -33,9 +34,21 @@ def perform(case: bytes) -> bytes:
     """
     work = pickle.loads(case)  # noqa: S301 -- from the parent
     try:
-        return pickle.dumps(work())
+        return called(work)
     except MemoryError:
         os._exit(OUT_OF_MEMORY_STATUS)
+
+
+def called(work: Callable[[], object]) -> bytes:
+    """Return the pickled result of a function.
+
+    Raises
+    ------
+    Exception
+        What the function raises; as a `RuntimeError` where it cannot be sent to another process.
+    """
+    try:
+        return pickle.dumps(work())
     except Exception as error:
         if _is_sendable(error):
             raise

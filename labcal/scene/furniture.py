@@ -1,10 +1,9 @@
 """Solid bodies around the target in a view: table, plate, support and occluders."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
-from labcal.geometry.poses import facing, pose
+from labcal.geometry.poses import facing, from_fixed_angles_deg, pose
 from labcal.scene.model import Scene
 from labcal.scene.occluders import Box, Frame, Occluder
 from labcal.scene.placement import Stage
@@ -65,7 +64,7 @@ def solid_body(name: str, occluder: Occluder, T_world_target: Pose) -> Solid:
     """Return an occluder at its place."""
     T_world_frame = T_world_target if occluder.frame is Frame.TARGET else np.eye(4)
     if isinstance(occluder, Box):
-        turn = Rotation.from_euler("xyz", occluder.turn_deg, degrees=True).as_matrix()
+        turn = from_fixed_angles_deg(occluder.turn_deg)
         T_world_block = T_world_frame @ pose(turn, np.array(occluder.centre_mm))
         return Block(name, T_world_block, occluder.size_mm, occluder.reflectance)
     start, end = np.array(occluder.from_mm), np.array(occluder.to_mm)

@@ -12,9 +12,10 @@ from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import write_rig_files
 from labcal.cameras.rig import Rig, write_rig
 from labcal.cameras.window import FlatWindow
-from labcal.correspond.detections import Detections, detections_csv
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import detections_csv
 from labcal.correspond.interop.corners_vnl import corners_text
-from labcal.correspond.points import points_csv
+from labcal.correspond.points_csv import points_csv
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import save_model
@@ -278,18 +279,32 @@ def make_seeds(home: Path) -> Path:
     return home
 
 
+def _claim() -> dict[str, object]:
+    compared = {
+        "where": "a plane", "of": "one", "over": "1.0", "figure": "rmse_mm", "statement": "at most",
+        "factor": 1.25, "pairs": 10, "ratio": 1.1, "interval": [1.0, None], "p": 0.01, "supported": True,
+    }  # fmt: skip
+    return {
+        "claim": "C1", "text": "a", "expected": "b", "verdict": "holds", "where": [], "effect": 1.1,
+        "interval": [1.0, 1.2], "p": 0.01, "adjusted_p": 0.02, "comparisons": [compared],
+    }  # fmt: skip
+
+
 def _results() -> dict[str, object]:
     figures = {
         "reading": "mlp", "mean_signed_m": 1e-5, "rel": 1e-5, "mae_mm": 0.1, "rmse_mm": 0.2, "p95_mm": 0.3,
         "max_mm": 0.5, "epochs": 20.0, "goal_reached": True, "seconds": 0.5,
-        "mean_signed_range_m": [0.0, 2e-5],
+        "mean_signed_range_m": [0.0, 2e-5], "mae_range_mm": [0.1, 0.2], "rmse_range_mm": [0.2, 0.3],
+        "p95_range_mm": [0.2, 0.4], "max_range_mm": [0.4, 0.6], "epochs_range": [18.0, 22.0],
+        "seconds_range": [0.4, 0.6],
     }  # fmt: skip
     row = {
         **figures, "exp": "01", "solver": "network", "data": "simulated", "points": 100, "network": "4-20-3",
         "goal": 1e-6, "seeds": 5, "paper_epochs": 30, "paper_abs_m": 1e-4, "paper_rel": 1e-4,
-        "verdict": "reproduced", "contradiction": None, "readings": [figures],
+        "verdict": "matches", "contradiction": None, "readings": [figures],
     }  # fmt: skip
     return {
-        "rows": [row], "not_reported": ["99"], "claims": [], "quick": True, "restrictions": ["few"],
+        "rows": [row], "not_reported": ["99"], "claims": [_claim()], "claims_plan_sha256": "00",
+        "quick": True, "restrictions": ["few"],
         "pictures": [{"scene": "webcam-plane", "caption": "left", "file": "a.png"}],
     }  # fmt: skip

@@ -11,7 +11,7 @@ import pytest
 
 from labcal.bench.detect.bias import bench_camera, bench_target, hand_poses, seen
 from labcal.cameras.dot_image import dot_images
-from labcal.correspond.detections import detections_csv, read_detections
+from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.rng import generator
 from labcal.targets.places import read_places
 

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from labcal.correspond.detections import read_detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.shoot.truth import read_true_dots
 
 Run = Callable[..., Any]

@@ -13,7 +13,8 @@ import pytest
 import yaml
 
 from labcal.bench.solve.held_rig import TARGET, HeldRig
-from labcal.correspond.detections import Detections, detections_csv
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import detections_csv
 
 Run = Callable[..., Any]
 

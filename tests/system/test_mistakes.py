@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labcal.correspond.detections import read_detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.scene.mistakes import Mistake
 from labcal.shoot.dataset import open_shoot
 from labcal.shoot.truth import read_true_dots

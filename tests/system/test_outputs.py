@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from labcal.report.bench import at_most
+from labcal.run.begun import COMMAND
 from labcal.run.json_text import to_json
-from labcal.run.made import COMMAND, MADE, provenance_text
+from labcal.run.made import MADE, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import unfinished_folder
 from labcal.shoot.dataset import Shoot, open_shoot

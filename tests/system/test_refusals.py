@@ -10,8 +10,8 @@ from typing import Any, NoReturn
 
 import pytest
 
-from labcal.correspond.detections import read_detections
-from labcal.run.made import COMMAND
+from labcal.correspond.detections_csv import read_detections
+from labcal.run.begun import COMMAND
 
 Run = Callable[..., Any]
 

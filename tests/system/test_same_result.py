@@ -11,8 +11,8 @@ import pytest
 from labcal import pipeline
 from labcal.cameras.rig import read_rig, write_rig
 from labcal.cli.option_words import in_options
-from labcal.correspond.detections import detections_csv, read_detections
-from labcal.correspond.points import points_csv, read_points
+from labcal.correspond.detections_csv import detections_csv, read_detections
+from labcal.correspond.points_csv import points_csv, read_points
 from labcal.estimators.model_file import load_model, save_model
 from labcal.shoot.dataset import open_shoot
 from labcal.targets.catalogue import load_target

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from labcal.correspond.detections import read_detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.shoot.truth import read_true_dots
 from labcal.targets.catalogue import load_target
 

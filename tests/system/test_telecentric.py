@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labcal.correspond.detections import read_detections
+from labcal.correspond.detections_csv import read_detections
 from labcal.shoot.truth import read_true_dots
 from tests.system.conftest import Run
 

@@ -23,8 +23,9 @@ from labcal.calibrate.resection import lens_choice
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import matrix4_record
 from labcal.cli import main
-from labcal.correspond.detections import Detections, detections_csv
-from labcal.correspond.points import read_points
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import detections_csv
+from labcal.correspond.points_csv import read_points
 from labcal.errors import InputError
 from labcal.estimators.affine import Affine
 from labcal.estimators.bundle import Bundle

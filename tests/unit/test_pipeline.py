@@ -18,7 +18,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.cameras.rig import Rig, read_rig, write_rig
 from labcal.cli import main
-from labcal.correspond.detections import Detections, detections_csv
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import detections_csv
 from labcal.errors import InputError
 from labcal.shoot.dataset import Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry

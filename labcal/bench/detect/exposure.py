@@ -8,7 +8,7 @@ from labcal.bench.detect.design import BLUR, MOST_BLUR_PX, PictureDesign
 from labcal.bench.detect.dot_visibility import LEAST_MINOR_PX, DotVisibility
 from labcal.bench.held_board import BARE_BOARD
 from labcal.render.development import develop
-from labcal.render.response import Exposure, Shot, read_sensor
+from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.scene.photometry import Photometry
 from labcal.shoot.tone_curve import ToneCurve
 

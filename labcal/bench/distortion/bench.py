@@ -9,7 +9,7 @@ from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.figures import CaseFigures
-from labcal.bench.distortion.lines import lines_of, results_table
+from labcal.bench.distortion.lines import lines_of, results_table, timings_table
 from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
@@ -17,13 +17,13 @@ from labcal.bench.distortion.result import DistortionResult, family_figures
 from labcal.bench.distortion.winners import winners
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
-from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import usable_cores
 from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
+from labcal.run.sweep import sweep
 from labcal.run.unfinished import unfinished_folder
 
 MOST_CASES = 200_000
@@ -31,7 +31,7 @@ MOST_CASES = 200_000
 
 
 def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) -> DistortionResult:
-    """Measure every case of a plan, and write ``results.csv``, ``results.json`` and figures.
+    """Measure every case of a plan, and write ``results.csv``, ``results.json``, ``timings.csv`` and figures.
 
     Parameters
     ----------
@@ -48,12 +48,14 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         A level is not allowed, a setting of a method is not known, or there are too many cases.
     OutputError
         The folder exists already.
+    DeviceError
+        The scheduler does not answer.
     """
     plan = plan_of(settings)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
     with unfinished_folder(folder, command, force=settings.force) as working:
         cases = plan.cases(settings.seed)
-        lines = lines_of(cases, _measured(cases, working / "cases", progress))
+        lines = lines_of(cases, _measured(cases, working, settings.scheduler, progress))
         write_file(working / "results.csv", results_table(lines), force=True)
         summaries = summarised(lines)
         make_folder(working / "figures")
@@ -101,7 +103,12 @@ def plan_of(settings: BenchSettings) -> Plan:
     return plan
 
 
-def _measured(cases: Sequence[Case], folder: Path, progress: Progress) -> list[CaseFigures]:
-    """Return the figures of all cases, in their order."""
-    with open_executor(min(usable_cores(), len(cases))) as executor:
-        return run_cases(cases, measured_case, CaseFigures, folder, executor, progress)
+def _measured(
+    cases: Sequence[Case], folder: Path, scheduler: str | None, progress: Progress
+) -> list[CaseFigures]:
+    """Return the figures of all cases, in their order, and write ``timings.csv``."""
+    with open_executor(min(usable_cores(), len(cases)), scheduler) as executor:
+        found = sweep(cases, measured_case, CaseFigures, folder / "cases", executor, progress)
+    seconds = [one.seconds for one in found]
+    write_file(folder / "timings.csv", timings_table(cases, seconds), force=True)
+    return [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]

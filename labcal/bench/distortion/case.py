@@ -69,6 +69,8 @@ class Case:
     """Points to measure in each region."""
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
     """Constructor arguments by method that differ from its defaults."""
+    sources: tuple[str, ...] = ()
+    """Digests of the files of methods of one's own: a case is measured anew where one has changed."""
 
     @property
     def key(self) -> str:

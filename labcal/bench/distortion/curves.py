@@ -26,6 +26,8 @@ def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
         layouts: tuple[Layout, ...] = tuple(dict.fromkeys(one.cell.layout for one in within))
         for layout in layouts:
             own = [one for one in within if (one.cell.family, one.cell.layout) == (family, layout)]
+            if not any(one.over_oracle > 0.0 for one in own):
+                continue
             title = f"{family}, {layout}"
             ending = f"{family}-{layout}.svg"
             drawn[f"error-{ending}"] = _svg(error_figure(own, title), title)
@@ -48,11 +50,13 @@ def error_figure(cells: Sequence[CellSummary], title: str) -> Figure:
 def learning_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     """Return errors over the oracle's by the number of points; a panel for each strength and noise."""
     figure, panels = _panels(cells, f"{title}: RMS error over the oracle's", _strength_by_noise)
+    points = sorted({one.cell.points for one in cells})
     for (strength, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.strength, one.cell.noise_px) == (strength, noise)]
         _lines(axes, own, lambda one: float(one.cell.points), _error)
         axes.set_title(f"strength {strength:g}, {noise:g} px")
         axes.set_xscale("log")
+        axes.set_xlim(0.9 * points[0], 1.1 * points[-1])
         _ratio_axis(axes)
     return _finished(figure, "training points")
 

@@ -2,7 +2,7 @@
 
 from pydantic import BaseModel, ConfigDict
 
-from labcal.report.reproduction import Measured as Figure
+from labcal.report.values import Measured as Figure
 
 
 class RegionFigures(BaseModel):

@@ -11,6 +11,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
 from labcal.bench.families.registry import family_by_name
 from labcal.errors import InputError, UnknownNameError
+from labcal.estimators.registry import SEPARATOR
+from labcal.run.code_version import module_digest
 from labcal.run.descriptions import description_content, validate_description
 
 FOLDER = "labcal/bench/distortion/plans"
@@ -99,8 +101,10 @@ class Plan(BaseModel):
 
     def cases(self, first_seed: int) -> list[Case]:
         """Return all cases, the seeds of a cell together."""
+        own = [method for method in self.methods if SEPARATOR in method]
+        sources = tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
         return [
-            Case(cell, first_seed + number, self.methods, self.measured, self.tests, self.settings)
+            Case(cell, first_seed + number, self.methods, self.measured, self.tests, self.settings, sources)
             for cell in self.cells()
             for number in range(self.seeds)
         ]

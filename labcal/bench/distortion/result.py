@@ -14,7 +14,7 @@ from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
-from labcal.report.reproduction import Measured as Figure
+from labcal.report.values import Measured as Figure
 
 _MOST_COLUMNS = 5
 

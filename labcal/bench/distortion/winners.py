@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from labcal.bench.distortion.cell_summary import CellSummary
-from labcal.report.reproduction import Measured as Figure
+from labcal.report.values import Measured as Figure
 
 
 class Winner(BaseModel):

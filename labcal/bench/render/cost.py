@@ -10,8 +10,8 @@ import numpy as np
 
 from labcal.bench.render.optics import OPTICS, PARAMETRIC, description
 from labcal.geometry.poses import inverse
+from labcal.render.camera_rays import CameraRays, Pixels, Shading
 from labcal.render.laboratory import Draw, Laboratory, Rays
-from labcal.render.sensor import Pixels, Sensor, Shading
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.render.variant import MONO, Jit, renderer
 from labcal.report.bench import Check, at_most
@@ -78,7 +78,7 @@ def cost_checks(rounds: int, progress: Progress) -> list[Check]:
         theirs = _MitsubasPerspective(mi, scene)
         place = scene.cameras["left"].model_dump(include={"eye_mm", "look_at_mm", "up"})
         for name in OPTICS:
-            ours = Sensor(mi, description(name, SIZE, place).camera(), None, Shading())
+            ours = CameraRays(mi, description(name, SIZE, place).camera(), None, Shading())
             ratio = _ratio(partial(_trace, laboratory, ours), partial(_trace, laboratory, theirs), rounds)
             limit = PARAMETRIC_LIMIT if name in PARAMETRIC else REFRACTED_LIMIT
             checks.append(at_most(f"time of {name} over Mitsuba's perspective", ratio, limit))
@@ -94,11 +94,11 @@ def _scene() -> Scene:
     return load_scene("webcam-plane", larger)
 
 
-def _trace(laboratory: Laboratory, sensor: Rays) -> None:
+def _trace(laboratory: Laboratory, camera: Rays) -> None:
     """Trace a whole picture."""
     step = laboratory.rows_at_once(SPP)
     for top in range(0, SIZE[1], step):
-        laboratory.trace(sensor, slice(top, min(top + step, SIZE[1])), Draw(0, SPP, 0, SPP))
+        laboratory.trace(camera, slice(top, min(top + step, SIZE[1])), Draw(0, SPP, 0, SPP))
 
 
 def _ratio(ours: Callable[[], None], theirs: Callable[[], None], rounds: int) -> float:
@@ -126,7 +126,7 @@ def _view_checks(laboratory: Laboratory, scene: Scene) -> list[Check]:
             dr.kernel_history_clear()
             began = time.perf_counter()
             laboratory.place(views[number % len(views)].T_world_target)
-            _trace(laboratory, laboratory.sensor(camera))
+            _trace(laboratory, laboratory.rays_of(camera))
             seconds = time.perf_counter() - began
             history = [entry for entry in dr.kernel_history() if "cache_hit" in entry]
             if number > 0:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.render.response import Exposure, Shot, read_sensor
+from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.scene.photometry import Photometry
 
 SHARES = tuple(float(share) for share in np.geomspace(0.001, 0.7, 20))

@@ -1,4 +1,4 @@
-"""Comparison of the rays of the sensor with those of the camera, and of projections with OpenCV."""
+"""Comparison of the rays of the renderer with those of the camera, and of projections with OpenCV."""
 
 import cv2
 import numpy as np
@@ -8,8 +8,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENSES
 from labcal.cameras.opencv_model import FISHEYE, to_order
 from labcal.geometry.poses import rotation_vector
+from labcal.render.camera_rays import CameraRays, Pixels, Shading
 from labcal.render.samples import Samples
-from labcal.render.sensor import Pixels, Sensor, Shading
 from labcal.render.variant import MONO, renderer
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
@@ -23,7 +23,7 @@ PLACE = {"eye_mm": (720.0, 640.0, 1850.0), "look_at_mm": (1000.0, 1010.0, 200.0)
 
 
 def ray_checks(seed: int) -> list[Check]:
-    """Return the largest distance between rays of the sensor and their pixels, by lens, window and size."""
+    """Return the largest distance between rays of the renderer and their pixels, by lens, window and size."""
     checks = []
     for size_name, size in SIZES.items():
         for name in OPTICS:
@@ -41,7 +41,7 @@ def _worst_distance(camera: Camera, random: np.random.Generator) -> float:
         lane = mi.UInt32(np.arange(RAYS, dtype=np.uint32))
         samples = Samples(mi, lane, mi.UInt32(0), mi.UInt32(0), 1)
         pixels = Pixels(mi.Float64(q[:, 0]), mi.Float64(q[:, 1]), samples)
-        ray, weight = Sensor(mi, camera, None, Shading()).rays(pixels)
+        ray, weight = CameraRays(mi, camera, None, Shading()).rays(pixels)
         origin, direction = (np.array(part, np.float64).T for part in (ray.o, ray.d))
         traced = np.array(weight) > 0.0
     back = camera.project(origin + DISTANCE_MM * direction)

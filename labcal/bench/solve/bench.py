@@ -14,8 +14,11 @@ from labcal.errors import InputError
 from labcal.estimators.method_choice import estimator_of
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
+from labcal.wording import listed
 
 _OF_METHODS = "limits"
+_OF_CASES = frozenset((_OF_METHODS, "mistakes"))
+"""Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,
     "training": training_findings,
@@ -41,7 +44,8 @@ def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> Be
     UnknownNameError
         There is no such group of checks, or no such method.
     InputError
-        A method is none, or is named where the group that measures methods is left out.
+        A method is none, or is named where the group that measures methods is left out; a scheduler is named
+        where all groups with cases are.
     OutputError
         The folder exists already.
     """
@@ -51,5 +55,10 @@ def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> Be
         raise InputError(
             f"Methods are measured in the group '{_OF_METHODS}', which is not among those that are named. "
             "Name it, too, or no method."
+        )
+    if settings.scheduler is not None and settings.groups and not _OF_CASES.intersection(settings.groups):
+        raise InputError(
+            f"`scheduler` is for the groups {listed(sorted(_OF_CASES))}, none of which is among those that "
+            "are named. Leave it out, or name one of them."
         )
     return measured_groups("solve", GROUPS, folder, settings, progress)

@@ -12,7 +12,7 @@ from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.surrogate_validation import fit_unless_surrogate, surrogate_of, validate_on
 from labcal.evaluate.statistics import coverage, error_statistics
-from labcal.report.reproduction import Measured
+from labcal.report.values import Measured
 from labcal.rng import generator
 
 NOISE_PX = 0.05

@@ -16,8 +16,6 @@ from labcal.bench.solve.comparison import (
 from labcal.bench.solve.families import FAMILIES
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.cases import run_cases
-from labcal.run.executor import open_executor
-from labcal.run.machine import usable_cores
 
 SEEDS, QUICK_SEEDS = 5, 1
 SLOW = ("mlp", "mlp-bayes", "ray-net")
@@ -38,8 +36,7 @@ def limit_findings(bench: Bench) -> Findings:
     methods = tuple(dict.fromkeys((*own, *bench.methods)))
     seeds = range(bench.seed, bench.seed + (QUICK_SEEDS if bench.quick else SEEDS))
     comparisons = [Comparison(family.name, seed, methods) for seed in seeds for family in FAMILIES]
-    bench.progress.start("duels", len(comparisons))
-    with open_executor(min(usable_cores(), len(comparisons))) as executor:
+    with bench.executor(len(comparisons)) as executor:
         found = run_cases(
             comparisons, compared, ComparisonFigures, bench.folder / "duels", executor, bench.progress
         )

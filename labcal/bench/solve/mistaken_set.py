@@ -1,8 +1,8 @@
 """A set of rendered pictures of a hand-held target, without and with each possible mistake."""
 
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
@@ -16,7 +16,7 @@ from labcal.errors import InputError
 from labcal.evaluate.own_lengths import errors_of_lengths
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.report.reproduction import Measured
+from labcal.report.values import Measured
 from labcal.run.progress import NoProgress
 from labcal.scene.catalogue import load_scene
 from labcal.scene.mistakes import Mistake
@@ -41,8 +41,6 @@ class SetOfPictures:
     """The settings of a set."""
 
     seed: int
-    folder: str
-    """Folder of pictures while they are needed."""
 
     @property
     def key(self) -> str:
@@ -110,15 +108,15 @@ def _reported(found: HandheldCalibration) -> bool:
 
 
 def _detected(wanted: SetOfPictures, mistake: Mistake | None) -> Detections:
-    """Render and detect, and return the dots; pictures are removed."""
+    """Render and detect, and return the dots; pictures are removed.
+
+    They are where temporary files are: a worker of a cluster does not see the folder of the results.
+    """
     changes = () if mistake is None else (f"mistake={mistake}", f"mistake_size={SIZES[mistake]}")
-    folder = Path(wanted.folder) / f"{wanted.key}-{mistake or 'none'}"
-    settings = RenderSettings(spp=SPP, views=VIEWS, seed=wanted.seed, force=True)
-    try:
-        shoot = render_shoot(load_scene(SCENE, changes), folder, settings, NoProgress())
+    settings = RenderSettings(spp=SPP, views=VIEWS, seed=wanted.seed)
+    with TemporaryDirectory(prefix="labcal-set-") as home:
+        shoot = render_shoot(load_scene(SCENE, changes), Path(home, "shoot"), settings, NoProgress())
         return dots_of_shoot(shoot, 1, NoProgress())
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _exchanged(dots: Detections) -> Detections:

@@ -6,8 +6,6 @@ from labcal.bench.groups import Bench, Findings
 from labcal.bench.solve.mistaken_set import SIZES, SetFigures, SetOfPictures, evaluated_set
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.cases import run_cases
-from labcal.run.executor import open_executor
-from labcal.run.machine import usable_cores
 
 SETS, QUICK_SETS = 100, 4
 MISSED_LIMIT, ACCUSED_LIMIT = 0.05, 0.02
@@ -16,8 +14,8 @@ MISSED_LIMIT, ACCUSED_LIMIT = 0.05, 0.02
 def mistake_findings(bench: Bench) -> Findings:
     """Return the shares of sets with a mistake that are reported, and of good sets that are."""
     count = QUICK_SETS if bench.quick else SETS
-    sets = [SetOfPictures(seed, str(bench.folder)) for seed in range(bench.seed, bench.seed + count)]
-    with open_executor(min(usable_cores(), count)) as executor:
+    sets = [SetOfPictures(seed) for seed in range(bench.seed, bench.seed + count)]
+    with bench.executor(count) as executor:
         found = run_cases(sets, evaluated_set, SetFigures, bench.folder / "sets", executor, bench.progress)
     checks: list[Check] = []
     references: list[Figure] = []

@@ -21,7 +21,7 @@ from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 from labcal.optim.successive_halving import SuccessiveHalving
 from labcal.paper.rows import Data, PaperRow, Solver
 from labcal.paper.simulated import NoiseReading, simulate

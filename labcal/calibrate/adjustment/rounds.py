@@ -20,7 +20,7 @@ from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.robust import SQUARES, Huber, Loss
-from labcal.optim.solution import Stopping, StopReason
+from labcal.optim.stopping import Stopping, StopReason
 
 STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 """Within a thousandth of a standard deviation of the minimum."""

@@ -6,25 +6,29 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Vectors3
-from labcal.bounds import FOCAL_SIDES
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
+from labcal.calibrate.perspectivity import Perspectivity, Sight, parallel_error, refuse_endless
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.calibrate.resection.problem import ResectionProblem, lens_prior
-from labcal.calibrate.resection.start import resection_starts
+from labcal.calibrate.resection.start import parallel_start, resection_starts
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import TELECENTRIC
+from labcal.cameras.lens import LENSES, TELECENTRIC, undistorted_dist
 from labcal.errors import InputError
 from labcal.geometry.arrangement import refuse_collinear, refuse_few, refuse_one_plane
+from labcal.geometry.poses import transform
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 from labcal.optim.whitening import UniformNoise, Whitening
 from labcal.run.threads import one_blas_thread
 
 _STOPPING = Stopping(max_epochs=200, min_gradient=1e-3)
 FAR, NEAR = Damping(ceiling=1e8), Damping(start=1e-6, ceiling=1e8)
 """The first damping, from anywhere and from a camera that is nearly right already."""
+_MOST_OFF_PARALLEL = 0.02
+"""RMS residual of parallel rays without distortion, as a share of the picture's width, beyond which rays meet
+for certain: no telecentric lens distorts so much."""
 MOST_OFF = 0.05
 """RMS residual, as a share of the picture's width, from which on it is not the camera of these dots."""
 
@@ -90,6 +94,7 @@ def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamer
     refuse_few(method, p, unknowns // 2 + 1)
     refuse_collinear(method, p)
     refuse_one_plane(method, p)
+    _refuse_parallel(method, q, p, kind)
     middle = p.mean(axis=0)
     ends = [
         adjusted(PlacedCamera(start, middle), q, p, UniformNoise(1.0))
@@ -103,24 +108,32 @@ def resect(method: str, q: Pixels, p: Vectors3, *kinds: Camera) -> ResectedCamer
             f"{rms:.1f} px. Choose another lens, and check that columns and dots belong together."
         )
     found = adjusted(best.placed, q, p, UniformNoise(max(best.sigma_px, 1e-6)), NEAR)
-    _refuse_parallel(method, found.camera)
+    refuse_endless(method, found.camera)
     return found
 
 
-def _refuse_parallel(method: str, camera: Camera) -> None:
-    """Raise where the rays of a camera whose lens makes them meet are parallel as far as the dots tell.
+def _refuse_parallel(method: str, q: Pixels, p: Vectors3, kind: Camera) -> None:
+    """Raise where rays are parallel as far as the dots tell, and those of the lens are not.
+
+    Without it a focal length would grow for hundreds of steps, with every lens model that is tried.
 
     Raises
     ------
     InputError
-        Its focal length is beyond the bounds of sense.
+        They are.
     """
-    focal = max(camera.intrinsics[:2])
-    if not camera.model.parallel and focal > FOCAL_SIDES[1] * max(camera.size):
-        raise InputError(
-            f"{method}: the rays are parallel as far as the dots tell: with the lens '{camera.lens}' the "
-            f"focal length grows without end ({focal:.3g} px). Choose the lens '{TELECENTRIC}'."
-        )
+    if kind.model.parallel or kind.window is not None:
+        return
+    dist = undistorted_dist(LENSES[TELECENTRIC])
+    start = parallel_start(q, p, Camera(kind.K, TELECENTRIC, dist, np.eye(4), kind.size))
+    if start is None:
+        return
+    square = ((start.project(p).q - q) ** 2).sum(axis=1)
+    if not np.sqrt(square.mean()) <= _MOST_OFF_PARALLEL * kind.size[0]:
+        return
+    camera = adjusted(PlacedCamera(start, p.mean(axis=0)), q, p, UniformNoise(1.0)).camera
+    if Perspectivity.of(camera, [Sight(q, transform(camera.T_cam_world, p))]).is_none(camera):
+        raise parallel_error(method)
 
 
 def adjusted(

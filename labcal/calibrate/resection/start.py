@@ -47,7 +47,7 @@ def resection_starts(q: Pixels, p: Vectors3, kinds: Sequence[Camera]) -> list[Ca
     candidates: list[Camera | None] = []
     for kind in kinds:
         if kind.model.parallel:
-            candidates.append(_parallel(q, p, kind))
+            candidates.append(parallel_start(q, p, kind))
             continue
         candidates += [_with_pose(camera_with_field(kind, field), q, p) for field in _fields(kind)]
         if kind.model.rectilinear:
@@ -72,8 +72,16 @@ def depth_held_mm(kind: Camera, scale: float) -> float:
     return _HELD_DIAGONALS * float(np.hypot(*kind.size)) / scale
 
 
-def _parallel(q: Pixels, p: Vectors3, kind: Camera) -> Camera | None:
-    """Return the camera with parallel rays of the affine map, without distortion."""
+def parallel_start(q: Pixels, p: Vectors3, kind: Camera) -> Camera | None:
+    """Return the camera with parallel rays of the affine map, without distortion; None where there is none.
+
+    Parameters
+    ----------
+    q, p : ndarray, shapes (n, 2) and (n, 3)
+        Pixels, and world points in mm.
+    kind : Camera
+        Size and lens, whose rays are parallel; its other parameters do not matter.
+    """
     middle = 0.5 * (np.array(kind.size) - 1.0)
     try:
         (fx, fy), T = parallel_camera(q - middle, p, 0.0)

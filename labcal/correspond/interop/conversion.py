@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from labcal.cameras.interop.conversion import Conversion, ConvertSettings
-from labcal.correspond import detections as labcal_table
-from labcal.correspond.detections import detections_csv, read_detections
+from labcal.correspond.detections_csv import KIND as TABLE_KIND
+from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.correspond.interop import corners_vnl
 from labcal.correspond.interop.corners_vnl import corners_text, read_corners
 from labcal.correspond.sources import parse_camera_endings
@@ -66,7 +66,7 @@ def convert_detections(
     if settings.target is None:
         raise InputError("Say whose dots these are: `target='NAME'` ('labcal target list' shows the names).")
     target = load_target(settings.target)
-    kind = labcal_table.KIND if ends[0] == CORNERS else corners_vnl.KIND
+    kind = TABLE_KIND if ends[0] == CORNERS else corners_vnl.KIND
     claim_outputs([FileOutput(output, kind)], read, force=force)
     if ends[0] == CORNERS:
         return _read(inputs[0], output, target, settings, force=force)
@@ -82,7 +82,7 @@ def _read(
     detections = corners.detections
     ok = int(detections.ok.sum())
     _require_points(ok, path)
-    write_file(output, detections_csv(detections), kind=labcal_table.KIND, force=force)
+    write_file(output, detections_csv(detections), kind=TABLE_KIND, force=force)
     notes = [*corners.notes, *_taken_for_centroids(target)]
     return _converted(("mrcal", "labcal"), output, detections.cameras, ok, notes)
 

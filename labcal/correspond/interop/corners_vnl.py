@@ -13,14 +13,13 @@ the power of minus that, as mrcal takes it.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.bounds import MOST_PICTURES
 from labcal.correspond.detections import Detections
+from labcal.correspond.interop.corners_lines import points_by_image, positive_sigma, whole_grid
 from labcal.correspond.matching import require_on_target
 from labcal.correspond.sense import covaries_soundly, near_picture
 from labcal.correspond.sources import Source, loose_source, refuse_unnamed_cameras
@@ -30,7 +29,6 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import FileKind
 from labcal.run.file_marks import VNL_COMMENT
 from labcal.run.file_reading import MOST_OF_A_TABLE, read_text
-from labcal.run.tables import MOST_LINES
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 
@@ -39,12 +37,6 @@ _LEGEND = re.compile(r"^#\s*filename\s+x\s+y(?:\s+(level|weight))?\s*$", re.MULT
 KIND = FileKind(
     "a corners.vnl", lambda content: _LEGEND.search(content.decode("latin-1")) is not None, VNL_COMMENT
 )
-_LINE = re.compile(r"[^\n]+")
-_COMMENT = "#"
-_LONGEST_LINE = 2**14
-_MISSING = (0.0, 0.0, 0.0)
-_MOST_LEVEL = 30
-_LEAST_WEIGHT = 1e-10
 _EQUAL_PITCH = 1e-9
 """Relative difference of pitches that are the same but for rounding."""
 _TOP_FIRST = "## rows run from the top of the board"
@@ -140,17 +132,17 @@ def read_corners(
     """
     path = as_path(path)
     _require_rows_and_columns(target)
-    text = _text(path)
+    text = read_text(path, "corners", MOST_OF_A_TABLE)
     legend = _LEGEND.search(text)
     if legend is None:
         raise InputError(
             f"{path} is no corners.vnl: it should have the line '# filename x y weight' (or level)."
         )
     stated = _SIGMA.search(text)
-    sigma = _positive(stated[1], path) if stated else 1.0
-    images = _points_by_image(text, legend[1], target, path)
+    sigma = positive_sigma(stated[1], path) if stated else 1.0
+    images = points_by_image(text, legend[1], target, path)
     notes: tuple[str, ...] = ()
-    parts = [_picture(image, np.array(points), target, path) for image, points in images.items()]
+    parts = [whole_grid(image, np.array(points), target, path) for image, points in images.items()]
     if stated and _TOP_FIRST not in text:
         note = (
             f"{path} was written by an older labcal, with rows from the bottom of the board, and is read so. "
@@ -184,41 +176,6 @@ def read_corners(
             f"{path}: {found.words(int(np.argmax(seen & ~sound)))} is far outside of its picture."
         )
     return ReadCorners(found, notes)
-
-
-def _points_by_image(
-    text: str, kind: str | None, target: Target, path: Path
-) -> dict[str, list[tuple[float, float, float]]]:
-    """Return the points of each image, as :func:`_point` reads them; a file may hold millions of lines.
-
-    Raises
-    ------
-    InputError
-        A line is damaged (it is named), there are no images, too many, or one with too many points.
-    """
-    if text.count("\n") > MOST_LINES:
-        raise InputError(f"{path} has more than {MOST_LINES} lines. Split it by images.")
-    images: dict[str, list[tuple[float, float, float]]] = {}
-    for found in _LINE.finditer(text):
-        image, *fields = found[0][:_LONGEST_LINE].split() or [_COMMENT]
-        if image.startswith(_COMMENT):
-            continue
-        try:
-            points = images.setdefault(image, [])
-            points.append(_point(fields, kind))
-        except ValueError as error:
-            number = text.count("\n", 0, found.start()) + 1
-            raise InputError(
-                f"Line {number} of {path} is damaged: '{' '.join(fields):.60}' should be x, y and a "
-                f"{kind or 'weight'}."
-            ) from error
-        if len(points) > target.count:
-            raise _other_count(image, "more than " + str(target.count), target, path)
-        if len(images) > MOST_PICTURES:
-            raise InputError(f"{path} lists more than {MOST_PICTURES} images. Split it.")
-    if not images:
-        raise InputError(f"{path} lists no image.")
-    return images
 
 
 def _turned_over(points: Float64[np.ndarray, "count 3"], target: Target) -> Float64[np.ndarray, "count 3"]:
@@ -277,63 +234,3 @@ def _require_plain(image: str) -> None:
             f"The name '{image}' cannot stand in a corners.vnl, which takes ASCII without spaces. Rename the "
             f"pictures."
         )
-
-
-def _text(path: Path) -> str:
-    return read_text(path, "corners", MOST_OF_A_TABLE)
-
-
-def _positive(word: str, path: Path) -> float:
-    """Return a standard deviation."""
-    try:
-        value = float(word)
-    except ValueError:
-        value = np.nan
-    if not (np.isfinite(value) and _LEAST_WEIGHT <= value <= 1.0 / _LEAST_WEIGHT):
-        raise InputError(f"{path}: the standard deviation '{word:.40}' should be a positive number.")
-    return value
-
-
-def _weighs(weight: float) -> bool:
-    """Tell whether a weight can be one; none above 0 is that of a missing point."""
-    return weight <= 0.0 or _LEAST_WEIGHT <= weight <= 1.0 / _LEAST_WEIGHT
-
-
-def _point(fields: list[str], kind: str | None) -> tuple[float, float, float]:
-    """Return x, y and weight of a line; all 0 where it says that there is no point.
-
-    Raises
-    ------
-    ValueError
-        It is no such line.
-    """
-    if len(fields) not in {2, 3} or (len(fields) == 2 and kind is not None):  # noqa: PLR2004 -- x y weight
-        raise ValueError(fields)
-    if "-" in fields:
-        return _MISSING
-    x, y, last = (*(float(field) for field in fields), 1.0)[:3]
-    if not all(map(isfinite, (x, y, last))) or (kind == "level" and last > _MOST_LEVEL) or not _weighs(last):
-        raise ValueError(fields)
-    if kind == "level":
-        last = 2.0**-last if last >= 0.0 else 0.0
-    # mrcal takes a negative pixel or weight for a missing point.
-    return (x, y, last) if min(x, y) >= 0.0 and last > 0.0 else _MISSING
-
-
-def _picture(
-    image: str, points: Float64[np.ndarray, "n 3"], target: Target, path: Path
-) -> Float64[np.ndarray, "count 3"]:
-    """Return the points of a whole grid; none of them where the image has a single line."""
-    if len(points) == target.count:
-        return points
-    if len(points) == 1 and points[0, 2] == 0.0:
-        return np.zeros((target.count, 3))
-    raise _other_count(image, str(len(points)), target, path)
-
-
-def _other_count(image: str, points: str, target: Target, path: Path) -> InputError:
-    """Return the error for an image whose points cannot be those of the target."""
-    return InputError(
-        f"{path}: {image:.60} has {points} points, but '{target.name}' has {target.cols} x "
-        f"{target.rows}. Name the target that the pictures show."
-    )

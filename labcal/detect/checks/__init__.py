@@ -1,1 +1,1 @@
-"""Stage 4, parts: dots compared with the others of their picture, and dots that are not measured."""
+"""Stage 4, parts: dots compared with the others of their picture, dots not measured, pictures refused."""

@@ -1,17 +1,13 @@
-"""Sub-pixel fit of one corner of a chessboard: two blurred edges that cross, with the light's slope."""
+"""Sub-pixel fit of one corner of a chessboard, by Gauss-Newton."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import erf, ndtr, owens_t
 
+from labcal.detect.corners.corner_model import PARAMETERS, CornerPixels, LinearisedCorner, linearise
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
-
-_PARAMETERS = 10
-_MOST_OBLIQUE = 0.999  # cosine of the angle between the edges
-_TINY = 1e-9
 
 
 @dataclass(frozen=True)
@@ -62,39 +58,6 @@ class CornerFit:
     step: float
     roughness: float
     sums: np.ndarray
-
-
-@dataclass(frozen=True)
-class _Window:
-    """The pixels of a fit: their mask in their rectangle, offsets (2, n) from its start, and grey values."""
-
-    mask: np.ndarray
-    offset: np.ndarray
-    value: np.ndarray
-    gap: np.ndarray
-    """(2,), from the corner's edges to those of the markers, px."""
-
-
-@dataclass(frozen=True)
-class _Linear:
-    """Residuals and derivatives by corner 2, angles of normals 2, blurs 2, mean, half step, slope 2."""
-
-    residual: np.ndarray
-    jacobian: np.ndarray
-    board: np.ndarray
-    """The modelled pattern, from -1 (black) to 1 (white)."""
-    off_edges: np.ndarray
-    """The smaller distance of every pixel from the two edges, in blurs."""
-
-
-@dataclass(frozen=True)
-class _Board:
-    """A blurred chessboard, and its derivatives by the two distances and by the correlation."""
-
-    value: np.ndarray
-    by_first: np.ndarray
-    by_second: np.ndarray
-    by_correlation: np.ndarray
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> CornerFit | None:
@@ -148,13 +111,13 @@ def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
     return bool((place < margin).any() or (place > last - margin).any())
 
 
-def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: CornerSettings) -> _Window:
+def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: CornerSettings) -> CornerPixels:
     """Select the pixels around a corner that belong to its own edges; `guard` is in squares."""
     height, width = grey.shape
     low = np.maximum(np.ceil(around.centre - around.reach), 0).astype(int)
     high = np.minimum(np.floor(around.centre + around.reach), [width - 1, height - 1]).astype(int)
     if (high < low).any():
-        return _Window(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), np.zeros(2))
+        return CornerPixels(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), np.zeros(2))
     y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
     offset = np.stack([x.ravel() - around.centre[0], y.ravel() - around.centre[1]])
     along, up = np.linalg.solve(around.axes, offset)
@@ -164,10 +127,10 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: Cor
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
     # Heights of the parallelogram that a square is in the picture.
     heights = abs(np.linalg.det(around.axes)) / np.linalg.norm(around.axes, axis=0)[::-1]
-    return _Window(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights)
+    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights)
 
 
-def _begin(window: _Window, around: Surroundings, blur: float) -> np.ndarray:
+def _begin(window: CornerPixels, around: Surroundings, blur: float) -> np.ndarray:
     """Return first parameters; the normals are those of the board's axes, so that the step is positive."""
     (ax, ay), (bx, by) = around.axes.T
     # The edge along y separates left from right: its normal points to the board's right; likewise the other.
@@ -180,60 +143,14 @@ def _begin(window: _Window, around: Surroundings, blur: float) -> np.ndarray:
     )
 
 
-def _linearise(state: np.ndarray, window: _Window) -> _Linear:
-    """Return residuals and derivatives at a state."""
-    blur, mean, step, slope = state[4:6, None], state[6], state[7], state[8:]
-    d = window.offset - state[:2, None]
-    cos, sin = np.cos(state[2:4]), np.sin(state[2:4])
-    u = (cos[:, None] * d[0] + sin[:, None] * d[1]) / blur
-    across = cos[:, None] * d[1] - sin[:, None] * d[0]
-    correlation = np.clip(np.cos(state[2] - state[3]), -_MOST_OBLIQUE, _MOST_OBLIQUE)
-    board = _blurred_board(u, float(correlation))
-    light = 1 + slope @ window.offset
-    dark = 2 * (ndtr(np.abs(u) - window.gap[:, None] / blur)).prod(axis=0) * (u[0] * u[1] > 0)
-    plain = mean + step * (board.value - dark)
-    first, second = light * step / blur * np.stack([board.by_first, board.by_second])
-    turn = light * step * board.by_correlation * np.sin(state[2] - state[3])
-    jacobian = np.stack(
-        [
-            -first * cos[0] - second * cos[1],
-            -first * sin[0] - second * sin[1],
-            first * across[0] - turn,
-            second * across[1] + turn,
-            -first * u[0],
-            -second * u[1],
-            light,
-            light * (board.value - dark),
-            window.offset[0] * plain,
-            window.offset[1] * plain,
-        ]
-    )
-    return _Linear(window.value - light * plain, jacobian, board.value - dark, np.abs(u).min(axis=0))
-
-
-def _blurred_board(u: np.ndarray, correlation: float) -> _Board:
-    """Return a blurred chessboard at distances from its edges, in blurs, shape (2, n)."""
-    a, b = np.where(np.abs(u) < _TINY, _TINY, u)
-    other = np.sqrt(1 - correlation**2)
-    beside_a, beside_b = (b - correlation * a) / other, (a - correlation * b) / other
-    value = 1 - 4 * owens_t(a, beside_a / a) - 4 * owens_t(b, beside_b / b) - 2 * (a * b < 0)
-    exponent = (a * a - 2 * correlation * a * b + b * b) / (2 * other**2)
-    return _Board(
-        value=value,
-        by_first=np.sqrt(2 / np.pi) * np.exp(-0.5 * a * a) * erf(beside_a / np.sqrt(2)),
-        by_second=np.sqrt(2 / np.pi) * np.exp(-0.5 * b * b) * erf(beside_b / np.sqrt(2)),
-        by_correlation=2 / (np.pi * other) * np.exp(-exponent),
-    )
-
-
 def _settle(
-    state: np.ndarray, window: _Window, tolerance: float, settings: CornerSettings
+    state: np.ndarray, window: CornerPixels, tolerance: float, settings: CornerSettings
 ) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
     if len(window.value) < settings.min_pixels:
         return None
     for _ in range(settings.max_iterations):
-        linear = _linearise(state, window)
+        linear = linearise(state, window)
         normal = linear.jacobian @ linear.jacobian.T
         ridge = 1e-9 * np.diag(np.diag(normal))
         try:
@@ -261,17 +178,17 @@ def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
 
 
 def _judge(
-    state: np.ndarray, window: _Window, around: Surroundings, settings: CornerSettings
+    state: np.ndarray, window: CornerPixels, around: Surroundings, settings: CornerSettings
 ) -> CornerFit | None:
     """Return the fit with its uncertainty."""
-    linear = _linearise(state, window)
+    linear = linearise(state, window)
     normal = linear.jacobian @ linear.jacobian.T
     # What the residual is on average at a level between black and white is a tone curve and no noise.
     level = np.round(settings.tone_levels * linear.board).astype(int) + 2 * settings.tone_levels
     mean = np.bincount(level, linear.residual) / np.maximum(np.bincount(level), 1)
     noise = linear.residual - mean[level]
-    freedom = len(window.value) - _PARAMETERS - len(np.unique(level))
-    if freedom < _PARAMETERS:
+    freedom = len(window.value) - PARAMETERS - len(np.unique(level))
+    if freedom < PARAMETERS:
         return None
     try:
         gain = np.linalg.solve(normal, linear.jacobian)[:2]
@@ -287,7 +204,7 @@ def _judge(
     )
 
 
-def _sums(linear: _Linear, window: _Window, flat_blurs: float) -> np.ndarray:
+def _sums(linear: LinearisedCorner, window: CornerPixels, flat_blurs: float) -> np.ndarray:
     """Return sums of products of pixels at all distances, the edges themselves left out of the residuals."""
     flat = linear.off_edges > flat_blurs
     planes = np.zeros((4, *window.mask.shape))  # flat or not, residual there, gradients along x and y

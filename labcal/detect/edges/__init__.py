@@ -1,1 +1,1 @@
-"""Stage 3, parts: the model of a dot's edge, its least squares, and the statistics of its residuals."""
+"""Stage 3, parts: pixels of a dot's edge, their model and least squares, statistics of the residuals."""

@@ -1,12 +1,13 @@
 """Gauss-Newton on dots, one after the other, in compiled code."""
 
-from math import ceil, floor, sqrt
-from typing import NamedTuple
+from math import sqrt
 
 import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
+from labcal.detect.edges.band import pixels_around, without_clutter
+from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
 from labcal.detect.edges.edge_model import (
     ALONG,
     CHUNK,
@@ -41,42 +42,6 @@ _DETERMINED = 3
 _SOME = 4
 """The first levels come from one of so many pixels."""
 _SINGULAR = 1e-12
-
-
-class EdgeLimits(NamedTuple):
-    """The settings of the edge fit that compiled code takes."""
-
-    max_iterations: int
-    shift_tolerance_px: float
-    blur_tolerance_share: float
-    max_step_radii: float
-    max_blur_factor: float
-    max_move_radii: float
-    min_blur_px: float
-    edge_blurs: float
-    edge_px: float
-    band_blurs: float
-    band_px: float
-    band_radii: float
-    max_bands: int
-    reband_factor: float
-    hole_blurs: float
-    clutter_sigma: float
-    clutter_share: float
-    clutter_px: float
-    prior_shading_share: float
-    prior_third_harmonic_per_px: float
-    near_flat_blurs: float
-
-
-class PictureLimits(NamedTuple):
-    """Limits that hold for a whole picture: see :func:`fit_all`."""
-
-    reach_radii: float
-    clipped_black: float
-    clipped_white: float
-    black: float
-    noise_every: int
 
 
 @compiled
@@ -135,7 +100,7 @@ def _fit_one(
     band = nothing[0]
     for attempt in range(limits.max_bands):  # the band follows the blur once that is known
         made_for = state[5]
-        band = _band(grey, state, sizes, limits)
+        band = pixels_around(grey, state, sizes, limits)
         if attempt == 0:
             _first_shading(state, band[0], shading)
         if not _settle(state, shading, band, limits, work):
@@ -143,67 +108,12 @@ def _fit_one(
         if max(made_for / state[5], state[5] / made_for) < limits.reband_factor:
             break
     found = _residuals(state, shading, band, work[0])
-    clean = _without_clutter(band, found, abs(shading[0] - shading[3]), limits)
+    clean = without_clutter(band, found, abs(shading[0] - shading[3]), limits)
     if clean[0].shape[1] < band[0].shape[1]:
         if not _settle(state, shading, clean, limits, work):
             return nothing
         return clean, _residuals(state, shading, clean, work[0])
     return band, found
-
-
-@compiled
-def _band(
-    grey: np.ndarray, state: np.ndarray, sizes: tuple[float, float], limits: EdgeLimits
-) -> tuple[np.ndarray, int]:
-    """Return x, y and value, shape (3, n), of the pixels around the outline, away from hole and other dots.
-
-    The edge's pixels come first; how many these are is returned as well.
-    """
-    hole, reach = sizes
-    a, b, c = state[2], state[3], state[4]
-    xx, yy, xy = a * a + b * b, b * b + c * c, b * (a + c)
-    determinant = xx * yy - xy * xy
-    extent_x, extent_y = sqrt(yy / determinant), sqrt(xx / determinant)
-    radius = determinant**-0.25
-    width = limits.edge_blurs * state[5] + limits.edge_px
-    # The distance changes with rho by no less than one over the largest slope, which bounds rho cheaply.
-    wide = width * (0.5 * (a + c) + sqrt(0.25 * (a - c) ** 2 + b * b))
-    flat = limits.band_blurs * state[5] / radius + max(limits.band_px / radius, limits.band_radii)
-    nearest, farthest = max(1.0 - max(wide, flat), 0.0), min(1.0 + max(wide, flat), reach)
-    if hole > 0.0:
-        beside = hole + limits.hole_blurs * state[5] / min(extent_x, extent_y)
-        nearest = max(nearest, min(beside, 0.5 * (1.0 + hole)))
-    half_x, half_y = extent_x * farthest + 1.0, extent_y * farthest + 1.0
-    height, columns = grey.shape
-    left, right = max(floor(state[0] - half_x), 0), min(ceil(state[0] + half_x), columns - 1)
-    top, bottom = max(floor(state[1] - half_y), 0), min(ceil(state[1] + half_y), height - 1)
-    least, most = nearest**2, farthest**2
-    edge_least, edge_most = max(1.0 - wide, 0.0) ** 2, (1.0 + wide) ** 2
-    flat_least, flat_most = max(1.0 - flat, 0.0) ** 2, (1.0 + flat) ** 2
-    box = max(bottom - top + 1, 0) * max(right - left + 1, 0)
-    pixels = np.empty((3, box))
-    count, after = 0, box
-    for y in range(top, bottom + 1):
-        dy = y - state[1]
-        for x in range(left, right + 1):
-            dx = x - state[0]
-            u, v = a * dx + b * dy, b * dx + c * dy
-            rho2 = u * u + v * v
-            if rho2 < least or rho2 > most:
-                continue
-            if edge_least < rho2 < edge_most:
-                gx, gy = a * u + b * v, b * u + c * v
-                # |distance| < width, without the roots of first order's (rho - 1) rho / |g|.
-                if (sqrt(rho2) - 1.0) ** 2 * rho2 < width * width * (gx * gx + gy * gy):
-                    pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
-                    count += 1
-                    continue
-            if flat_least <= rho2 <= flat_most:
-                after -= 1
-                pixels[0, after], pixels[1, after], pixels[2, after] = x, y, grey[y, x]
-    band = np.empty((3, count + box - after))
-    band[:, :count], band[:, count:] = pixels[:, :count], pixels[:, after:]
-    return band, count
 
 
 @compiled
@@ -342,25 +252,3 @@ def _residuals(
         found[1, k] = -FAR if inside else FAR
         found[2, k], found[3, k], found[4, k] = 0.0, 0.0, 0.0
     return found
-
-
-@compiled
-def _without_clutter(
-    band: tuple[np.ndarray, int], found: np.ndarray, step: float, limits: EdgeLimits
-) -> tuple[np.ndarray, int]:
-    """Leave out what is neither dot nor board: dirt, glare, other marks, all away from the edge."""
-    pixels, edge = band
-    count, least = pixels.shape[1], limits.clutter_share * step
-    suspect = False
-    for k in range(count):
-        if abs(found[0, k]) > least and abs(found[1, k]) > limits.near_flat_blurs:
-            suspect = True
-    if not suspect:
-        return band
-    size, away = np.abs(found[0]), np.abs(found[1]) > limits.near_flat_blurs
-    clutter = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away
-    keep = np.ones(count, dtype=np.bool_)
-    for j in np.flatnonzero(clutter):
-        near = np.maximum(np.abs(pixels[0] - pixels[0, j]), np.abs(pixels[1] - pixels[1, j]))
-        keep &= ~((near <= limits.clutter_px) & away)
-    return pixels[:, keep], int(keep[:edge].sum())

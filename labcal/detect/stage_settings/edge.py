@@ -1,4 +1,7 @@
-"""Settings of stage 3: the least-squares fit of a dot's blurred edge, and the statistics of its residuals."""
+"""Settings of stage 3: the least-squares fit of a dot's blurred edge, and the statistics of its residuals.
+
+Which fits are measurements, and which are `bad-fit`, is decided by stage 4: `quality.py` beside this file.
+"""
 
 from pydantic import Field
 

@@ -2,17 +2,15 @@
 
 from typing import ClassVar
 
-import numpy as np
 import torch
 from jaxtyping import Float64
 
 from labcal.errors import InputError
-from labcal.estimators.estimator import FittedArray
-from labcal.estimators.networks.network_estimator import NetworkEstimator, joint_reason, mean_history
+from labcal.estimators.networks.network_estimator import NetworkEstimator
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network_problem import NetworkProblem
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 from labcal.optim.successive_halving import SuccessiveHalving
 
 
@@ -54,7 +52,6 @@ class Mlp(NetworkEstimator):
     """
 
     method: ClassVar[str] = "mlp"
-    fitted_facts: ClassVar[tuple[str, ...]] = ("n_iter_", "stop_reason_", "mse_")
 
     def __init__(
         self,
@@ -72,21 +69,13 @@ class Mlp(NetworkEstimator):
         self.restarts = restarts
         self.random_state = random_state
 
-    def fitted_arrays(self) -> tuple[FittedArray, ...]:
-        """Return the arrays that make up the fitted estimator."""
-        return (*super().fitted_arrays(), FittedArray("history_", (self.n_iter_ + 1,)))
-
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
         stopping, halving = (
             Stopping(self.goal, self.max_epochs),
             SuccessiveHalving([range(len(starts))], self.members),
         )
         solutions = minimize_batch(problem, starts, stopping, Damping(), halving)
-        self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
-        self.n_iter_ = max(solution.epochs for solution in solutions)
-        self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])
-        self.history_ = mean_history([solution.history.cost for solution in solutions])
-        self.mse_ = float(self.history_[-1])
+        self._keep(solutions, [solution.history.cost for solution in solutions])
 
     def _refuse_parameters(self) -> None:
         super()._refuse_parameters()

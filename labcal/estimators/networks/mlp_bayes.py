@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from scipy.linalg import solve_triangular
 
 from labcal.estimators.estimator import COORDINATES, FittedArray
-from labcal.estimators.networks.network_estimator import NetworkEstimator, joint_reason, mean_history
+from labcal.estimators.networks.network_estimator import NetworkEstimator
 from labcal.estimators.propagation import propagated_covariance
 from labcal.optim.bayesian_training import train_by_evidence
 from labcal.optim.damping import Damping
@@ -65,7 +65,7 @@ class MlpBayes(NetworkEstimator):
 
     method: ClassVar[str] = "mlp-bayes"
     fitted_facts: ClassVar[tuple[str, ...]] = (
-        "n_iter_", "stop_reason_", "mse_", "effective_parameters_", "log_evidence_",
+        *NetworkEstimator.fitted_facts, "effective_parameters_", "log_evidence_",
     )  # fmt: skip
 
     def __init__(
@@ -87,7 +87,6 @@ class MlpBayes(NetworkEstimator):
         count = self._network().parameter_count
         return (
             *super().fitted_arrays(),
-            FittedArray("history_", (self.n_iter_ + 1,)),
             FittedArray("scales_", (self.members, 2)),
             FittedArray("weight_factors_", (self.members, count, count)),
         )
@@ -95,15 +94,11 @@ class MlpBayes(NetworkEstimator):
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
         halving = SuccessiveHalving([range(len(starts))], self.members)
         solutions = train_by_evidence(problem, starts, self.max_epochs, Damping(), halving)
-        self.parameters_ = np.stack([solution.parameters.numpy() for solution in solutions])
+        self._keep(solutions, [solution.history for solution in solutions])
         evidences = [solution.evidence for solution in solutions]
         self.scales_ = np.array([(evidence.alpha, evidence.beta) for evidence in evidences])
         self.effective_parameters_ = float(np.mean([one.effective_parameters for one in evidences]))
         self.log_evidence_ = float(np.mean([evidence.log_evidence for evidence in evidences]))
-        self.n_iter_ = max(solution.epochs for solution in solutions)
-        self.stop_reason_ = joint_reason([str(solution.reason) for solution in solutions])
-        self.history_ = mean_history([solution.history for solution in solutions])
-        self.mse_ = float(self.history_[-1])
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
 
     def _covariance(

@@ -1,6 +1,8 @@
 """The common part of networks from pixels to points: scaling, restarts, ensembles."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 import torch
@@ -12,10 +14,28 @@ from labcal.estimators.scaling import RangeScaling
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
+from labcal.optim.stopping import StopReason
 from labcal.rng import generator
 from labcal.run.threads import one_blas_thread, one_torch_thread
 
 Pixels = Float64[np.ndarray, "n inputs"]
+
+
+@runtime_checkable  # so that tests can check annotations
+class Trained(Protocol):
+    """The end of the training of one network."""
+
+    @property
+    def parameters(self) -> Float64[torch.Tensor, " p"]:
+        """The weights."""
+
+    @property
+    def reason(self) -> StopReason:
+        """The reason why it stopped."""
+
+    @property
+    def epochs(self) -> int:
+        """Accepted steps."""
 
 
 class NetworkEstimator(PointEstimator):
@@ -40,8 +60,11 @@ class NetworkEstimator(PointEstimator):
         All weights and biases, ordered as in `Network`.
     input_centre_, input_half_range_, output_centre_, output_half_range_ : float64 array
         The scalings.
+    n_iter_, stop_reason_, mse_, history_
+        As for `Mlp`.
     """
 
+    fitted_facts: ClassVar[tuple[str, ...]] = ("n_iter_", "stop_reason_", "mse_")
     hidden: tuple[int, ...]
     max_epochs: int
     members: int
@@ -56,11 +79,20 @@ class NetworkEstimator(PointEstimator):
             FittedArray("input_half_range_", (self.n_features_in_,)),
             FittedArray("output_centre_", (self.n_outputs_,)),
             FittedArray("output_half_range_", (self.n_outputs_,)),
+            FittedArray("history_", (self.n_iter_ + 1,)),
         )
 
     @abstractmethod
     def _train(self, problem: NetworkProblem, starts: list[Float64[torch.Tensor, " p"]]) -> None:
-        """Train from all starts, and store the parameters and histories of the members."""
+        """Train from all starts, and store what came of it; :meth:`_keep` does so for the members."""
+
+    def _keep(self, members: Sequence[Trained], histories: list[Float64[np.ndarray, " states"]]) -> None:
+        """Store parameters and course of the training of the members, whose mean squared errors are given."""
+        self.parameters_ = np.stack([member.parameters.numpy() for member in members])
+        self.n_iter_ = max(member.epochs for member in members)
+        self.stop_reason_ = joint_reason([str(member.reason) for member in members])
+        self.history_ = mean_history(histories)
+        self.mse_ = float(self.history_[-1])
 
     def _fit(self, pixels: Pixels, points: Float64[np.ndarray, "n outputs"]) -> None:
         self._refuse_parameters()

@@ -29,9 +29,9 @@ from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.solution import Stopping
+from labcal.optim.penalised_squares import Decayed
+from labcal.optim.stopping import Stopping
 from labcal.optim.successive_halving import SuccessiveHalving
-from labcal.optim.weight_decay import Decayed
 from labcal.rng import generator
 from labcal.run.threads import one_blas_thread, one_torch_thread
 

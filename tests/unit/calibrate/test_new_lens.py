@@ -24,7 +24,7 @@ from labcal.cameras.rig import Rig
 from labcal.cameras.window import FlatWindow
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
-from labcal.render.sensor import _fall_off
+from labcal.render.camera_rays import _fall_off
 from labcal.targets.grid import DotGrid
 
 See = Callable[..., Detections]

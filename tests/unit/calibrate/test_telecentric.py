@@ -21,6 +21,7 @@ from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.geometry.parallel_pose import mirrored, parallel_plane_pose
 from labcal.geometry.poses import from_rotation_vector, rigid_alignment, rotation_vector
+from labcal.report.calibrate_result import calibrate_result
 from labcal.targets.catalogue import load_target
 
 See = Callable[..., Detections]
@@ -87,6 +88,8 @@ def test_a_rig_is_found_and_its_points_are_where_they_were(centroids: See) -> No
     require_found(told.found, true)
     assert any("the mirror image of this rig explains the dots as well" in one for one in told.warnings)
     assert any("parallel rays tell no depth" in one for one in told.warnings)
+    document = calibrate_result(told, dots, TARGET)
+    assert any("that the views of several cameras agree was not tested" in one for one in document.warnings)
     matches = match(dots, ("left", "right"))
     p = triangulate([told.rig.camera(name) for name in true], matches.q, matches.covariance).point
     T = np.stack([poses()[view] for view in matches.view.tolist()])

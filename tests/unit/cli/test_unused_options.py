@@ -8,7 +8,7 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cli import main
-from labcal.correspond.point_lines import HEADER
+from labcal.correspond.points_csv import HEADER
 from labcal.shoot.dataset import write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.targets.catalogue import load_target

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from labcal.cameras.camera import Camera
-from labcal.correspond.detections import Detections, detections_csv, read_detections
+from labcal.correspond.detections import Detections
+from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.correspond.gathering import gather
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots

@@ -16,8 +16,8 @@ class Counted:
     def __init__(self) -> None:
         self.label, self.total, self.done = "", 0, 0
 
-    def start(self, label: str, total: int) -> None:
-        self.label, self.total = label, total
+    def start(self, label: str, total: int, done: int = 0) -> None:
+        self.label, self.total, self.done = label, total, done
 
     def advance(self, steps: int = 1) -> None:
         self.done += steps

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal.correspond.points import Points, points_csv, read_points
+from labcal.correspond.points import Points
+from labcal.correspond.points_csv import points_csv, read_points
 from labcal.errors import InputError
 
 HEADER = "view,col,row,X_mm,Y_mm,Z_mm,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,flag"

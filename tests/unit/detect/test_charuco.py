@@ -5,14 +5,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from labcal.detect.corners.corner_fit import (
-    CornerFit,
-    Surroundings,
-    _blurred_board,
-    _linearise,
-    _Window,
-    fit_corner,
-)
+from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
+from labcal.detect.corners.corner_model import CornerPixels, _blurred_board, linearise
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -186,15 +180,15 @@ def test_the_blurred_board_is_that_of_the_bivariate_normal_distribution() -> Non
 
 def test_derivatives_agree_with_differences() -> None:
     rng = np.random.default_rng(0)
-    window = _Window(
+    window = CornerPixels(
         np.ones((1, 50), bool), rng.normal(size=(2, 50)) * 4, rng.normal(size=50), np.array([40.0, 50.0])
     )
     state = np.array([0.1, 0.2, 0.3, 1.7, 0.9, 0.7, 100, 80, 0.001, 0.002])
-    jacobian = _linearise(state, window).jacobian
+    jacobian = linearise(state, window).jacobian
     for k in range(len(state)):
         step = np.zeros(len(state))
         step[k] = 1e-5 * max(abs(state[k]), 1.0)
-        change = _linearise(state - step, window).residual - _linearise(state + step, window).residual
+        change = linearise(state - step, window).residual - linearise(state + step, window).residual
         assert change / (2 * step[k]) == pytest.approx(jacobian[k], rel=1e-5, abs=1e-5)
 
 

@@ -82,7 +82,6 @@ def test_a_lens_whose_rays_meet_is_refused_and_the_right_one_is_named(
         method(lens="pinhole", image_sizes=(SIZE, SIZE)).fit(given.X, given.Y)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("distortion", [0.0, 1.0])
 def test_the_choice_of_a_lens_says_so_too(distortion: float) -> None:
     given = stage(distortion)

@@ -80,9 +80,7 @@ def test_noise_of_other_pixels_than_the_trained_ones_is_propagated(stereo: View,
     estimator = Dlt().fit(trained + 0.05 * rng.standard_normal(trained.shape), volume)
     noisy = trained + 0.5 * rng.standard_normal(trained.shape)
     covariance = np.tile(0.25 * np.eye(2), (len(noisy), 2, 1, 1))
-    points, stated = estimator.predict_with_covariance(
-        noisy, np.tile(0.25 * np.eye(2), (len(noisy), 2, 1, 1))
-    )
+    points, stated = estimator.predict_with_covariance(noisy, covariance)
     assert abs(coverage(points - volume, stated) - 0.95) < 4.0 * np.sqrt(0.95 * 0.05 / len(noisy))
 
 

@@ -10,7 +10,8 @@ from scipy.optimize import least_squares
 from labcal.errors import InputError
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
-from labcal.optim.solution import Solution, Stopping, StopReason
+from labcal.optim.solution import Solution
+from labcal.optim.stopping import Stopping, StopReason
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from labcal.optim.levenberg_marquardt import minimize_batch
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 
 SIZES = [(4, 3), (4, 6, 3), (4, 5, 7, 3), (3, 4, 5, 6, 2), (1, 1, 1)]
 

@@ -14,7 +14,8 @@ from labcal.optim.lm_state import LevenbergMarquardtState
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.solution import Solution, Stopping, StopReason
+from labcal.optim.solution import Solution
+from labcal.optim.stopping import Stopping, StopReason
 from labcal.optim.successive_halving import FIRST_MILESTONE, SuccessiveHalving
 
 

@@ -3,7 +3,8 @@ from dataclasses import replace
 import pytest
 
 from labcal.paper.rows import row_named
-from labcal.paper.summary import figures_of, row_result
+from labcal.paper.simulated import NoiseReading
+from labcal.paper.summary import figures_of, least_squares_readings, row_result
 from labcal.paper.training_run import TrainingOutcome
 
 OUTCOME = TrainingOutcome(
@@ -35,21 +36,29 @@ def test_least_squares_takes_the_reading_nearest_to_the_paper() -> None:
     assert [figures.reading for figures in result.readings] == ["a", "b", "c"]
 
 
-@pytest.mark.parametrize(
-    ("exp", "mean_signed_mm", "epochs", "verdict"),
-    [
-        ("08", 0.19, 9, "reproduced"),
-        ("08", 0.21, 9, "not reproduced"),
-        ("08", -0.21, 9, "not reproduced"),
-        ("08", 0.0, 18, "reproduced"),
-        ("08", 0.0, 19, "reproduced in other epochs"),
-        ("08", 0.0, 4, "reproduced in other epochs"),
-        ("07", 0.0, 7, "paper contradicts itself"),
-    ],
-)
-def test_verdicts(exp: str, mean_signed_mm: float, epochs: int, verdict: str) -> None:
-    figures = figures_of("mlp", [outcome(mean_signed_mm=mean_signed_mm, epochs=epochs)])
-    assert row_result(row_named(exp), [figures], [], 1).verdict == verdict
+def test_ranges_are_those_of_the_seeds() -> None:
+    runs = [outcome(rmse_mm=r, epochs=e, max_mm=2 * r) for r, e in ((1.0, 9), (5.0, 3), (2.0, 30))]
+    figures = figures_of("mlp", runs)
+    assert (figures.rmse_range_mm, figures.max_range_mm, figures.epochs_range) == ((1, 5), (2, 10), (3, 30))
+    assert figures_of("dlt", [outcome(epochs=None, goal_reached=None)]).epochs_range is None
+
+
+def test_the_reading_nearest_over_all_rows() -> None:
+    """Row 10 prints 11.69 mm and row 05 -6.78 mm; a reading of both is judged by the mean of its decades."""
+    rows = []
+    for exp, figures in (
+        ("10", {"affine": 116.9, "dlt": 11.69}),
+        ("05", {"affine": -6.78, "homography": 0.678}),
+    ):
+        readings = [figures_of(name, [outcome(mean_signed_mm=s)]) for name, s in figures.items()]
+        beside = [figures_of(f"affine, noise {NoiseReading.PIXEL}", [outcome(mean_signed_mm=1e-3)])]
+        rows.append(row_result(row_named(exp), readings, beside, 1))
+    found = {one.reading: one for one in least_squares_readings(rows)}
+    assert found["affine"].decades == pytest.approx(0.5)
+    assert found["affine"].rows == ("10", "05")
+    assert found["homography or dlt"].decades == pytest.approx(0.5)
+    assert list(found) == ["affine", "homography or dlt"]
+    assert least_squares_readings([]) == ()
 
 
 def test_the_network_is_named_with_its_outputs() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from labcal.render.delivery import Destination, deliver
 from labcal.render.development import develop
-from labcal.render.response import Exposure, Shot, expose, read_sensor
+from labcal.render.sensor_response import Exposure, Shot, expose, read_sensor
 from labcal.scene.photometry import Photometry
 from labcal.shoot.exr import read_exr_texts
 from labcal.shoot.pictures import read_picture

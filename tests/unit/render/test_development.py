@@ -6,7 +6,7 @@ import pytest
 from labcal.render import bands
 from labcal.render.demosaic import demosaic
 from labcal.render.development import develop
-from labcal.render.response import Exposure, Shot, exposure_for, read_sensor
+from labcal.render.sensor_response import Exposure, Shot, exposure_for, read_sensor
 from labcal.scene.photometry import Photometry
 from labcal.shoot.tone_curve import ToneCurve
 

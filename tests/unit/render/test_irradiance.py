@@ -118,11 +118,11 @@ def test_the_rays_are_shared_among_the_subframes(monkeypatch: pytest.MonkeyPatch
     rays, calls = np.zeros(height), 0
     trace = laboratories.Laboratory.trace
 
-    def counted(self: Laboratory, sensor: Rays, rows: slice, draw: Draw) -> np.ndarray:
+    def counted(self: Laboratory, camera: Rays, rows: slice, draw: Draw) -> np.ndarray:
         nonlocal calls
         calls += 1
         rays[rows] += draw.count
-        return trace(self, sensor, rows, draw)
+        return trace(self, camera, rows, draw)
 
     monkeypatch.setattr(laboratories.Laboratory, "trace", counted)
     rendered(scene, take)

@@ -15,7 +15,7 @@ class Counted:
     def __init__(self) -> None:
         self.done = 0
 
-    def start(self, label: str, total: int) -> None:
+    def start(self, label: str, total: int, done: int = 0) -> None:
         pass
 
     def advance(self, steps: int = 1) -> None:

@@ -140,15 +140,21 @@ def test_missing_and_outside_pictures_are_said_and_not_shown(
     assert file in page
 
 
-def test_few_rows_null_figures_and_other_verdicts(made_up: Reproduction, tmp_path: Path) -> None:
-    odd = made_up.rows[9].model_copy(update={"rel": float("nan"), "max_mm": float("nan"), "verdict": "new"})
+def test_few_rows_and_null_figures(made_up: Reproduction, tmp_path: Path) -> None:
+    odd = made_up.rows[9].model_copy(update={"rel": float("nan"), "max_mm": float("nan")})
     few = made_up.model_copy(update={"rows": (odd,), "pictures": ()})
     (tmp_path / "results.json").write_text(to_json(few))
     read = read_reproduction(tmp_path)
     assert np.isnan(read.rows[0].rel)
     outline = outline_of(reproduction_page(read, tmp_path))
     assert "–" in outline.cells["row-10"]  # noqa: RUF001 - as printed
-    assert "new" in outline.cells["row-10"]
+
+
+def test_a_verdict_of_another_version_is_refused(made_up: Reproduction, tmp_path: Path) -> None:
+    text = to_json(made_up).replace('"verdict": "matches"', '"verdict": "reproduced"', 1)
+    (tmp_path / "results.json").write_text(text)
+    with pytest.raises(InputError, match="'reproduced' is none of 'matches'"):
+        read_reproduction(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["$$", r"$\frac{", "😀", "<b>", '"&'])

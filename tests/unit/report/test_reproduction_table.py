@@ -41,7 +41,7 @@ def test_80_columns_keep_the_telling_figures(made_up: Reproduction) -> None:
 def test_200_columns_hold_everything(made_up: Reproduction) -> None:
     assert row_of(lines_of(made_up, 200), "21") == [
         "21", "NN", "50-3", "still", "camera", "pictures,", "plane", "130", "1e-8", "-0.01240", "-0.01500",
-        "-1.2%", "-4%", "4960", "1359", "55.8", "62.0", "124", "217", "7.4", "reproduced",
+        "-1.2%", "-4%", "4960", "1359", "55.8", "62.0", "124", "217", "7.4", "other", "epochs",
     ]  # fmt: skip
 
 

@@ -1,3 +1,4 @@
+import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,15 +41,26 @@ def square_or_crash(case: Square) -> Result:
     return square(case)
 
 
-def never(case: Square) -> Result:
-    raise AssertionError(f"{case} has a result already")
+def square_and_note(case: Square) -> Result:
+    calls.append(case.number)
+    return square(case)
+
+
+calls: list[int] = []
+
+
+@pytest.fixture(autouse=True)
+def no_calls() -> None:
+    calls.clear()
 
 
 def test_results_keep_the_order_and_a_second_run_computes_nothing(tmp_path: Path) -> None:
     cases = [Square(n) for n in (3, 1, 2)]
     with open_executor(1) as executor:
-        first = run_cases(cases, square, Result, tmp_path / "cases", executor, NoProgress())
-        again = run_cases(cases, never, Result, tmp_path / "cases", executor, NoProgress())
+        first = run_cases(cases, square_and_note, Result, tmp_path / "cases", executor, NoProgress())
+        assert calls == [3, 1, 2]
+        again = run_cases(cases, square_and_note, Result, tmp_path / "cases", executor, NoProgress())
+    assert calls == [3, 1, 2]
     assert [result.value for result in first] == [9, 1, 4]
     assert again == first
     assert sorted(path.name for path in (tmp_path / "cases").iterdir()) == [
@@ -64,10 +76,14 @@ def test_what_is_done_is_kept_when_a_later_case_fails(tmp_path: Path) -> None:
 
 
 def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
-    (tmp_path / "square-1.json").write_text('{"value": -1}')
     with open_executor(1) as executor:
-        results = run_cases([Square(1), Square(2)], square, Result, tmp_path, executor, NoProgress())
-    assert [result.value for result in results] == [-1, 4]
+        run_cases([Square(1)], square_and_note, Result, tmp_path, executor, NoProgress())
+        before = (tmp_path / "square-1.json").read_bytes()
+        cases = [Square(1), Square(2)]
+        results = run_cases(cases, square_and_note, Result, tmp_path, executor, NoProgress())
+    assert [result.value for result in results] == [1, 4]
+    assert calls == [1, 2]
+    assert (tmp_path / "square-1.json").read_bytes() == before
 
 
 def test_a_case_that_ends_its_processes_is_named_and_the_others_are_kept(tmp_path: Path) -> None:
@@ -85,9 +101,11 @@ def test_a_case_that_ends_its_processes_is_named_and_the_others_are_kept(tmp_pat
 def test_a_result_that_is_not_whole_is_made_anew(tmp_path: Path, left: bytes) -> None:
     (tmp_path / "square-2.json").write_bytes(left)
     with open_executor(1) as executor:
-        results = run_cases([Square(2)], square, Result, tmp_path, executor, NoProgress())
-    assert [result.value for result in results] == [4]
-    assert Result.model_validate_json((tmp_path / "square-2.json").read_bytes()) == Result(value=4)
+        for _ in range(2):
+            results = run_cases([Square(2)], square_and_note, Result, tmp_path, executor, NoProgress())
+            assert [result.value for result in results] == [4]
+    assert calls == [2]
+    assert json.loads((tmp_path / "square-2.json").read_bytes())["result"] == {"value": 4}
 
 
 def test_two_cases_of_one_name_are_refused(tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from labcal.errors import OutputError
 from labcal.run import mounts, overwriting
+from labcal.run.begun import COMMAND
 from labcal.run.claims import FileOutput, FolderOutput, claim_outputs
 from labcal.run.file_kinds import beginning_with, recognised_by
-from labcal.run.made import COMMAND
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import unfinished_folder
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from labcal.errors import OutputError
+from labcal.run.begun import COMMAND, Begun
 from labcal.run.foreign import foreign_entries
-from labcal.run.made import ASIDE, COMMAND, MADE, provenance_text
+from labcal.run.made import ASIDE, MADE, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.unfinished import unfinished_folder
 
@@ -55,7 +56,7 @@ def test_a_folder_that_somebody_has_named_like_an_old_one_stays(tmp_path: Path, 
     before = snapshot(old)
     made(target)  # nothing was to be replaced
     assert snapshot(old) == before
-    (target / COMMAND).write_text("render")  # as if it had been killed at the very end
+    (target / COMMAND).write_text(Begun.now("render").text())  # as if it had been killed at the very end
     if content != "nothing":
         made(target, command="render")
     (target / COMMAND).unlink(missing_ok=True)

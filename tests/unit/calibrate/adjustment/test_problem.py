@@ -15,7 +15,7 @@ from labcal.correspond.detections import Detections
 from labcal.optim.damping import Damping
 from labcal.optim.levenberg_marquardt import minimize
 from labcal.optim.robust import SQUARES, Huber, Loss
-from labcal.optim.solution import Stopping
+from labcal.optim.stopping import Stopping
 from labcal.targets.grid import DotGrid
 
 Case = tuple[Observations, RigState]

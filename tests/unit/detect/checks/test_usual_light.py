@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.detect.checks.photometry import misfits, paleness
+from labcal.detect.checks.usual_light import misfits, paleness
 from labcal.detect.stage_settings.quality import QualitySettings
 
 SETTINGS = QualitySettings()

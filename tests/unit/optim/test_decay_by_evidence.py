@@ -7,11 +7,11 @@ from scipy.stats import chi2, multivariate_normal
 
 from labcal.optim.bayesian_training import BayesianSolution, train_by_evidence
 from labcal.optim.damping import Damping
-from labcal.optim.evidence import Evidence
+from labcal.optim.decay_by_evidence import Evidence
 from labcal.optim.network import Network
 from labcal.optim.network_problem import NetworkProblem
 from labcal.optim.nguyen_widrow import nguyen_widrow
-from labcal.optim.solution import StopReason
+from labcal.optim.stopping import StopReason
 
 POINTS, SIGMA = 200, 0.05
 

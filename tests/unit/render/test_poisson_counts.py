@@ -3,7 +3,7 @@ import pytest
 from scipy.stats import chi2, norm
 from scipy.stats import poisson as poissons
 
-from labcal.render.photon_noise import FEW, _quantile, poisson
+from labcal.render.poisson_counts import FEW, _quantile, poisson
 from labcal.rng import generator
 
 

@@ -4,7 +4,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.stats import chi2
 
 from labcal.render import bands
-from labcal.render.response import Exposure, Shot, expose, exposure_for, read_sensor
+from labcal.render.sensor_response import Exposure, Shot, expose, exposure_for, read_sensor
 from labcal.scene.photometry import Photometry
 
 FLAT = (200, 300)

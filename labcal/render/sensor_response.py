@@ -17,7 +17,7 @@ import numpy as np
 
 from labcal.render.bands import Band, bands
 from labcal.render.demosaic import mosaic
-from labcal.render.photon_noise import poisson
+from labcal.render.poisson_counts import poisson
 from labcal.rng import generator
 from labcal.scene.lighting import REC709
 from labcal.scene.photometry import Photometry

@@ -1,6 +1,5 @@
-"""The lines of ``points.csv``, checked one by one."""
+"""``points.csv``: its columns, read line by line with checks, and written."""
 
-from enum import StrEnum
 from itertools import islice
 from pathlib import Path
 
@@ -8,9 +7,13 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.bounds import MOST_INDEX, MOST_MM
+from labcal.correspond.points import PointFlag, Points
 from labcal.geometry.covariances import valid_or_not_stated
+from labcal.paths import AnyPath, as_path
+from labcal.run.file_kinds import beginning_with
+from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, names_of_lines, table_parts
-from labcal.run.tables import refuse_twice
+from labcal.run.tables import refuse_twice, table_text
 from labcal.wording import has_control
 
 HEADER = (
@@ -20,21 +23,77 @@ HEADER = (
 UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 """Rows and columns of a covariance's elements, in the order of the columns."""
 
-
-class PointFlag(StrEnum):
-    """Flag of a reconstructed point."""
-
-    OK = "ok"
-    """Reconstructed."""
-    EXTRAPOLATED = "extrapolated"
-    """Outside the volume that the method was trained in."""
-    MODEL_MISFIT = "model-misfit"
-    """The method is known to err by far more than the noise leaves, or by more than its covariances say."""
-    NO_SOLUTION = "no-solution"
-    """The pixels determine no point."""
+KIND = beginning_with("a table of points", f"{','.join(HEADER)}\n".encode())
 
 
-def read_columns(path: Path) -> tuple[np.ndarray, ...]:
+def points_csv(points: Points) -> str:
+    """Return the text of ``points.csv``; figures are written so that they read back exactly."""
+    return table_text(
+        HEADER,
+        (
+            [points.view[i], *points.index[i].tolist(), *points.point[i].tolist(),
+             *points.covariance[i][UPPER].tolist(), points.flag[i]]
+            for i in range(len(points))
+        ),
+    )  # fmt: skip
+
+
+def read_points(path: AnyPath) -> Points:
+    """Read ``points.csv``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Points
+
+    Raises
+    ------
+    InputError
+        It cannot be read, has other columns, a line in it is damaged, or two are of the same dot of a view;
+        the line is named.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_points
+    >>> examples.points().save("points.csv")
+    >>> read_points("points.csv")
+    Points(views=8, points=704, ok=704, median_sigma=0.076 mm)
+    """
+    return Points(*_read_columns(as_path(path)))
+
+
+def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
+    """Write ``points.csv``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    points : Points
+        What to write.
+    force : bool
+        Replace a table of points that exists.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_points, write_points
+    >>> write_points("points.csv", examples.points())
+    >>> read_points("points.csv") == examples.points()
+    True
+    """
+    write_file(as_path(path), points_csv(points), kind=KIND, force=force)
+
+
+def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
     """Read the columns of ``points.csv``, in the order of `Points`.
 
     Raises

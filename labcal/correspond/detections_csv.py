@@ -1,22 +1,96 @@
-"""The lines of ``detections.csv``, checked one by one."""
+"""``detections.csv``: its columns, read line by line with checks, and written."""
 
 from pathlib import Path
 
 import numpy as np
 
 from labcal.bounds import MOST_INDEX
+from labcal.correspond.detections import Detections
 from labcal.correspond.sense import PicturesOfLines, covaries_soundly, near_picture
 from labcal.detect.flags import DotFlag
+from labcal.paths import AnyPath, as_path
+from labcal.run.file_kinds import beginning_with
+from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, table_parts
-from labcal.run.tables import refuse_twice
+from labcal.run.tables import refuse_twice, table_text
 
 HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
     "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
 )  # fmt: skip
 
+KIND = beginning_with("a table of detections", f"{','.join(HEADER)}\n".encode())
 
-def read_columns(path: Path) -> tuple[np.ndarray, ...]:
+
+def detections_csv(table: Detections) -> str:
+    """Return the text of ``detections.csv``; figures are written so that they read back exactly."""
+    lines = []
+    for i in range(len(table)):
+        index = table.index[i].tolist() if table.has_id[i] else ["", ""]
+        (xx, xy), (_, yy) = table.covariance[i].tolist()
+        lines.append(
+            [table.view[i], table.camera[i], table.image[i], *table.size[i].tolist(), *index,
+             *table.position[i].tolist(), xx, xy, yy, table.flag[i]]
+        )  # fmt: skip
+    return table_text(HEADER, lines)
+
+
+def read_detections(path: AnyPath) -> Detections:
+    """Read ``detections.csv``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file.
+
+    Returns
+    -------
+    Detections
+
+    Raises
+    ------
+    InputError
+        It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
+        picture, or a picture has two names or sizes; the line is named.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_detections
+    >>> examples.detections().save("detections.csv")
+    >>> read_detections("detections.csv")
+    Detections(views=8, cameras=['left', 'right'], dots=1408, ok=1408)
+    """
+    return Detections(*_read_columns(as_path(path)))
+
+
+def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -> None:
+    """Write ``detections.csv``.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The file to appear.
+    table : Detections
+        What to write.
+    force : bool
+        Replace a table of detections that exists.
+
+    Raises
+    ------
+    OutputError
+        The file exists and `force` is not set, or it cannot be written.
+
+    Examples
+    --------
+    >>> from labcal import examples, read_detections, write_detections
+    >>> write_detections("detections.csv", examples.detections())
+    >>> read_detections("detections.csv") == examples.detections()
+    True
+    """
+    write_file(as_path(path), detections_csv(table), kind=KIND, force=force)
+
+
+def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
     """Read the columns of ``detections.csv``, in the order of `Detections`.
 
     Raises

@@ -43,7 +43,7 @@ class Pixels:
     samples: Samples
 
 
-class Sensor:
+class CameraRays:
     """A camera's rays for Mitsuba.
 
     All parameters are opaque to the compiler, so that one kernel serves every camera with one lens model.

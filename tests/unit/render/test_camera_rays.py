@@ -4,8 +4,8 @@ import pytest
 from labcal.cameras.camera import Camera
 from labcal.cameras.prescription import load_prescription
 from labcal.cameras.window import FlatWindow, Wave, WavyWindow
+from labcal.render.camera_rays import CameraRays, Pixels, Shading
 from labcal.render.samples import Samples
-from labcal.render.sensor import Pixels, Sensor, Shading
 from labcal.render.variant import MONO, Jit, renderer
 from labcal.scene.camera import Aperture, CameraDescription
 from labcal.scene.catalogue import load_scene
@@ -55,9 +55,9 @@ def pixels(mi: Jit, q: np.ndarray) -> Pixels:
     return Pixels(mi.Float64(q[:, 0]), mi.Float64(q[:, 1]), Samples(mi, lane, mi.UInt32(0), mi.UInt32(7), 1))
 
 
-def traced(mi: Jit, sensor: Sensor, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def traced(mi: Jit, camera: CameraRays, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return origins, directions and weights of the rays of pixels."""
-    ray, weight = sensor.rays(pixels(mi, q))
+    ray, weight = camera.rays(pixels(mi, q))
     direction = np.array(ray.d, np.float64).T
     # The rays of a central camera share one origin.
     return np.broadcast_to(np.array(ray.o, np.float64).T, direction.shape), direction, np.array(weight)
@@ -70,11 +70,11 @@ def spread(camera: Camera, count: int = 100_000) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", CAMERAS)
-def test_sensor_rays_are_the_cameras_own(name: str) -> None:
+def test_rays_for_mitsuba_are_the_cameras_own(name: str) -> None:
     camera = CAMERAS[name].camera()
     q = spread(camera)
     with renderer(MONO) as mi:
-        origin, direction, weight = traced(mi, Sensor(mi, camera, None, PLAIN), q)
+        origin, direction, weight = traced(mi, CameraRays(mi, camera, None, PLAIN), q)
     assert (weight == 1.0).all()
     rays = camera.rays(q)
     np.testing.assert_allclose(origin, rays.origin, rtol=0, atol=2e-4)  # float32 of some 2000 mm
@@ -96,7 +96,7 @@ def test_where_the_lens_has_no_ray_the_picture_is_black() -> None:
     q = spread(camera, 20_000)
     expected = camera.rays(q).ok
     with renderer(MONO) as mi:
-        origin, direction, weight = traced(mi, Sensor(mi, camera, None, PLAIN), q)
+        origin, direction, weight = traced(mi, CameraRays(mi, camera, None, PLAIN), q)
     got = weight > 0.0
     assert not expected.all()
     # Right at the fold Newton converges slowly and gives up a little earlier: black, never wrong.
@@ -115,7 +115,7 @@ def test_an_open_lens_is_sharp_where_it_is_focused(lens: str) -> None:
     camera = description.camera()
     q = np.tile([[319.5, 239.5], [420.0, 300.0]], (4000, 1))
     with renderer(MONO) as mi:
-        origin, direction, weight = traced(mi, Sensor(mi, camera, description.aperture, PLAIN), q)
+        origin, direction, weight = traced(mi, CameraRays(mi, camera, description.aperture, PLAIN), q)
     forward = camera.T_cam_world[2, :3]
     passes = weight > 0.0
     assert passes.mean() > 0.5
@@ -139,9 +139,9 @@ def test_light_falls_off_with_the_fourth_power_of_the_cosine_and_towards_the_cor
     q = np.array([[319.5, 239.5], [639.5, 479.5], [0.0, 239.5]])
     cosine = 700.0 / np.sqrt(700.0**2 + ((q - [319.5, 239.5]) ** 2).sum(axis=1))
     with renderer(MONO) as mi:
-        _, _, weight = traced(mi, Sensor(mi, camera, None, Shading(fall_off=True)), q)
+        _, _, weight = traced(mi, CameraRays(mi, camera, None, Shading(fall_off=True)), q)
         np.testing.assert_allclose(weight, cosine**4, rtol=1e-6)
-        _, _, weight = traced(mi, Sensor(mi, camera, None, Shading(vignetting=0.3)), q)
+        _, _, weight = traced(mi, CameraRays(mi, camera, None, Shading(vignetting=0.3)), q)
         np.testing.assert_allclose(weight[:2], [1.0, 0.7], atol=1e-6)
 
 
@@ -153,10 +153,10 @@ def test_a_prescription_loses_as_much_light_closed_as_open() -> None:
     opened = closed.model_copy(update={"aperture": Aperture(diameter_mm=0.99999 * widest, focus_mm=1e7)})
     places = np.array([[319.5, 239.5], [450.0, 300.0], [639.0, 479.0]])
     with renderer(MONO) as mi:
-        falling = Sensor(mi, closed.camera(), None, Shading(fall_off=True))
+        falling = CameraRays(mi, closed.camera(), None, Shading(fall_off=True))
         _, _, expected = traced(mi, falling, places)
-        open_sensor = Sensor(mi, opened.camera(), opened.aperture, PLAIN)
-        found = [traced(mi, open_sensor, np.tile(q, (40_000, 1)))[2].mean() for q in places]
+        wide_open = CameraRays(mi, opened.camera(), opened.aperture, PLAIN)
+        found = [traced(mi, wide_open, np.tile(q, (40_000, 1)))[2].mean() for q in places]
     assert expected[2] < 0.8 * expected[0]
     np.testing.assert_allclose(found, expected, atol=0.02)
 
