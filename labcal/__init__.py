@@ -1,8 +1,8 @@
 """Measure in 3-D with two cameras and a target of dots.
 
-The chain from a scene, or a photograph, to errors in millimetres is in :mod:`labcal.pipeline`. The names
-that ``__init__.pyi`` lists are what it takes and returns; each is imported when it is first used, so that
-importing the package imports nothing heavy.
+:mod:`labcal.pipeline` has a function for each step from a scene, or from photographs, to errors in
+millimetres. ``dir(labcal)`` lists what these functions take and return. Each name is imported when it is
+first used, so that importing the package imports nothing heavy.
 """
 
 import lazy_loader

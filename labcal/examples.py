@@ -8,17 +8,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labcal.arguments import whole_number
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import Points
+from labcal.errors import InputError, OutputError
 from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.rng import generator
-from labcal.shoot.dataset import Shoot, write_manifest
+from labcal.shoot.dataset import MANIFEST, Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
@@ -100,7 +102,8 @@ def points() -> Points:
 def shoot(folder: AnyPath, views: int = 2) -> Shoot:
     """Return a shoot of the first views of :func:`detections`, whose pictures are drawn into a folder.
 
-    The pictures are 8-bit PNGs without noise: white, with dark dots. The last view has the role ``test``.
+    The pictures are 8-bit PNGs without noise: white, with dark dots. The last view has the role ``test``. A
+    folder that holds this shoot already is opened as it is.
 
     Parameters
     ----------
@@ -111,8 +114,10 @@ def shoot(folder: AnyPath, views: int = 2) -> Shoot:
 
     Raises
     ------
+    InputError, InputTypeError
+        There are no so many views.
     OutputError
-        The folder or a file in it cannot be written, or a picture exists already.
+        The folder or a file in it cannot be written, or the folder holds other pictures.
 
     Examples
     --------
@@ -123,11 +128,13 @@ def shoot(folder: AnyPath, views: int = 2) -> Shoot:
     """
     from labcal.shoot.pictures import write_picture  # noqa: PLC0415 -- imports OpenCV, which points do not need
 
+    views = whole_number(views, "views", 1)
+    if views > _VIEWS:
+        raise InputError(f"`views` is at most {_VIEWS}, but {views} was given.")
     place, pictures = as_path(folder), dict[str, dict[str, str]]()
-    (place / "images").mkdir(parents=True, exist_ok=True)
-    for view, name, seen in _seen(views):
-        pictures.setdefault(view, {})[name] = path = f"images/{view}_{name}.png"
-        write_picture(place / path, _drawn(seen))
+    drawn = {f"images/{view}_{name}.png": (view, name, seen) for view, name, seen in _seen(views)}
+    for path, (view, name, _) in drawn.items():
+        pictures.setdefault(view, {})[name] = path
     roles = [*[Role.TRAIN] * (views - 1), Role.TEST]
     entries = [
         ViewEntry(name=view, images=images, role=role, T_world_target_nominal=None)
@@ -135,6 +142,14 @@ def shoot(folder: AnyPath, views: int = 2) -> Shoot:
     ]
     cameras = {name: CameraEntry(size=_SIZE) for name in rig().cameras}
     manifest = Manifest(target=load_target(TARGET), cameras=cameras, views=tuple(entries))
+    there = [path for path in (MANIFEST, *drawn) if (place / path).exists()]
+    if len(there) > len(drawn) and open_shoot(place).manifest == manifest:
+        return Shoot(place, manifest)
+    if there:
+        raise OutputError(f"{place} holds {there[0]}, but not this example. Choose another folder.")
+    (place / "images").mkdir(parents=True, exist_ok=True)
+    for path, (_, _, seen) in drawn.items():
+        write_picture(place / path, _drawn(seen))
     write_manifest(place, manifest)
     return Shoot(place, manifest)
 

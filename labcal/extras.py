@@ -28,5 +28,5 @@ def optional_module(name: str, extra: str) -> ModuleType:
             raise  # the library is there, but one of its own is not
         raise DeviceError(
             f"This needs the library '{name}', which is not installed. Install it with "
-            f"pip install 'labcal[{extra}]'."
+            f"pip install {name} (labcal's extra '{extra}' lists it)."
         ) from error

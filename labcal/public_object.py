@@ -42,16 +42,16 @@ class PublicObject:
 
     def _repr_html_(self) -> str:
         """Return a table for notebooks."""
-        summary = [[name.replace("_", " "), _text(value)] for name, value in self._summary().items()]
-        tables = [_html(HtmlTable((type(self).__name__, ""), summary)), *map(_html, self._html_tables())]
-        return "<div>" + "".join(tables) + "</div>"
+        summary = [[name.replace("_", " "), _cell(value)] for name, value in self._summary().items()]
+        tables = [HtmlTable((type(self).__name__, ""), summary), *self._html_tables()]
+        return "<div>" + "".join(_html(table) for table in tables if table.rows) + "</div>"
 
     def _summary(self) -> Mapping[str, object]:
         """Return what the object holds, in a few short values by name."""
         raise NotImplementedError
 
     def _html_tables(self) -> Sequence[HtmlTable]:
-        """Return what a notebook shows below the summary."""
+        """Return the tables that a notebook shows below the summary; one without rows is left out."""
         return ()
 
     def _compared(self) -> object:
@@ -96,6 +96,11 @@ def _text(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.4g}"
     return value if isinstance(value, str) else repr(value)
+
+
+def _cell(value: object) -> str:
+    """Return a value as a cell of a table, names without brackets and quotation marks."""
+    return ", ".join(map(_text, value)) if isinstance(value, list | tuple) else _text(value)
 
 
 def _html(table: HtmlTable) -> str:

@@ -54,13 +54,13 @@ print(f"stated standard deviation along one axis: {np.median(sigma):.3f} px in t
 # Methods
 # -------
 #
-# A method learns where the dots of the training places are from their pixels, and then takes any pixels to
-# points. These four differ in what they assume: ``dlt`` knows no lens distortion, ``quadratic`` is a
-# polynomial, ``bundle`` adjusts two cameras with a lens model, ``hybrid`` adds a smooth field for what the
-# lens model leaves (:doc:`/explanation/hybrid`).
+# A method is fitted to the dots at the training places: to their pixels and their known positions. Then it
+# maps any pixels to points. These four differ in what they assume: ``dlt`` knows no lens distortion,
+# ``quadratic`` is a polynomial, ``bundle`` adjusts two cameras with a lens model, ``hybrid`` adds a smooth
+# field for the errors of the lens model (:doc:`/explanation/hybrid`).
 #
-# ``fit`` also rehearses each method on points between the trained ones and foretells its error: this needs
-# no truth, and works with photographs, too.
+# ``fit`` also predicts the error of each method at points between the training dots
+# (:doc:`/explanation/uncertainty`). This needs no truth, and works with photographs, too.
 
 methods = ("dlt", "quadratic", "bundle", "hybrid")
 models = {method: pipeline.fit(shoot, detections, method) for method in methods}
@@ -71,9 +71,9 @@ for method, model in models.items():
 # Errors in millimetres
 # ---------------------
 #
-# ``evaluate`` compares with the truth, at places that were not trained on. ``limit_mm`` is the error that
-# the stated covariances of the dots leave when both cameras are known exactly. A method that is well below
-# it says that these covariances are too large: they are, for pictures of a Bayer mosaic in JPEG files
+# ``evaluate`` compares with the truth, at places that were not trained on. ``limit_mm`` is the error of two
+# exactly known cameras, if the stated covariances of the dots are right. A method that is well below the
+# limit shows that these covariances are too large: they are, for pictures of a Bayer mosaic in JPEG files
 # (:doc:`/explanation/uncertainty`).
 
 results = {}
@@ -88,8 +88,8 @@ for method, errors in results.items():
 
 # %%
 # *Coverage* is the share of points that lie within the 95 % ellipsoid that the method states. Less than
-# 0.95 means that the method promises too much; more means that it is too careful, here for the same reason:
-# the covariances of the dots.
+# 0.95 means that the ellipsoids are too small, more that they are too large, here for the same reason: the
+# covariances of the dots.
 
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
 place = np.arange(len(methods))
@@ -103,7 +103,7 @@ axes.legend()
 # What goes wrong in practice
 # ---------------------------
 #
-# The same scene with more light noise, a bent board, or a camera that is knocked half-way tells how
+# Render the same scene with a bent board, with less light, or with a camera that moves half-way, and see how
 # sensitive the plan is. On the command line a key of the scene is changed with ``--set``:
 #
 # .. code-block:: sh
@@ -112,7 +112,7 @@ axes.legend()
 #    labcal render webcam-volume -o dark --set photometry.exposure_stops=-3
 #    labcal render webcam-volume -o knocked --set mistake=camera-knocked
 #
-# :doc:`/reference/scenes` lists the keys. Whether the laboratory itself is exact enough for your question,
-# ``labcal bench render`` measures.
+# :doc:`/reference/scenes` lists the keys. ``labcal bench render`` measures
+# whether the laboratory itself is exact enough for your question.
 
 work.cleanup()

@@ -49,10 +49,10 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     if what not in BENCHMARKS:
         raise UnknownNameError("benchmark", what, BENCHMARKS)
     if settings.groups and what in _WITHOUT_GROUPS:
-        raise InputError(f"`only` names groups of checks, of which the benchmark '{what}' has none.")
+        raise InputError(f"`groups` names groups of checks, of which the benchmark '{what}' has none.")
     if settings.methods and what not in _OF_METHODS:
         raise InputError(
-            "`method` goes with 'bench solve' and 'bench distortion', which measure methods. Leave it out."
+            "`methods` goes with 'bench solve' and 'bench distortion', which measure methods. Leave it out."
         )
     if settings.scheduler is not None and what not in _OF_METHODS:
         raise InputError(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labcal.arguments import object_of, one_text, wrong_type
 from labcal.arrays import (
     AnyArray,
     Mask,
@@ -15,6 +16,7 @@ from labcal.arrays import (
     Pose,
     Vectors3,
     float_array,
+    kept,
     whole_array,
 )
 from labcal.cameras.camera_description import camera_description
@@ -104,14 +106,18 @@ class Camera(PublicObject):
     ) -> None:
         width, height = whole_array(size, (2,), "size").tolist()
         parts: dict[str, object] = {
-            "K": float_array(K, (3, 3), "K"),
-            "lens": lens,
-            "dist": float_array(dist, ("k",), "dist"),
-            "T_cam_world": float_array(T_cam_world, (4, 4), "T_cam_world"),
+            "K": kept(float_array(K, (3, 3), "K")),
+            "lens": one_text(lens, "lens"),
+            "dist": kept(float_array(dist, ("k",), "dist")),
+            "T_cam_world": kept(float_array(T_cam_world, (4, 4), "T_cam_world")),
             "size": (width, height),
             "prescription": prescription,
             "window": window,
         }
+        if window is not None and not isinstance(window, FlatWindow | WavyWindow):
+            raise wrong_type(window, "a FlatWindow or a WavyWindow", "window")
+        if prescription is not None:
+            object_of(prescription, Prescription, "prescription")
         for name, part in parts.items():
             object.__setattr__(self, name, part)
         require_possible(self)
@@ -148,7 +154,7 @@ class Camera(PublicObject):
     @cached_property
     def centre(self) -> Vectors3:
         """The centre of projection in the world, mm, shape (3,)."""
-        return inverse(self.T_cam_world)[:3, 3]
+        return kept(inverse(self.T_cam_world)[:3, 3])
 
     def towards(self, p: AnyArray) -> Vectors3:
         """Return the directions (of any length) from world points, mm, shape (..., 3), to the camera."""
@@ -250,7 +256,9 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        return self.project_in_camera(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+        with np.errstate(invalid="ignore"):  # of infinite coordinates
+            p_cam = transform(self.T_cam_world, float_array(p, (..., 3), "p"))
+        return self.project_in_camera(p_cam)
 
     def project_in_camera(self, p_cam: AnyArray) -> Projection:
         """Return the pixels of points of the camera's frame, as :meth:`project` does.

@@ -20,7 +20,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "calibrate",
         run,
-        "Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.",
+        "Calibrate cameras from views of a hand-held target. The first camera is the rig's world.",
         example="labcal calibrate detections.csv --target rings-10x8 --lens brown-k1k2 -o rig.json",
     )
     parser.add_argument(
@@ -52,7 +52,10 @@ def add_parser(commands: CommandGroup) -> None:
         "--fix-intrinsics", action="store_true", help="keep the lenses of --start; find only the poses"
     )
     parser.add_argument(
-        "--overlay", type=Path, metavar="FILE.png", help="with --free-dots: how far dots are off, as arrows"
+        "--overlay",
+        type=Path,
+        metavar="FILE.png",
+        help="with --free-dots: arrows from declared to estimated places",
     )
     add_detector_settings(parser)
     add_workers(parser)
@@ -76,7 +79,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     require_name(arguments.output)
     if arguments.overlay is not None and not arguments.free_dots:
-        raise InputError("--overlay draws how far freed dots are off. Add --free-dots.")
+        raise InputError("--overlay draws the places that --free-dots estimates. Add --free-dots.")
     outputs = [FileOutput(arguments.output, KIND)]
     outputs += [FileOutput(_dots_path(arguments.output), DOTS_KIND)] if arguments.free_dots else []
     outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
@@ -94,7 +97,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
-        session.say(f"left out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
     write_rig(arguments.output, made.rig, force=arguments.force)
     _write_dots(arguments, made)
     result = calibrate_result(made, detections, target)

@@ -14,7 +14,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "evaluate",
         run,
-        "Tell the errors of points, against the truth or, without one, against the target's own lengths.",
+        "Compute the errors of points, against the truth or, without one, against the target's own lengths.",
         example="labcal evaluate points.csv shoot",
     )
     parser.add_argument("points", type=Path, metavar="points.csv", help="from 'labcal reconstruct'")

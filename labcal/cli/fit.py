@@ -60,8 +60,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--lens",
         metavar="MODEL",
         default=AUTO,
-        help="lens model, or prescription, of bundle and hybrid, and of the adjustment where the target was "
-        f"held; {AUTO}, the default: held-out dots and views choose",
+        help="lens model, or prescription, of bundle and hybrid, and of the adjustment of a hand-held target "
+        f"(default {AUTO}: the simplest one that predicts held-out dots and views as well as the best)",
     )
     parser.add_argument(
         "--target", metavar="NAME", help="the target of a table of dots; a shoot brings its own"
@@ -69,7 +69,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--free-dots",
         action="store_true",
-        help="of a target that was held: estimate the place of each dot on the print, too",
+        help="hand-held target: estimate the place of each dot on the print, too",
     )
     parser.add_argument(
         "--no-rehearsal",
@@ -121,9 +121,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if training.held is None:
         _refuse_idle_lens(arguments, estimators)
     if training.centred.reason is not None:
-        session.say(f"centroids are taken as they are: {training.centred.reason}")
+        session.say(f"eccentricity is not corrected: {training.centred.reason}")
     if training.held_out:
-        session.say(f"left out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(training.held_out)}")
     with session.progress() as progress:
         models = fit_methods(training, estimators, settings, progress)
     if alone and isinstance(models[0], InputError):
@@ -149,8 +149,7 @@ def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
 
     if arguments.target is not None and given.shoot is not None and on_stage(given.shoot):
         raise InputError(
-            "--target is for a target that was held, but a stage gives the poses of this shoot's. Leave "
-            "it out."
+            "--target is for a hand-held target, but this shoot's target stood on a stage. Leave it out."
         )
     return given.target(arguments.target)
 

@@ -8,6 +8,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from labcal.arguments import texts
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.detect.stage_settings.grid import GridSettings
@@ -152,7 +153,7 @@ def detect_settings(words: Iterable[str]) -> DetectSettings:
     """
     known = {setting.name: setting for setting in describe_settings()}
     given: dict[str, dict[str, object]] = {}
-    for word in words:
+    for word in texts(words, "words"):
         name, equals, text = word.partition("=")
         if not equals:
             example = f"{_PREFIX}.edge.max_iterations=20"

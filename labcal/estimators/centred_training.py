@@ -24,7 +24,7 @@ _NAME = "resection"
 _NO_NOISE = 1e-12 * np.eye(2)
 """Covariance of training pixels, which is not known: all of the triangulation residual counts as scatter."""
 _ON_ONE_PLANE = (
-    "all trained dots are on one plane, where no camera is needed: what they are off is fitted with the rest"
+    "all training dots are on one plane, which determines no camera; the method fits the eccentricity, too"
 )
 
 
@@ -34,7 +34,7 @@ class CentredTraining:
 
     data: TrainingData
     cameras: tuple[Camera, ...] | None
-    """Resected from the training views; None where nothing was taken off."""
+    """Resected from the training views; None where nothing was corrected."""
     eccentricity: CorrectedEccentricity | None
     """The corrected eccentricity."""
     reason: str | None
@@ -48,10 +48,9 @@ def centred_training(
 ) -> CentredTraining:
     """Subtract the eccentricity from training pixels, with cameras resected from the training views.
 
-    A method learns from pixels to points of dots' centres. Where the views fill a volume, each camera is
-    resected, and what centroids are off follows from where the stage had the target. Of a single plane the
-    views fix no camera, but need none: there what a centroid is off depends on nothing but where it is, and
-    the method learns that along with the rest.
+    A method maps pixels of dots' centres to points. Where the views fill a volume, each camera is resected,
+    and the eccentricity follows from the poses of the target. Views of a single plane determine no camera,
+    but need none: there the eccentricity depends on nothing but the pixel, so the method fits it, too.
 
     Parameters
     ----------

@@ -71,9 +71,9 @@ class Model(PublicObject):
     box : TrainingBox
         What it was trained on.
     resected : tuple of Camera, optional
-        Where it was trained on images of dots' centres: the cameras that tell what a centroid is off.
+        The cameras that the eccentricity is computed with; None where it was not corrected.
     rehearsed : ExpectedError, optional
-        How the method did on points between the trained ones; None where that could not be rehearsed.
+        Error at points between the training dots, by surrogate validation; None where that was not possible.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data.
     calibrated_on : tuple of str

@@ -10,6 +10,7 @@ import numpy as np
 import safetensors.numpy
 from safetensors import SafetensorError, safe_open
 
+from labcal.arguments import object_of
 from labcal.bounds import MOST_MM
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, OutputError
@@ -95,7 +96,7 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     >>> load_model("model.safetensors") == model
     True
     """
-    estimator = model.estimator
+    estimator = object_of(model, Model, "model").estimator
     arrays = {
         spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.stored_arrays()
     }

@@ -45,7 +45,7 @@ class ModelHeader(BaseModel):
     planar : bool
         Whether all points were trained at one Z; for readers other than this program.
     resected : tuple of CameraRecord, optional
-        The cameras that tell what a centroid is off its dot's centre; left out where there are none.
+        The cameras that the eccentricity is computed with; left out where there are none.
     rehearsed : mapping, optional
         The figures of a `ExpectedError`, null for NaN; left out where there are none.
     calibration : CalibrationRecord, optional

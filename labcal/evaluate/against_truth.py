@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 _HULL_TOLERANCE_MM = 1e-3
 
 Alignment = Literal["none", "rigid"]
+ALIGNMENTS: tuple[Alignment, ...] = ("none", "rigid")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.render.shoot import RenderSettings
+    from labcal.report.overlays import write_overlays
 
 __all__ = [
     "BenchSettings",
@@ -61,6 +62,7 @@ __all__ = [
     "reproduce",
     "training_of",
     "undistort",
+    "write_overlays",
 ]
 
 _HOMES = {
@@ -79,6 +81,7 @@ _HOMES = {
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
     "training_of": "labcal.estimators.fitting",
+    "write_overlays": "labcal.report.overlays",
 }
 """Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""
 

@@ -2,13 +2,14 @@
 
 from typing import TYPE_CHECKING
 
+from labcal.arguments import one_text, settings_of
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, held_out_views
+from labcal.correspond.view_roles import HoldOut, checked_hold_out, held_out_views
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
 from labcal.pipeline.given import dots_of, shown_by
-from labcal.run.progress import Progress
+from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.targets.catalogue import AnyTarget
@@ -27,7 +28,7 @@ def calibrate(
     hold_out: HoldOut = (),
     progress: Progress | None = None,
 ) -> "Calibration":
-    """Calibrate cameras from a target that was held in free poses. The first camera is the rig's world.
+    """Calibrate cameras from views of a hand-held target. The first camera is the rig's world.
 
     Parameters
     ----------
@@ -36,8 +37,8 @@ def calibrate(
     detections : Detections or path, optional
         Dots, or the table of them; those of the shoot are found in its pictures where left out.
     lens : str, optional
-        A lens model; ``"auto"``: views held out choose it. That of the rig to start from, or
-        ``brown5``, where left out.
+        A lens model; ``"auto"``: the simplest one that predicts held-out views as well as the best. Where
+        left out, that of the rig to start from, or ``brown5``.
     settings : HandheldSettings, optional
     hold_out : int, str or sequence of str
         Views that do not enter, so that the result can be scored on them: how many, or which.
@@ -60,9 +61,13 @@ def calibrate(
     Calibration(cameras=['left', 'right'], lens=brown5, views=6, rms=0.0275 px, warnings=0)
     """
     from labcal.calibrate.calibration import calibrated
+    from labcal.calibrate.handheld import HandheldSettings
 
+    lens = None if lens is None else one_text(lens, "lens")
+    settings, progress = settings_of(settings, HandheldSettings), progress_of(progress)
+    hold_out = checked_hold_out(hold_out)
     shown = shown_by(source)
-    dots = dots_of(detections, shown)
+    dots = dots_of(detections, shown, progress)
     if not isinstance(shown, Shoot):
         return calibrated(dots, shown, lens, settings, hold_out, progress)
     tested = {view.name for view in shown.views(Role.TEST)}
@@ -112,10 +117,10 @@ def fit(
     """
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 
-    settings = settings or FitSettings()
+    settings, progress = settings_of(settings, FitSettings), progress_of(progress)
     shown = shown_by(source)
     estimators = estimators_of([method], settings)
-    training = training_of(shown, dots_of(detections, shown), settings, progress)
+    training = training_of(shown, dots_of(detections, shown, progress), settings, progress)
     (model,) = fit_methods(training, estimators, settings, progress)
     if isinstance(model, InputError):
         raise model

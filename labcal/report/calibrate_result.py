@@ -214,7 +214,7 @@ def calibrate_table(result: CalibrateResult) -> object:
         words = print_words(result.free_dots.shape)
         if result.free_dots.agreement is not None:
             x, y = result.free_dots.agreement
-            words += f"\nwhat two cameras find alone correlates: {x:.2f} along x, {y:.2f} along y"
+            words += f"\ncorrelation of the places by each camera alone: {x:.2f} along x, {y:.2f} along y"
         parts.append(Text(words))
     return Group(*parts)
 

@@ -69,7 +69,7 @@ def detect_table(result: DetectResult) -> Table:
     table = Table(
         name_column("picture"),
         "dots",
-        "what came of it",
+        "result",
         caption="\n".join([*captions, f"{result.indexed} indexed, {result.refused} refused"]),
         caption_justify="left",
     )

@@ -21,15 +21,15 @@ def _against_truth(errors: TruthErrors) -> Table:
         f"scored: {errors.scored}, {counted(errors.not_scored, 'other')} not; alignment: {errors.alignment}\n"
         f"{scored_description(len(errors.views_scored), errors.views_calibrated_on)}"
     )
-    table = Table("error against truth", "mm", caption=caption)
+    table = Table("error against truth", "mm", caption=caption, caption_justify="left")
     table.add_row("points", str(errors.n))
-    table.add_row("mean, with sign (x, y, z)", f"{x:+.4f}, {y:+.4f}, {z:+.4f}")
+    table.add_row("mean signed error (x, y, z)", f"{x:+z.4f}, {y:+z.4f}, {z:+z.4f}")
     for name, value in (
-        ("mean length", errors.mae_mm),
+        ("mean distance", errors.mae_mm),
         ("RMS", errors.rmse_mm),
         ("95th percentile", errors.p95_mm),
-        ("greatest", errors.max_mm),
-        ("limit of triangulation from two pictures alone (RMS)", errors.limit_mm),
+        ("maximum", errors.max_mm),
+        ("limit: triangulation by exact cameras (RMS)", errors.limit_mm),
     ):
         if not isnan(value):  # the limit, without detections
             table.add_row(name, f"{value:.4f}")
@@ -40,8 +40,9 @@ def _against_truth(errors: TruthErrors) -> Table:
 
 def _of_lengths(errors: LengthErrors) -> Table:
     scored = scored_description(len(errors.views_scored), errors.views_calibrated_on)
-    table = Table("error of lengths on the target", "", caption=f"{counted(errors.n, 'length')} in {scored}")
-    table.add_row("greatest", f"{errors.length_error_mm.max:.4f} mm")
+    caption = f"{counted(errors.n, 'length')} in {scored}"
+    table = Table("error of lengths on the target", "", caption=caption, caption_justify="left")
+    table.add_row("maximum", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")
     return table

@@ -135,16 +135,16 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
     limits = {model.expected.limit_mm for model in result.models if model.expected is not None}
     if limits:
         captions.append(
-            "to expect: RMS error between the trained dots, rehearsed with cameras like these; what pixels "
-            f"scatter leaves {min(limits):.4f} mm"
+            "expected error: RMS between the training dots, by surrogate validation; limit by pixel noise: "
+            f"{min(limits):.4f} mm"
         )
         if result.handheld is not None:
-            captions.append("on top of that comes what the adjustment that placed the target is off")
+            captions.append("the expected error does not include errors of the target's estimated poses")
     elif not rehearsed:
-        captions.append("not rehearsed, so that no expected error is stated")
+        captions.append("no expected error: surrogate validation was left out")
     else:
         captions.append(
-            "no expected error is stated: the dots, all on one plane perhaps, determine no camera"
+            "no expected error: the training dots do not determine the cameras (are all on one plane?)"
         )
     if result.centre_bias_px is not None:
         bias = result.centre_bias_px
@@ -154,8 +154,8 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
     table = Table(
         "method",
         "dots",
-        "RMS on the trained dots [mm]",
-        "to expect [mm]",
+        "RMS on training dots [mm]",
+        "expected error [mm]",
         "epochs",
         "model",
         caption="\n".join(captions),
@@ -179,7 +179,7 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
 
 
 def _expectation(model: MethodResult) -> str:
-    """Return what to expect, and why points are flagged where they are."""
+    """Return the expected error, and why points will be flagged if they will be."""
     expected = model.expected
     if expected is None:
         return ""
@@ -187,7 +187,7 @@ def _expectation(model: MethodResult) -> str:
     if not model.misfit:
         return text
     if expected.too_large:
-        return f"{text} model-misfit: {expected.rmse_mm / expected.limit_mm:.1f} times what pixels leave"
+        return f"{text} model-misfit: {expected.rmse_mm / expected.limit_mm:.1f} times the limit"
     return f"{text} model-misfit: 95% ellipsoids hold {100.0 * expected.coverage95:.0f}%"
 
 

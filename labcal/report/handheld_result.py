@@ -33,9 +33,9 @@ class HandheldResult:
         freed = "with" if self.free_dots else "without"
         views, left_out = counted(self.views, "view"), counted(len(self.left_out), "picture")
         return (
-            f"the target was held: a bundle adjustment of {views} ({left_out} left out), lens {self.lens}, "
-            f"{freed} free dots, left an RMS of {self.rms_px:.4f} px and "
-            f"{counted(self.outlier_count, 'outlier')}; the first camera is the world"
+            f"hand-held target: bundle adjustment of {views} ({left_out} left out), lens {self.lens}, "
+            f"{freed} free dots: RMS {self.rms_px:.4f} px, {counted(self.outlier_count, 'outlier')}; "
+            "the first camera is the world"
         )
 
 

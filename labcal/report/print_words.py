@@ -18,9 +18,9 @@ def print_words(shape: PrintShape) -> str:
         _described("bow along y", shape.bow_y_mm, "mm", ".4f"),
         _described("twist", shape.twist_mm, "mm", ".4f"),
         (
-            f"dots off their places: RMS {shape.rms_in_plane_mm:.4f} mm in the plane (each known to "
-            f"{shape.sigma_in_plane_mm:.4f} mm), {shape.rms_unexplained_mm:.4f} mm without stretch and "
-            f"shear, {shape.rms_height_mm:.4f} mm in height"
+            f"deviations from the declared places: RMS {shape.rms_in_plane_mm:.4f} mm in the plane (standard "
+            f"deviation of one dot {shape.sigma_in_plane_mm:.4f} mm), {shape.rms_unexplained_mm:.4f} mm "
+            f"without stretch and shear, {shape.rms_height_mm:.4f} mm in height"
         ),
     ]
     lines += [

@@ -4,7 +4,7 @@ import io
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path as FilePath
 
@@ -67,7 +67,7 @@ _UNDATED = {
 class Artwork:
     """A drawn target: the content of the file, the size of the paper, and the pixels an inch of a PNG."""
 
-    content: bytes
+    content: bytes = field(repr=False)
     width_mm: float
     height_mm: float
     dpi: int | None

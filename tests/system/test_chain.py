@@ -248,9 +248,9 @@ def test_how_a_target_was_placed_is_not_said_twice(
     for words, hint in (
         ((handheld_dots,), "--target NAME"),
         ((handheld_dots, "--target", "paper-13x10", "--detections", handheld_dots), "Give the table alone"),
-        ((stage, "--free-dots"), "--free-dots is for a target that was held"),
+        ((stage, "--free-dots"), "--free-dots is for a hand-held target"),
         ((stage, "--lens", "brown6"), "brown5"),
-        ((stage, "--target", "paper-13x10"), "--target is for a target that was held"),
+        ((stage, "--target", "paper-13x10"), "--target is for a hand-held target"),
         ((stage, *quick, "--lens", "brown5"), "--lens means nothing to mlp"),
     ):
         told = labcal("fit", *words, "--method", "mlp", "-o", model)

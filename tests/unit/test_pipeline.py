@@ -111,7 +111,7 @@ def test_the_command_says_which_views_it_left_out(shoot: Shoot, dots: Detections
     lens = ("--lens", "brown-k1k2")
     status, told, said = command("calibrate", shoot.folder, "--detections", table, *lens, "-o", rig)
     assert (status, told["held_out"], len(told["calibrated_on"])) == (0, list(TESTED), 6)
-    assert "left out, to be scored by 'labcal evaluate': pose-6, pose-7" in said
+    assert "held out, to be scored by 'labcal evaluate': pose-6, pose-7" in said
     assert command("reconstruct", rig, table, "--target", _target(shoot, tmp_path), "-o", points)[0] == 0
     status, told, _ = command("evaluate", points, shoot.folder)
     assert (status, told["views_scored"], told["views_calibrated_on"]) == (0, list(TESTED), None)
@@ -141,7 +141,7 @@ def test_a_method_keeps_what_it_was_taught_for_evaluation(
     status, told, said = command("fit", *words, "--hold-out", 2)
     assert (status, told["held_out"]) == (0, ["pose-2", "pose-6"])
     assert told["calibrated_on"] == [view for view in dots.views if view not in told["held_out"]]
-    assert "left out, to be scored by 'labcal evaluate': pose-2, pose-6" in said
+    assert "held out, to be scored by 'labcal evaluate': pose-2, pose-6" in said
     assert command("reconstruct", model, table, "--target", target, "-o", points)[0] == 0
     status, scored, _ = command("evaluate", points, "--target", target, "--rig", model)
     assert (status, scored["views_scored"], scored["views_calibrated_on"]) == (0, told["held_out"], 0)

@@ -71,6 +71,29 @@ def test_a_calibration_shows_saves_and_lists_its_cameras(tmp_path: Path, calibra
     assert "&lt;script&gt;" in shown
 
 
+def test_a_notebook_shows_names_as_words_and_no_table_without_rows(calibration: Calibration) -> None:
+    shown = calibration._repr_html_()
+    assert "<td>left, right</td>" in shown
+    assert "<th>warnings</th>" not in shown
+    assert "<th>warnings</th>" in replace(calibration, warnings=("one",))._repr_html_()
+
+
+def test_a_notebook_shows_no_minus_before_zero() -> None:
+    rig = examples.rig()
+    assert "-0.0" not in rig._repr_html_()
+    assert str(rig.camera("right").centre[2]).startswith("-")  # less than zero by its last digits
+
+
+def test_the_example_of_a_shoot_is_opened_by_a_second_call(tmp_path: Path) -> None:
+    folder = tmp_path / "photos"
+    first = examples.shoot(folder)
+    written = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    assert examples.shoot(folder) == first
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == written
+    with pytest.raises(OutputError, match="Choose another folder"):
+        examples.shoot(folder, views=3)
+
+
 @pytest.fixture(scope="module")
 def reconstruction() -> Reconstruction:
     target = labcal.load_target(examples.TARGET)

@@ -1,4 +1,7 @@
 import json
+import re
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -55,6 +58,13 @@ def test_rendering_that_fails_is_a_line_and_no_error(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr("labcal.render.trial.try_render", fail)
     assert health._check_rendering() == Check("rendering works", False, None, "Install LLVM.")
+
+
+def test_every_library_that_labcal_needs_is_looked_for() -> None:
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8"))["project"]
+    needed = {re.split(r"[<>=; ]", one)[0].lower() for one in project["dependencies"]}
+    # The check of rendering loads this library.
+    assert needed - {name.lower() for name in health._PACKAGES} == {"karellen-llvm-core"}
 
 
 def test_this_machine_runs_what_the_other_tests_need() -> None:

@@ -200,3 +200,8 @@ def test_export_refuses_what_it_cannot_do(tmp_path: Path, grid: DotGrid) -> None
     with pytest.raises(OutputError, match="nowhere"):
         export_artwork(grid, tmp_path / "nowhere" / "x.svg")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_notebook_shows_of_a_drawing_is_short() -> None:
+    drawn = draw_artwork(load_target("rings-10x8"), ArtworkFormat.SVG)
+    assert repr(drawn) == f"Artwork(width_mm={drawn.width_mm}, height_mm={drawn.height_mm}, dpi=None)"
