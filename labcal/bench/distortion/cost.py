@@ -1,4 +1,4 @@
-"""Expected time of a plan, told before it starts."""
+"""Expected time of a plan, stated before it starts."""
 
 from labcal.bench.distortion.plan import Plan
 from labcal.run.machine import usable_cores

@@ -31,12 +31,16 @@ def measured_case(case: Case) -> CaseFigures:
     UnknownNameError, InputError
         There is no such method, or it cannot be made.
     """
+    estimators = [prepared(case, method) for method in case.methods]
     try:
         data = cell_data(case)
     except LabcalError as error:
         return CaseFigures(reason=str(error))
     surrogate = surrogate_of(data.X, data.Y, _SIZES, case.seed)
-    methods = tuple(_measured_method(case, method, data, surrogate) for method in case.methods)
+    methods = tuple(
+        _measured_method(case, method, estimator, data, surrogate)
+        for method, estimator in zip(case.methods, estimators, strict=True)
+    )
     return CaseFigures(trained=len(data.Y), beyond_pinhole_px=data.beyond_pinhole_px, methods=methods)
 
 
@@ -59,8 +63,9 @@ def prepared(case: Case, method: str) -> PointEstimator:
     return estimator
 
 
-def _measured_method(case: Case, method: str, data: CellData, surrogate: Surrogate | None) -> MethodFigures:
-    estimator = prepared(case, method)
+def _measured_method(
+    case: Case, method: str, estimator: PointEstimator, data: CellData, surrogate: Surrogate | None
+) -> MethodFigures:
     try:
         estimator = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
         regions = tuple(

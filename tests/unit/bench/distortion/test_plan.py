@@ -47,7 +47,7 @@ def test_levels_methods_and_seeds_are_changed() -> None:
         ({"overrides": ("points=60,60",)}, "a level stands twice"),
         ({"overrides": ("methods=hybird",)}, "Did you mean 'hybrid'"),
         ({"methods": ("no_such_package:Class",)}, "There is no module 'no_such_package'"),
-        ({"seeds": 0}, "should be at least 1"),
+        ({"seeds": 0}, "`seeds` must be at least 1"),
     ],
 )
 def test_what_cannot_be_measured_is_refused_at_once(
