@@ -69,7 +69,7 @@ def test_what_cannot_be_measured_is_refused_at_once(
 def test_a_plan_of_ones_own_is_checked(text: str, said: str, tmp_path: Path) -> None:
     plan = load_plan("quick", ["families=brown", "methods=dlt,mlp"])
     file = tmp_path / "plan.yaml"
-    own = plan.model_dump(mode="json", exclude={"settings"})
+    own = plan.model_dump(mode="json", exclude={"settings", "description"})
     file.write_text("\n".join(f"{key}: {value}" for key, value in own.items()) + "\n" + text + "\n")
     with pytest.raises(InputError, match=said):
         plan_of(BenchSettings(plan=str(file)))
