@@ -219,12 +219,12 @@ class Camera(PublicObject):
         array([0., 0., 1.])
         """
         q = float_array(q, (..., 2), "q")
-        with np.errstate(invalid="ignore", over="ignore"):
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             traced = self.optics.trace(NUMPY, self.parameters, q[..., 0], q[..., 1])
             T_world_cam = inverse(self.T_cam_world)
             origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
             direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
-        ok = np.asarray(traced.ok)
+        ok = np.asarray(traced.ok & np.isfinite(direction).all(axis=-1))
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
     def project(self, p: AnyArray) -> Projection:
@@ -239,7 +239,7 @@ class Camera(PublicObject):
         -------
         Projection
             Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
-            determine no depth), beyond the fold of the lens model and for NaN.
+            determine no depth), beyond the fold of the lens model and for NaN and infinity.
 
         Raises
         ------
@@ -256,8 +256,9 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        with np.errstate(invalid="ignore"):  # of infinite coordinates
-            p_cam = transform(self.T_cam_world, float_array(p, (..., 3), "p"))
+        p = float_array(p, (..., 3), "p")
+        with np.errstate(invalid="ignore", over="ignore"):  # of infinity
+            p_cam = transform(self.T_cam_world, p)
         return self.project_in_camera(p_cam)
 
     def project_in_camera(self, p_cam: AnyArray) -> Projection:
@@ -271,8 +272,9 @@ class Camera(PublicObject):
         X, Y, Z = np.moveaxis(float_array(p_cam, (..., 3), "p_cam"), -1, 0)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             found = self.optics.project(NUMPY, self.forward_parameters, (X, Y, Z))
-        ok = np.asarray(found.ok)
-        return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
+        q = np.stack([found.u, found.v], axis=-1)
+        ok = np.asarray(found.ok & np.isfinite(q).all(axis=-1))
+        return Projection(np.where(ok[..., None], q, np.nan), ok)
 
     def point_jacobian(self, p: AnyArray) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""

@@ -36,12 +36,11 @@ class ClosedFormEstimator(PointEstimator):
     def _residual_covariance(
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Float64[np.ndarray, "dim dim"]:
+        trained = super()._residual_covariance(pixels, points)
         unit = np.tile(np.eye(2), (len(pixels), pixels.shape[1] // 2, 1, 1))
         self.noise_gain_ = propagated_covariance(self._coordinates, pixels, unit).mean(axis=0)
-        errors = held_out_errors(self._fitted_again, pixels, points)[:, :COORDINATES]
-        if not np.isfinite(errors).all():
-            return super()._residual_covariance(pixels, points)
-        return np.asarray(errors.T @ errors / len(errors))
+        errors = held_out_errors(self._fitted_again, pixels, points)
+        return self._mean_product(errors) if np.isfinite(errors).all() else trained
 
     def _fitted_again(self, pixels: np.ndarray, points: np.ndarray) -> Predict:
         """Return the predictions of a copy that is fitted to other points."""

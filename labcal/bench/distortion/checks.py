@@ -5,8 +5,8 @@ from itertools import islice
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
-from labcal.estimators.registry import SEPARATOR
 from labcal.report.bench import Check, at_most
+from labcal.run.user_code import SEPARATOR
 
 HYBRID, HYBRID_LIMIT, ENOUGH_POINTS = "hybrid", 1.10, 130
 LOW_COVERAGE, HIGH_COVERAGE = 0.93, 0.97

@@ -11,9 +11,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
 from labcal.bench.families.registry import family_by_name
 from labcal.errors import InputError, UnknownNameError
-from labcal.estimators.registry import SEPARATOR
 from labcal.run.code_version import module_digest
 from labcal.run.descriptions import description_content, validate_description
+from labcal.run.user_code import SEPARATOR
 
 FOLDER = "labcal/bench/distortion/plans"
 QUICK, FULL = "quick", "full"
