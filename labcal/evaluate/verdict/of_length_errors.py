@@ -80,7 +80,7 @@ def _few(given: _Lengths) -> Finding | None:
         return None
     return Finding(
         Belief.PARTLY,
-        f"{counted(given.errors.n, 'length')} show hardly how errors are spread",
+        f"there is only {counted(given.errors.n, 'length')} to see how errors are spread",
         "the number of lengths",
         "score views with more dots",
     )
