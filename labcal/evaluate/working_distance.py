@@ -66,7 +66,8 @@ def working_distance(cameras: Sequence[Camera], p: Vectors3, noise_px: Sequence[
     usual, nearest, farthest = (float(f(distance)) for f in (np.median, np.min, np.max))
     if len(cameras) < _SEES_DEPTH:
         (camera,) = cameras
-        across = noise_px[0] * usual / float(np.mean([camera.K[0, 0], camera.K[1, 1]]))
+        scale = float(np.mean([camera.K[0, 0], camera.K[1, 1]]))  # of parallel rays px/mm
+        across = noise_px[0] / scale * (1.0 if camera.model.parallel else usual)
         nan = float("nan")
         return WorkingDistance(usual, nearest, farthest, nan, across, nan)
     covariance = np.tile(np.eye(2), (len(p), len(cameras), 1, 1))

@@ -166,7 +166,8 @@ def evaluate(
         given = {"points": points, "source": source, "detections": detections, "alignment": alignment}
         maker = page_maker(output, "evaluate", {**given, "rig": rig, "page": output.path})
         target = shown.target if isinstance(shown, Shoot) else shown
-        output.write(evaluation_page(errors, found, target, surroundings(errors, shown, rig), maker))
+        around = surroundings(errors, shown, rig, detections)
+        output.write(evaluation_page(errors, found, target, around, maker))
     return errors
 
 

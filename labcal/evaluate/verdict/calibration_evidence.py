@@ -46,6 +46,7 @@ def calibration_evidence(made: Calibration, target: AnyTarget) -> CalibrationEvi
         undetermined=tuple(name for name, fit in fits.items() if fit.undetermined),
         finished=found.reason not in _UNFINISHED,
         freed=found.freed is not None,
+        parallel=any(camera.model.parallel for camera in cameras),
         baseline_mm=max((found.rig.baseline_mm(*pair) for pair in combinations(names, 2)), default=0.0),
     )
 

@@ -19,8 +19,8 @@ MOST_OUTLIERS = 0.05
 """Share of the dots that did not enter from which on outliers are no accidents."""
 MOST_DEPTH = 3.0
 """Times the error across from which on the error in depth is worth a word."""
-SCALE = 1e-3
-"""A relative error of the pitch, for an example in millimetres."""
+SCALE, _EXAMPLE_MM = 1e-3, 500.0
+"""A relative error of the pitch and a length, for an example in millimetres."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,8 @@ class CalibrationEvidence:
         True if the adjustment came to its end.
     freed : bool
         True if the places of the dots on the print were estimated.
+    parallel : bool
+        True if the rays of a camera are parallel.
     baseline_mm : float
         Greatest distance of two cameras; 0 of one.
     """
@@ -69,6 +71,7 @@ class CalibrationEvidence:
     undetermined: tuple[str, ...] = ()
     finished: bool = True
     freed: bool = False
+    parallel: bool = False
     baseline_mm: float = 0.0
 
     @property
@@ -87,6 +90,8 @@ def _expectation(evidence: CalibrationEvidence) -> str:
     if not isfinite(at.distance_mm):
         return "nothing in millimetres, since no place of the target is seen by all cameras"
     where = f"at {millimetres(at.distance_mm)}, the distance at which the target was held"
+    if evidence.parallel:
+        where = "where the target was held (rays are parallel, so that the distance does not matter)"
     if not isfinite(at.sigma_mm):
         return f"{millimetres(at.across_mm)} across the view (1 sigma) {where}; one camera gives no depth"
     return f"a 3-D error of {millimetres(evidence.expected_mm)} (RMS, 1 sigma) {where}"
@@ -226,7 +231,9 @@ def _sound(evidence: CalibrationEvidence) -> Finding:
     else:
         limit = f"the noise of the dots, {pixels(evidence.noise_px)}"
         advice = "measure"
-    if not evidence.held_out:
+    if not isfinite(at.sigma_mm):
+        advice = "calibrate a second time from other views, and compare"
+    elif not evidence.held_out:
         advice = "check it on views that it has not seen: `hold_out=2`, then 'labcal evaluate'"
     else:
         advice = (
@@ -244,12 +251,10 @@ def _leaves_out(evidence: CalibrationEvidence) -> list[str]:
         left.append("the uncertainty of the cameras' parameters: they count as exact")
     left.append(
         f"a wrong scale: a pitch that is {100 * SCALE:g}% too large makes every length {100 * SCALE:g}% too "
-        f"large, {millimetres(SCALE * at.distance_mm)} in {millimetres(at.distance_mm)}"
+        f"large, {millimetres(SCALE * _EXAMPLE_MM)} in {millimetres(_EXAMPLE_MM)}"
     )
-    left.append(
-        f"places where the target was not: it was held between {millimetres(at.nearest_mm)} and "
-        f"{millimetres(at.farthest_mm)} away"
-    )
+    held = f"between {millimetres(at.nearest_mm)} and {millimetres(at.farthest_mm)} away"
+    left.append("places where the target was not" + ("" if evidence.parallel else f": it was held {held}"))
     if not evidence.freed:
         left.append("errors of the print: its dots count as exactly placed; `free_dots=True` estimates them")
     left.append("an error of the lens model that all views share")

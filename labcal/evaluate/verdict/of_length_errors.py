@@ -1,6 +1,7 @@
 """The verdict on the errors of lengths on the target, by rules."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from labcal.evaluate.verdict.finding import Finding, Rules
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
 
+FEW_LENGTHS = 45
+"""Between ten dots."""
 MOST_BEYOND = 5.0
 """Times the 99th percentile from which on single points are bad.
 
@@ -32,7 +35,8 @@ def length_verdict(errors: LengthErrors, longest_mm: float, distance_mm: float |
     distance_mm : float, optional
         Of the target from the cameras, where these are known.
     """
-    where = f"lengths of up to {millimetres(longest_mm)}{at_distance(distance_mm)}"
+    long = f" of up to {millimetres(longest_mm)}" if isfinite(longest_mm) else ""
+    where = f"lengths{long}{at_distance(distance_mm)}"
     length = errors.length_error_mm
     expectation = (
         f"an error of {millimetres(length.rms)} (RMS; the greatest of {counted(errors.n, 'length')} is "
@@ -71,9 +75,20 @@ def _circular(given: _Lengths) -> Finding | None:
     )
 
 
+def _few(given: _Lengths) -> Finding | None:
+    if given.errors.n >= FEW_LENGTHS:
+        return None
+    return Finding(
+        Belief.PARTLY,
+        f"there is only {counted(given.errors.n, 'length')} to see how errors are spread",
+        "the number of lengths",
+        "score views with more dots",
+    )
+
+
 def _scale(given: _Lengths) -> Finding | None:
     scale_mm = 1e-6 * abs(given.errors.scale_ppm) * 0.5 * given.longest_mm
-    if scale_mm <= MOST_SCALE_SHARE * given.errors.length_error_mm.rms:
+    if not scale_mm > MOST_SCALE_SHARE * given.errors.length_error_mm.rms:
         return None
     return Finding(
         Belief.PARTLY,
@@ -124,5 +139,5 @@ _LEAVES_OUT = (
 )
 
 _RULES = Rules[_Lengths](
-    doubts=(_not_one_ok, _circular, _scale, _single_points, _not_known_from), sound=_sound
+    doubts=(_not_one_ok, _circular, _few, _scale, _single_points, _not_known_from), sound=_sound
 )

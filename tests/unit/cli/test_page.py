@@ -57,6 +57,11 @@ def test_evaluate_gives_a_page_of_the_same_errors(home: Path, capsys: pytest.Cap
     assert capsys.readouterr().out == plain
     rms = json.loads(plain)["length_error_mm"]["rms"]
     assert f"{rms:.2g} mm (RMS;" in sentence("errors.html")
+    first = Path("errors.html").read_bytes()
+    Path("errors.html").unlink()
+    assert main([*words, "--json", "--page", "errors.html"]) == ExitStatus.DONE
+    assert Path("errors.html").read_bytes() == first
+    capsys.readouterr()
     assert main([*words, "--force"]) == ExitStatus.UNUSABLE
     assert "--force replaces a page" in capsys.readouterr().err
     assert main([*words, "--page", "points.csv"]) == ExitStatus.UNUSABLE

@@ -81,7 +81,7 @@ def test_the_largest_part_of_the_error_is_its_limit(change: dict[str, object], l
 def test_what_the_sigma_leaves_out_is_said_with_its_size() -> None:
     left = " ".join(calibration_verdict(replace(GOOD, calibration_mm=float("nan"))).leaves_out)
     assert "they count as exact" in left
-    assert "0.64 mm in 640 mm" in left  # of a pitch that is 0.1% off
+    assert "0.5 mm in 500 mm" in left  # of a pitch that is 0.1% off
     assert "between 500 mm and 800 mm" in left
     assert "they count as exact" not in " ".join(calibration_verdict(GOOD).leaves_out)
     assert "errors of the print" in left
@@ -90,7 +90,17 @@ def test_what_the_sigma_leaves_out_is_said_with_its_size() -> None:
 
 def test_one_camera_gives_no_depth() -> None:
     at = replace(AT, sigma_mm=float("nan"), along_mm=float("nan"))
-    assert "no depth" in calibration_verdict(replace(GOOD, at=at)).expectation
+    verdict = calibration_verdict(replace(GOOD, at=at))
+    assert "no depth" in verdict.expectation
+    assert "evaluate" not in verdict.advice  # which needs points
+
+
+def test_parallel_rays_have_no_working_distance() -> None:
+    camera = Camera([[2, 0, 319.5], [0, 2, 239.5], [0, 0, 1]], "telecentric", [0] * 5, np.eye(4), (640, 480))
+    at = working_distance([camera], np.array([[0.0, 0.0, 1000.0], [10.0, 0.0, 2000.0]]), [0.1])
+    assert at.across_mm == pytest.approx(0.05)  # 0.1 px at 2 px/mm, near and far
+    verdict = calibration_verdict(replace(GOOD, at=at, parallel=True))
+    assert "distance does not matter" in verdict.expectation
 
 
 def pair(baseline_mm: float) -> list[Camera]:

@@ -75,6 +75,14 @@ def test_lengths_of_new_views_are_believed_and_others_not() -> None:
     assert length_verdict(lengths(points, None), 250.0).belief is Belief.PARTLY
 
 
+def test_few_lengths_show_little() -> None:
+    points = examples.points()
+    few = lengths(points.where([0, 1]), ("elsewhere",))
+    verdict = length_verdict(few, float("nan"))
+    assert "only 1 length " in verdict.reasons[0]
+    assert "unknown" not in verdict.expectation
+
+
 def test_a_wrong_scale_and_a_single_bad_point_are_told_apart() -> None:
     points = examples.points()
     longest = float(np.ptp(load_target(examples.TARGET).points(), axis=0).max())
