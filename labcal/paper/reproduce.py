@@ -19,8 +19,8 @@ from labcal.paper.summary import figures_of, least_squares_readings, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
 from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
+from labcal.report.reproduction_page import reproduction_page
 from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
