@@ -37,8 +37,10 @@ class ClosedFormEstimator(PointEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Float64[np.ndarray, "dim dim"]:
         trained = super()._residual_covariance(pixels, points)
-        unit = np.tile(np.eye(2), (len(pixels), pixels.shape[1] // 2, 1, 1))
-        self.noise_gain_ = propagated_covariance(self._coordinates, pixels, unit).mean(axis=0)
+        self.noise_gain_ = np.zeros_like(trained)
+        if pixels.shape[1] % 2 == 0:  # else they are not those of cameras, and get no covariance
+            unit = np.tile(np.eye(2), (len(pixels), pixels.shape[1] // 2, 1, 1))
+            self.noise_gain_ = propagated_covariance(self._coordinates, pixels, unit).mean(axis=0)
         errors = held_out_errors(self._fitted_again, pixels, points)
         return self._mean_product(errors) if np.isfinite(errors).all() else trained
 
