@@ -98,7 +98,8 @@ def whole_array(given: AnyArray, shape: Shape, name: str) -> np.ndarray:
     array = _checked(given, shape, name, "fiu", "whole numbers")
     if array.dtype == np.int64:
         return array
-    whole = array.astype(np.int64)
+    with np.errstate(invalid="ignore"):  # of NaN, which no whole number is equal to
+        whole = array.astype(np.int64)
     if not np.array_equal(whole, array):
         raise InputError(f"{name} must hold whole numbers, but holds others.")
     return whole
@@ -135,13 +136,32 @@ def text_array(given: AnyArray, shape: Shape, name: str) -> np.ndarray:
     return array.astype(np.str_)
 
 
+def kept(array: np.ndarray) -> np.ndarray:
+    """Return a copy of an array that cannot be written to, as an object keeps it.
+
+    What is changed in place later, in the array that was given or through the object, would change an object
+    that is said to be frozen, and not what it has computed already.
+
+    Examples
+    --------
+    >>> kept(np.zeros(2)).flags.writeable
+    False
+    """
+    copy = np.array(array)
+    copy.setflags(write=False)
+    return copy
+
+
 def _checked(given: AnyArray, shape: Shape, name: str, kinds: str, what: str) -> np.ndarray:
     """Return an array of a shape whose elements are of some kinds; an empty one may be of any."""
+    if isinstance(given, np.ma.MaskedArray) and np.ma.getmaskarray(given).any():
+        raise InputError(f"{name} must hold {what} throughout, but some elements are masked. Fill them in.")
     try:
         array = np.asarray(given)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, RuntimeError) as error:  # of other libraries, for example PyTorch
+        why = "is ragged" if isinstance(error, ValueError) else "is none"
         raise InputError(
-            f"{name} must be an array of {what} of shape {_written(shape)}, but is ragged: {error}."
+            f"{name} must be an array of {what} of shape {_written(shape)}, but {why}: {error}."
         ) from error
     if array.size == 0 and array.dtype.kind not in kinds:
         array = array.astype({"b": np.bool_, "U": np.str_}.get(kinds[0], np.float64))

@@ -100,6 +100,7 @@ class UnknownNameError(InputError):
     """
 
     def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
+        given = given if isinstance(given, str) else repr(given)
         names, short = sorted(known), clipped(given)
         nearest = get_close_matches(short, names, n=1, cutoff=0.5)
         hint = f" Did you mean '{clipped(nearest[0])}'?" if nearest else ""

@@ -8,13 +8,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labcal.arguments import whole_number
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import Points
-from labcal.errors import OutputError
+from labcal.errors import InputError, OutputError
 from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.reconstruction import reconstruct_points
@@ -113,6 +114,8 @@ def shoot(folder: AnyPath, views: int = 2) -> Shoot:
 
     Raises
     ------
+    InputError, InputTypeError
+        There are no so many views.
     OutputError
         The folder or a file in it cannot be written, or the folder holds other pictures.
 
@@ -125,6 +128,9 @@ def shoot(folder: AnyPath, views: int = 2) -> Shoot:
     """
     from labcal.shoot.pictures import write_picture  # noqa: PLC0415 -- imports OpenCV, which points do not need
 
+    views = whole_number(views, "views", 1)
+    if views > _VIEWS:
+        raise InputError(f"`views` is at most {_VIEWS}, but {views} was given.")
     place, pictures = as_path(folder), dict[str, dict[str, str]]()
     drawn = {f"images/{view}_{name}.png": (view, name, seen) for view, name, seen in _seen(views)}
     for path, (view, name, _) in drawn.items():

@@ -5,7 +5,8 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from tables import code, table
 
-from labcal.detect.settings import SettingValue, describe_settings
+from labcal.detect.settings import describe_settings
+from labcal.detect.stage_settings.setting import SettingValue
 
 
 class DetectorSettings(SphinxDirective):

@@ -92,7 +92,8 @@ def measured_groups(
         _cluster(settings.scheduler) as cluster,
         unfinished_folder(folder, command, force=settings.force) as working,
     ):
-        bench = Bench(settings.quick, settings.seed, working, progress, settings.methods, cluster)
+        methods = tuple(settings.methods)
+        bench = Bench(settings.quick, settings.seed, working, progress, methods, cluster)
         found = [groups[group](bench) for group in chosen]
         result = BenchResult(
             bench=name,

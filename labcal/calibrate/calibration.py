@@ -110,6 +110,24 @@ class Calibration(PublicObject):
 
         return calibration_figure(self.found)
 
+    def plot_displacements(self) -> "matplotlib.figure.Figure":
+        """Draw how far freed dots are from their declared places, as magnified arrows; heights as colours.
+
+        Raises
+        ------
+        InputError
+            The dots were not freed.
+        """
+        from labcal.calibrate.displacement_figure import (  # noqa: PLC0415 -- imports matplotlib
+            displacement_figure,
+        )
+
+        if self.found.freed is None:
+            raise InputError(
+                "The dots of this calibration were not freed. Calibrate with `free_dots=True` to draw them."
+            )
+        return displacement_figure(self.found.freed)
+
     def _summary(self) -> Mapping[str, object]:
         return {
             "cameras": list(self.found.rig.cameras),
@@ -266,9 +284,9 @@ def two_lenses_message(name: str, found: TwoLenses, lens: str) -> str:
     one, other = (", ".join(group) for group in found.groups)
     return (
         f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "
-        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one (tell "
-        "them apart with `cameras` of 'detect'); the camera was refocused or zoomed in between; the lens "
-        f"model '{lens}' does not suit (try `lens='auto'`)"
+        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one "
+        "(distinguish them with `cameras` of 'detect'); the camera was refocused or zoomed in between; the "
+        f"lens model '{lens}' does not suit (try `lens='auto'`)"
     )
 
 

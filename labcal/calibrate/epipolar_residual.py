@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labcal.arguments import object_of
 from labcal.calibrate.eccentricity import centred
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances
@@ -28,6 +29,8 @@ def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = No
 
     Raises
     ------
+    InputTypeError
+        There is no rig, or there are no detections.
     InputError
         A dot is listed twice for a picture, is flagged ``ok`` without a position, or is not on the target.
 
@@ -38,6 +41,7 @@ def epipolar_rms(rig: Rig, detections: Detections, target: AnyTarget | None = No
     >>> round(pipeline.epipolar_rms(examples.rig(), examples.detections(), target), 3)
     0.027
     """
+    rig, detections = object_of(rig, Rig, "rig"), object_of(detections, Detections, "detections")
     first, *others = rig.cameras
     distances = [np.empty(0)]
     for other in others:

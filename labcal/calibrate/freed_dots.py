@@ -29,7 +29,7 @@ class FreedDots:
     pictures: Int64[np.ndarray, " dots"]
     """In how many pictures each dot was measured."""
     freed: Bool[np.ndarray, " dots"]
-    held: Constrained
+    constrained: Constrained
     """Parts that the datum constraint keeps as declared for all dots."""
 
     def places(self) -> DotPlaces:

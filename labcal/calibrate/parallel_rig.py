@@ -36,15 +36,15 @@ def parallel_notes(rig: Rig, *, started: bool) -> list[str]:
     parallel = [name for name, camera in cameras.items() if camera.model.parallel]
     if not parallel:
         return []
-    held = (
-        f"{', '.join(parallel)}: parallel rays tell no depth and no principal point, so that these are held, "
-        "with a standard deviation of 0; that the views of several cameras agree was not tested"
+    constrained = (
+        f"{', '.join(parallel)}: parallel rays determine no depth and no principal point: datum constraints "
+        "fix them, with a standard deviation of 0; that the views of several cameras agree was not tested"
     )
-    notes = [held]
+    notes = [constrained]
     if len(cameras) == 1:
         notes.append(
-            f"{parallel[0]} alone cannot tell to which side the target was tilted: of each view's two poses "
-            "one was taken"
+            f"{parallel[0]} alone does not determine to which side the target was tilted: of each view's two "
+            "poses one was taken"
         )
     elif len(parallel) == len(cameras) and not started:
         notes.append(

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from labcal.arguments import choice_of, object_of, set_checked, truth_value, whole_number
 from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
@@ -40,14 +41,34 @@ class HandheldSettings:
     2
     """
 
-    lenses: Lenses = Lenses.FREE
-    """Lenses are estimated, or kept as in `start`."""
+    lenses: Lenses | str = Lenses.FREE
+    """Lenses are estimated (``"free"``), or kept as in `start` (``"fixed"``)."""
     start: Rig | None = None
     """Initial values; OpenCV gives them if this is None."""
     free_dots: bool = False
     """True to estimate the places of dots on the print."""
     eccentricity_rounds: int = ROUNDS
     """Number of computations of the eccentricity; 0 if pixels are images of centres."""
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        UnknownNameError, InputTypeError
+            One is of a wrong type, or no word for the treatment of lenses.
+        InputError
+            The lenses of no rig are to be kept, or a number is negative.
+        """
+        values = {
+            "lenses": choice_of(self.lenses, Lenses, "lenses"),
+            "start": None if self.start is None else object_of(self.start, Rig, "start"),
+            "free_dots": truth_value(self.free_dots, "free_dots"),
+            "eccentricity_rounds": whole_number(self.eccentricity_rounds, "eccentricity_rounds", 0),
+        }
+        set_checked(self, values)
+        if self.start is None and self.lenses is Lenses.FIXED:
+            raise InputError("`lenses='fixed'` keeps the lenses of a rig. Give it: `start`.")
 
 
 @dataclass(frozen=True)
@@ -76,7 +97,7 @@ class SingleCalibration:
         before = self.result
         seen = before.observations.where(dots.freed[before.observations.dot])
         state = replace(before.adjusted.state, dots=dots.place)
-        freedom = Freedom(settings.lenses, np.zeros((dots.place.size, 0)))
+        freedom = Freedom(Lenses(settings.lenses), np.zeros((dots.place.size, 0)))
         radii = 0.5 * dots.target.outer_diameters_mm()
         adjusted = adjust_in_rounds(state, seen, freedom, radii, settings.eccentricity_rounds)
         single = replace(
@@ -117,10 +138,6 @@ def _lens_start(
     pictures = dots.by_view()
     size = dots.picture_size(name)
     if settings.start is None:
-        if settings.lenses is Lenses.FIXED:
-            raise InputError(
-                "Intrinsics can be kept only where a rig to start from gives them. Add `start='rig.json'`."
-            )
         start = start_from_pictures(pictures, target, lens)
         refuse_parallel_views(pictures, target, start.camera, settings.eccentricity_rounds)
         return start
@@ -137,10 +154,10 @@ def adjusted(
     start: RigState, observations: Observations, target: AnyTarget, settings: HandheldSettings
 ) -> AdjustedDots:
     """Adjust with the dots as declared and, where asked, once more with free dots."""
-    freedom = Freedom(settings.lenses, np.zeros((3 * target.count, 0)))
+    freedom = Freedom(Lenses(settings.lenses), np.zeros((3 * target.count, 0)))
     radii = 0.5 * target.outer_diameters_mm()
     flat = adjust_in_rounds(start, observations, freedom, radii, settings.eccentricity_rounds)
     if not settings.free_dots:
         return AdjustedDots(flat, observations, None)
-    free = adjust_dots(flat, observations, target, settings.lenses, settings.eccentricity_rounds)
+    free = adjust_dots(flat, observations, target, Lenses(settings.lenses), settings.eccentricity_rounds)
     return AdjustedDots(free.adjusted, free.observations, free.dots)

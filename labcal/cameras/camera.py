@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labcal.arguments import object_of, one_text, wrong_type
 from labcal.arrays import (
     AnyArray,
     Mask,
@@ -15,6 +16,7 @@ from labcal.arrays import (
     Pose,
     Vectors3,
     float_array,
+    kept,
     whole_array,
 )
 from labcal.cameras.camera_description import camera_description
@@ -104,14 +106,18 @@ class Camera(PublicObject):
     ) -> None:
         width, height = whole_array(size, (2,), "size").tolist()
         parts: dict[str, object] = {
-            "K": float_array(K, (3, 3), "K"),
-            "lens": lens,
-            "dist": float_array(dist, ("k",), "dist"),
-            "T_cam_world": float_array(T_cam_world, (4, 4), "T_cam_world"),
+            "K": kept(float_array(K, (3, 3), "K")),
+            "lens": one_text(lens, "lens"),
+            "dist": kept(float_array(dist, ("k",), "dist")),
+            "T_cam_world": kept(float_array(T_cam_world, (4, 4), "T_cam_world")),
             "size": (width, height),
             "prescription": prescription,
             "window": window,
         }
+        if window is not None and not isinstance(window, FlatWindow | WavyWindow):
+            raise wrong_type(window, "a FlatWindow or a WavyWindow", "window")
+        if prescription is not None:
+            object_of(prescription, Prescription, "prescription")
         for name, part in parts.items():
             object.__setattr__(self, name, part)
         require_possible(self)
@@ -148,7 +154,7 @@ class Camera(PublicObject):
     @cached_property
     def centre(self) -> Vectors3:
         """The centre of projection in the world, mm, shape (3,)."""
-        return inverse(self.T_cam_world)[:3, 3]
+        return kept(inverse(self.T_cam_world)[:3, 3])
 
     def towards(self, p: AnyArray) -> Vectors3:
         """Return the directions (of any length) from world points, mm, shape (..., 3), to the camera."""
@@ -213,12 +219,12 @@ class Camera(PublicObject):
         array([0., 0., 1.])
         """
         q = float_array(q, (..., 2), "q")
-        with np.errstate(invalid="ignore", over="ignore"):
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             traced = self.optics.trace(NUMPY, self.parameters, q[..., 0], q[..., 1])
             T_world_cam = inverse(self.T_cam_world)
             origin = transform(T_world_cam, np.stack(traced.origin, axis=-1))
             direction = np.stack(traced.direction, axis=-1) @ T_world_cam[:3, :3].T
-        ok = np.asarray(traced.ok)
+        ok = np.asarray(traced.ok & np.isfinite(direction).all(axis=-1))
         return Rays(np.where(ok[..., None], origin, np.nan), np.where(ok[..., None], direction, np.nan), ok)
 
     def project(self, p: AnyArray) -> Projection:
@@ -233,7 +239,7 @@ class Camera(PublicObject):
         -------
         Projection
             Pixels, also outside the picture; NaN and not ok behind the camera (but for parallel rays, which
-            determine no depth), beyond the fold of the lens model and for NaN.
+            determine no depth), beyond the fold of the lens model and for NaN and infinity.
 
         Raises
         ------
@@ -250,7 +256,10 @@ class Camera(PublicObject):
         Projection(q=array([[319.5, 247.5],
                [  nan,   nan]]), ok=array([ True, False]))
         """
-        return self.project_in_camera(transform(self.T_cam_world, float_array(p, (..., 3), "p")))
+        p = float_array(p, (..., 3), "p")
+        with np.errstate(invalid="ignore", over="ignore"):  # of infinity
+            p_cam = transform(self.T_cam_world, p)
+        return self.project_in_camera(p_cam)
 
     def project_in_camera(self, p_cam: AnyArray) -> Projection:
         """Return the pixels of points of the camera's frame, as :meth:`project` does.
@@ -263,8 +272,9 @@ class Camera(PublicObject):
         X, Y, Z = np.moveaxis(float_array(p_cam, (..., 3), "p_cam"), -1, 0)
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             found = self.optics.project(NUMPY, self.forward_parameters, (X, Y, Z))
-        ok = np.asarray(found.ok)
-        return Projection(np.where(ok[..., None], np.stack([found.u, found.v], axis=-1), np.nan), ok)
+        q = np.stack([found.u, found.v], axis=-1)
+        ok = np.asarray(found.ok & np.isfinite(q).all(axis=-1))
+        return Projection(np.where(ok[..., None], q, np.nan), ok)
 
     def point_jacobian(self, p: AnyArray) -> PointJacobians:
         """Return dq / dp at world points, shape (..., 2, 3), px/mm."""

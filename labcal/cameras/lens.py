@@ -8,14 +8,14 @@ from labcal.cameras.double_sphere import DoubleSphere
 from labcal.cameras.enhanced_unified import EnhancedUnified
 from labcal.cameras.field import Direction, FallOff, FieldPoint, SceneRay
 from labcal.cameras.fisheye import KannalaBrandt
+from labcal.cameras.lens_trial import require_working
 from labcal.cameras.mathematics import Mathematics, Number
 from labcal.cameras.omnidirectional import Omnidirectional
 from labcal.cameras.opencv_model import OpenCVModel
 from labcal.cameras.perspective import Perspective
 from labcal.cameras.telecentric import Telecentric
 from labcal.errors import InputError, InputTypeError, UnknownNameError
-from labcal.run.names import is_name
-from labcal.wording import listed
+from labcal.run.registration import require_members, require_own_name
 
 LENGTH = 5
 """OpenCV's shortest coefficient vector that it takes everywhere."""
@@ -180,23 +180,25 @@ def register_lens(lens: Lens) -> Lens:
     Raises
     ------
     InputTypeError
-        It lacks something that a lens model has.
+        It is a class, or lacks something that a lens model has.
     InputError
-        Its name is that of a lens of labcal, or no name; or it has too many coefficients, or not as many
-        names as coefficients.
+        Its name is that of a lens of labcal, capital letters apart, or no name; it has too many coefficients,
+        or not as many names as coefficients; or one of its parts fails on directions near the axis: it raises
+        an error, returns no numbers, does not lead back, or has wrong derivatives.
     """
-    if not isinstance(lens, Lens):
-        parts = [name for name in vars(Lens) if not name.startswith("_")]
-        missing = [name for name in parts if not hasattr(lens, name)]
-        raise InputTypeError(f"{lens!r:.80} is no lens model: it lacks {', '.join(missing)}.")
-    if not is_name(lens.name):
-        raise InputError(f"A lens needs a name of letters, digits and hyphens, but has {lens.name!r:.80}.")
-    if lens.name in _SHIPPED or lens.name in _TAKEN:
-        raise InputError(f"'{lens.name}' is a name of labcal's already. Give the lens another one.")
-    if not len(lens.names) == len(set(lens.names)) == lens.coefficients <= MOST_COEFFICIENTS:
-        raise InputError(
-            f"The lens '{lens.name}' has {lens.coefficients} coefficients with the names "
-            f"{listed(lens.names)}. It should have up to {MOST_COEFFICIENTS}, each with a name of its own."
+    if isinstance(lens, type):
+        raise InputTypeError(
+            f"A lens model is an object, but {lens.__name__} is a class. Give an object of it."
         )
+    require_members(f"An object of the class '{type(lens).__name__}' is no lens model", lens, (Lens,))
+    require_own_name("lens", lens.name, (*_SHIPPED, *_TAKEN), LENSES.keys() - _SHIPPED)
+    names, count = lens.names, lens.coefficients
+    named = isinstance(names, tuple) and all(isinstance(name, str) for name in names)
+    if not (named and type(count) is int and len(names) == len(set(names)) == count <= MOST_COEFFICIENTS):
+        raise InputError(
+            f"The lens '{lens.name}' has {count!r:.20} coefficients with the names {names!r:.200}. It should "
+            f"have up to {MOST_COEFFICIENTS}, each with a name of its own, in a tuple."
+        )
+    require_working(lens, MOST_COEFFICIENTS)
     LENSES[lens.name] = lens
     return lens

@@ -37,7 +37,7 @@ def source_pixels(
     if distance_mm is None and not camera.optics.closed:
         raise InputError(
             "The rays of a camera with a lens prescription or a flat window do not meet in one point, so no "
-            "pinhole sees what it sees at every distance. Say at which one it should: `distance_mm`."
+            "pinhole sees what it sees at every distance. Give one: `distance_mm`."
         )
     width, height = ideal.size
     found = np.empty((height, width, 2), dtype=np.float32)

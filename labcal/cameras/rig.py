@@ -6,17 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
+from labcal.arguments import object_of, one_text, wrong_type
 from labcal.cameras.camera import Camera
 from labcal.cameras.camera_description import camera_description
 from labcal.cameras.record import CameraRecord
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.documents import read_document
 from labcal.run.file_kinds import beginning_with
-from labcal.run.names import Name, differ_in_case
+from labcal.run.names import Name, differ_in_case, is_name
 from labcal.run.outputs import write_file
-from labcal.wording import counted
+from labcal.wording import clipped, counted, printable
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -74,8 +75,18 @@ class Rig(PublicObject, BaseModel):
         return {key: value for key, value in dump(self).items() if value not in (None, (), [])}
 
     @classmethod
-    def of(cls, cameras: dict[str, Camera]) -> "Rig":
+    def of(cls, cameras: Mapping[str, Camera]) -> "Rig":
         """Return the rig of these cameras, in their order.
+
+        Parameters
+        ----------
+        cameras : mapping of str to Camera
+            Names of letters, digits and hyphens, which do not differ in capital letters alone.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            There is no camera, a name is none, or something else than cameras is given.
 
         Examples
         --------
@@ -85,18 +96,29 @@ class Rig(PublicObject, BaseModel):
         >>> Rig.of({"only": Camera(K, "pinhole", [0] * 5, np.eye(4), (640, 480))})
         Rig(cameras=['only'], lens=pinhole)
         """
-        return cls(cameras={name: CameraRecord.of(camera) for name, camera in cameras.items()})
+        if not isinstance(cameras, Mapping):
+            raise wrong_type(cameras, "a mapping of names to cameras", "cameras")
+        if not cameras:
+            raise InputError("A rig has one camera or more, but none is given.")
+        for name in cameras:
+            if not is_name(one_text(name, "cameras")):
+                raise InputError(
+                    f"'{clipped(printable(name))}' cannot name a camera: a name has letters, digits and "
+                    "hyphens."
+                )
+        given = {name: object_of(camera, Camera, "cameras") for name, camera in cameras.items()}
+        return cls(cameras={name: CameraRecord.of(camera) for name, camera in given.items()})
 
     def camera(self, name: str) -> Camera:
         """Return one camera.
 
         Raises
         ------
-        InputError
-            The rig has no camera of that name.
+        UnknownNameError
+            The rig has no camera of that name; the nearest one is offered.
         """
-        if name not in self.cameras:
-            raise InputError(f"The rig has no camera '{name}', only {', '.join(self.cameras)}.")
+        if not isinstance(name, str) or name not in self.cameras:
+            raise UnknownNameError("camera in the rig", name, self.cameras)
         return self.cameras[name].camera()
 
     def baseline_mm(self, first: str, second: str) -> float:
@@ -104,7 +126,7 @@ class Rig(PublicObject, BaseModel):
 
         Raises
         ------
-        InputError
+        UnknownNameError
             The rig has no camera of one of the names.
 
         Examples
@@ -230,6 +252,8 @@ def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
 
     Raises
     ------
+    InputError, InputTypeError
+        It is no rig, or names of cameras differ in capital letters alone.
     OutputError
         The file exists and `force` is not set, or it cannot be written.
 
@@ -240,6 +264,7 @@ def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
     >>> read_rig("rig.json") == examples.rig()
     True
     """
+    _require_names_apart(object_of(rig, Rig, "rig"), "The rig cannot be written")
     write_file(as_path(path), rig.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
 
 
@@ -284,15 +309,20 @@ def checked_rig(rig: Rig, source: str) -> Rig:
     InputError
         A camera is impossible, or its lens images nothing in the middle of its picture.
     """
-    alike = differ_in_case(rig.cameras)
-    if alike is not None:
-        raise InputError(
-            f"{source}: the cameras '{alike[0]}' and '{alike[1]}' differ only in capital letters, so that "
-            "their files would be the same ones on many disks. Rename one of them."
-        )
+    _require_names_apart(rig, source)
     for name, record in rig.cameras.items():
         try:
             record.sensible_camera(name)
         except InputError as error:
             raise InputError(f"{source}: {error}") from error
     return rig
+
+
+def _require_names_apart(rig: Rig, source: str) -> None:
+    """Raise where names of cameras differ in capital letters alone."""
+    alike = differ_in_case(rig.cameras)
+    if alike is not None:
+        raise InputError(
+            f"{source}: the cameras '{alike[0]}' and '{alike[1]}' differ only in capital letters, so that "
+            "their files would be the same ones on many disks. Rename one of them."
+        )

@@ -71,7 +71,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
         "files",
         "unit",
         "lens models that are read and written",
-        "what may be said",
+        "what may be stated",
         caption="A lens model is one with all of its coefficients; more is read, and all that is refused is "
         f"named: docs/reference/formats.md. Detections: {' from and to '.join(dots)} of mrcal and mrgingham.",
         caption_justify="left",

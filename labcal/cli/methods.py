@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.errors import InputError
-from labcal.estimators.registry import SEPARATOR
+from labcal.run.user_code import SEPARATOR
 
 if TYPE_CHECKING:
     from labcal.estimators.estimator import PointEstimator

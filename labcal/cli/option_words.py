@@ -9,12 +9,18 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "cameras", "detections", "distance_mm", "dots", "dpi", "fix_intrinsics", "force",
-        "free_dots", "hold_out", "lens", "method", "only", "overlay", "quick", "rectify", "rig", "scheduler",
-        "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
+        "alignment", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots", "hold_out", "lens",
+        "method", "only", "overlay", "plan", "quick", "rectify", "rig", "scheduler", "seed", "seeds", "size",
+        "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
-} | {"overrides": "--set", "from_format": "--from", "to_format": "--to"}  # fmt: skip
+} | {
+    "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
+    "methods": "--method",
+}  # fmt: skip
 """Options by the names of the arguments that they stand for."""
+
+SWITCHES = {"lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal"}
+"""Options by the values of arguments that they stand for."""
 
 _ARGUMENT = re.compile(r"`([a-z_]+)(?:=(True|'[^'`]*'|[\w.]+))?`")
 _PLAIN = re.compile(r"[\w.,:/-]+")
@@ -34,6 +40,8 @@ def in_options(message: str) -> str:
 
 def _option(found: re.Match[str]) -> str:
     name, value = found.groups()
+    if found[0].strip("`") in SWITCHES:
+        return SWITCHES[found[0].strip("`")]
     if name not in OPTIONS:
         return found[0]
     if value in (None, "True"):

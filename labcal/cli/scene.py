@@ -23,7 +23,7 @@ def add_parser(commands: CommandGroup) -> None:
     check = scene.add(
         "check",
         run_check,
-        "Say what is wrong with a scene without rendering it.",
+        "Check a scene without rendering it: what is wrong with it.",
         example="labcal scene check lab.yaml",
     )
     gallery = scene.add(

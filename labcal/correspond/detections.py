@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, lines_array, text_array, truth_array, whole_array
+from labcal.arrays import AnyArray, float_array, kept, lines_array, text_array, truth_array, whole_array
 from labcal.detect.flags import DotFlag
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
 
@@ -84,7 +84,7 @@ class Detections(PublicObject):
             "covariance": float_array(covariance, (*n, 2, 2), "covariance"),
         }
         for name, column in columns.items():
-            object.__setattr__(self, name, column)
+            object.__setattr__(self, name, kept(column))
 
     def __len__(self) -> int:
         return len(self.view)
@@ -279,15 +279,19 @@ class Detections(PublicObject):
 
         Raises
         ------
+        UnknownNameError
+            There is no dot of such a camera.
         InputError
             Its pictures differ in size.
         """
+        if camera not in self.cameras:
+            raise UnknownNameError("camera in the detections", camera, self.cameras)
         sizes = np.unique(self.size[self.camera == camera], axis=0)
         if len(sizes) != 1:
             listed = ", ".join(f"{w} x {h}" for w, h in sizes)
             raise InputError(
                 f"The pictures of camera '{camera}' differ in size ({listed}), but a camera takes one size. "
-                "Tell cameras apart with `cameras`, or leave the odd pictures out."
+                "Distinguish cameras with `cameras`, or leave the other pictures out."
             )
         return (int(sizes[0, 0]), int(sizes[0, 1]))
 

@@ -4,15 +4,19 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.arguments import choice_of, object_of
 from labcal.bounds import MOST_INDEX
 from labcal.correspond.detections import Detections
 from labcal.correspond.sense import PicturesOfLines, covaries_soundly, near_picture
 from labcal.detect.flags import DotFlag
+from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
+from labcal.run.names import is_name
 from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, table_parts
 from labcal.run.tables import refuse_twice, table_text
+from labcal.wording import clipped, has_control, printable
 
 HEADER = (
     "view", "camera", "image", "width_px", "height_px", "col", "row",
@@ -77,6 +81,8 @@ def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -
 
     Raises
     ------
+    InputError, InputTypeError
+        It is no table of detections, or a name or flag in it could not be read again.
     OutputError
         The file exists and `force` is not set, or it cannot be written.
 
@@ -87,7 +93,28 @@ def write_detections(path: AnyPath, table: Detections, *, force: bool = False) -
     >>> read_detections("detections.csv") == examples.detections()
     True
     """
+    table = object_of(table, Detections, "table")
+    require_readable(table)
     write_file(as_path(path), detections_csv(table), kind=KIND, force=force)
+
+
+def require_readable(table: Detections) -> None:
+    """Raise where a table holds a word that :func:`read_detections` refuses.
+
+    Raises
+    ------
+    InputError
+        The name of a camera or view is no name, or a flag is not known; the first one is named.
+    """
+    cameras = [("camera", name, "letters, digits and hyphens") for name in table.cameras if not is_name(name)]
+    views = [("view", name, "printable characters") for name in table.views if has_control(name)]
+    for column, name, expected in (*cameras, *views):
+        raise InputError(
+            f"The {column} '{clipped(printable(name))}' cannot be written to a table. Give it a name of "
+            f"{expected}."
+        )
+    for flag in dict.fromkeys(table.flag.tolist()):
+        choice_of(flag, DotFlag, "flag")
 
 
 def _read_columns(path: Path) -> tuple[np.ndarray, ...]:

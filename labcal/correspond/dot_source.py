@@ -45,7 +45,7 @@ class DotSource:
             raise InputError("A table of dots has no pictures. Its dots are in `table`.")
         return open_pictures(self.shoot)
 
-    def target(self, given: str | AnyTarget | None = None) -> AnyTarget:
+    def target(self, given: AnyPath | AnyTarget | None = None) -> AnyTarget:
         """Return the target that is given, by itself or by name, or else that of the shoot.
 
         Raises

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import cv2
 
+from labcal.arguments import object_of, wrong_type
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather
 from labcal.correspond.orientation import resolve_orientation
@@ -150,6 +151,9 @@ def detections_of(measurements: Sequence[Measurement]) -> Detections:
     >>> pipeline.detections_of(measured)
     Detections(views=1, cameras=['left', 'right'], dots=176, ok=176)
     """
+    if isinstance(measurements, str) or not isinstance(measurements, Sequence):
+        raise wrong_type(measurements, "a sequence of measurements", "measurements")
+    measurements = [object_of(one, Measurement, "measurements") for one in measurements]
     readable = [(found.source, found.dots) for found in measurements if found.dots is not None]
     if not readable:
         raise no_picture_left(refusals(measurements))

@@ -52,11 +52,11 @@ class NamedCameras:
         apart = (
             "Name the views, too, as in left1.png and right1.png"
             if self.option is None
-            else f"Tell them apart: `cameras='{self.option}'`"
+            else f"Distinguish them: `cameras='{self.option}'`"
         )
         return (
             f"The pictures' names are those of {len(shown)} cameras ({', '.join(shown)} ...), and cameras "
-            f"measured as one give wrong numbers. {apart}; or say that one camera took them all: "
+            f"measured as one give wrong numbers. {apart}; or state that one camera took them all: "
             f"`cameras='{ANY}=camera'`."
         )
 

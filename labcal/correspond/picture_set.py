@@ -1,20 +1,24 @@
 """Pictures as a user gives them, resolved once: those of a shoot, or loose ones."""
 
 import os.path
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pydantic import BaseModel
+
+from labcal.arguments import wrong_type
 from labcal.correspond.pictures_left_out import left_out_words
-from labcal.correspond.sources import Source, find_sources, parse_camera_endings, shoot_sources
+from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
 from labcal.errors import InputError
-from labcal.paths import AnyPath
+from labcal.paths import AnyPath, as_path
+from labcal.public_object import PublicObject
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.targets.catalogue import AnyTarget, load_target
+from labcal.targets.catalogue import AnyTarget, target_of
 
 
-@dataclass(frozen=True)
-class PictureSet:
+@dataclass(frozen=True, eq=False, repr=False)
+class PictureSet(PublicObject):
     """Pictures to measure.
 
     Attributes
@@ -36,6 +40,10 @@ class PictureSet:
     name: str
     given: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+
+    def _summary(self) -> Mapping[str, object]:
+        cameras = list(dict.fromkeys(source.camera for source in self.sources))
+        return {"name": self.name, "pictures": len(self.sources), "cameras": cameras}
 
     @property
     def roles(self) -> dict[str, str]:
@@ -80,6 +88,8 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     InputError
         There are no such pictures, their names do not tell which camera took them, or `cameras` is given
         for a shoot.
+    InputTypeError
+        `pictures` or `cameras` is of a wrong type.
 
     Examples
     --------
@@ -103,7 +113,7 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     paths = _texts(pictures)
     if not paths:
         raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
-    endings = parse_camera_endings(cameras) if isinstance(cameras, str) else dict(cameras or {})
+    endings = {} if cameras is None else camera_endings(cameras)
     left_out = tuple(left_out_words(paths))
     return PictureSet(tuple(find_sources(paths, endings)), None, _name(paths[0]), tuple(paths), left_out)
 
@@ -119,10 +129,10 @@ def target_shown(given: "AnyTarget | AnyPath | None", shoot: Shoot | None) -> An
         None is given, and there is no shoot.
     """
     if given is not None:
-        return load_target(given) if isinstance(given, str | os.PathLike) else given
+        return target_of(given)
     if shoot is None:
         raise InputError(
-            "Say which target the pictures show: `target='NAME'` ('labcal target list' shows the names)."
+            "Name the target that the pictures show: `target='NAME'` ('labcal target list' shows the names)."
         )
     return shoot.target
 
@@ -138,8 +148,15 @@ def _shoot(pictures: AnyPictures) -> Shoot | None:
 def _texts(pictures: AnyPictures) -> list[str]:
     """Return paths as text."""
     if isinstance(pictures, str | os.PathLike):
-        return [os.fspath(pictures)]
-    return [] if isinstance(pictures, PictureSet | Shoot) else [os.fspath(path) for path in pictures]
+        return [_text(pictures)]
+    if isinstance(pictures, Iterable) and not isinstance(pictures, bytes | Mapping | BaseModel):
+        return [_text(path) for path in pictures]
+    raise wrong_type(pictures, "a shoot, a path, or a sequence of paths", "pictures")
+
+
+def _text(path: AnyPath) -> str:
+    as_path(path)  # raises where it is none
+    return os.fspath(path)
 
 
 def _name(path: AnyPath) -> str:

@@ -14,6 +14,7 @@ from labcal.arrays import (
     PointCovariances,
     Vectors3,
     float_array,
+    kept,
     lines_array,
     text_array,
     whole_array,
@@ -87,7 +88,7 @@ class Points(PublicObject):
             "flag": text_array(flag, n, "flag"),
         }
         for name, column in columns.items():
-            object.__setattr__(self, name, column)
+            object.__setattr__(self, name, kept(column))
 
     def __len__(self) -> int:
         return len(self.view)

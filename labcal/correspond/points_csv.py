@@ -6,15 +6,17 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.arguments import choice_of, object_of
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.correspond.points import PointFlag, Points
+from labcal.errors import InputError
 from labcal.geometry.covariances import valid_or_not_stated
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, names_of_lines, table_parts
 from labcal.run.tables import refuse_twice, table_text
-from labcal.wording import has_control
+from labcal.wording import clipped, has_control, printable
 
 HEADER = (
     "view", "col", "row", "X_mm", "Y_mm", "Z_mm",
@@ -80,6 +82,8 @@ def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
 
     Raises
     ------
+    InputError, InputTypeError
+        These are no points, or a name or flag in them could not be read again.
     OutputError
         The file exists and `force` is not set, or it cannot be written.
 
@@ -90,6 +94,15 @@ def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
     >>> read_points("points.csv") == examples.points()
     True
     """
+    points = object_of(points, Points, "points")
+    for name in dict.fromkeys(points.view.tolist()):
+        if has_control(name):
+            raise InputError(
+                f"The view '{clipped(printable(name))}' cannot be written to a table. Give it a name of "
+                "printable characters."
+            )
+    for flag in dict.fromkeys(points.flag.tolist()):
+        choice_of(flag, PointFlag, "flag")
     write_file(as_path(path), points_csv(points), kind=KIND, force=force)
 
 

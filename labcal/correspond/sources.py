@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.arguments import one_text, wrong_type
 from labcal.correspond.name_patterns import ANY, best_pattern, view_in
 from labcal.correspond.named_cameras import named_cameras
 from labcal.errors import InputError
@@ -74,6 +75,29 @@ def parse_camera_endings(text: str) -> dict[str, str]:
             )
         endings[ending] = camera
     return endings
+
+
+def camera_endings(cameras: Mapping[str, str] | str) -> dict[str, str]:
+    """Return camera by ending or pattern of the file name, from a mapping, or from text.
+
+    Raises
+    ------
+    InputError
+        The text is as of :func:`parse_camera_endings`, or the mapping holds what is no name of a camera.
+    InputTypeError
+        It is neither.
+    """
+    if isinstance(cameras, str):
+        return parse_camera_endings(cameras)
+    if not isinstance(cameras, Mapping):
+        raise wrong_type(cameras, "a mapping of endings to names, or a text", "cameras")
+    for ending, camera in cameras.items():
+        if not (one_text(ending, "cameras") and is_name(one_text(camera, "cameras"))):
+            raise InputError(
+                "`cameras` maps endings of file names or patterns to names of letters, digits and hyphens, "
+                f"but {clipped(repr(ending))} to {clipped(repr(camera))} was given."
+            )
+    return dict(cameras)
 
 
 def shoot_sources(shoot: Shoot) -> list[Source]:

@@ -2,10 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 
 import numpy as np
 
+from labcal.arguments import set_checked, truth_value, wrong_type
+from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.cameras.camera import Camera
 from labcal.cameras.ideal import ideal_camera, rectified_pair, whole_ideal_camera
 from labcal.cameras.remapping import source_pixels
@@ -46,6 +49,26 @@ class UndistortSettings:
     """Distance at which the pictures are right, for a lens prescription or behind a window."""
     force: bool = False
     """Replace what labcal made there."""
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, or there is no such distance.
+        """
+        flags = {name: truth_value(getattr(self, name), name) for name in ("rectify", "whole", "force")}
+        set_checked(self, flags)
+        if self.distance_mm is None:
+            return
+        if isinstance(self.distance_mm, bool) or not isinstance(self.distance_mm, Real):
+            raise wrong_type(self.distance_mm, "a distance in mm", "distance_mm")
+        if not LEAST_MM <= self.distance_mm <= MOST_MM:
+            raise InputError(
+                f"`distance_mm` must be from {LEAST_MM:g} to {MOST_MM:g}, but {self.distance_mm!r} was given."
+            )
+        set_checked(self, {"distance_mm": float(self.distance_mm)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -158,8 +181,8 @@ def _with_camera(source: Source, rig: Rig) -> Source:
     if source.camera == "camera" and len(rig.cameras) == 1:
         return replace(source, camera=next(iter(rig.cameras)))
     raise InputError(
-        f"{source.image} is of camera '{source.camera}', but the rig has only {', '.join(rig.cameras)}. Tell "
-        "cameras by the end of the pictures' names: `cameras='_0=left,_1=right'`."
+        f"{source.image} is of camera '{source.camera}', but the rig has only {', '.join(rig.cameras)}. "
+        "Distinguish cameras by the end of the pictures' names: `cameras='_0=left,_1=right'`."
     )
 
 

@@ -1,12 +1,14 @@
 """Views that are held out from a calibration, so that its result can be tested on them."""
 
 from collections.abc import Sequence
+from operator import index
 from pathlib import Path
 
 import numpy as np
 
+from labcal.arguments import texts, wrong_type
 from labcal.correspond.detections import Detections
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.shoot.dataset import is_shoot, open_shoot
 from labcal.shoot.manifest import Role
 from labcal.wording import listed
@@ -20,19 +22,31 @@ def parse_hold_out(text: str, views: Sequence[str]) -> int | list[str]:
 
     Raises
     ------
-    InputError
+    UnknownNameError
         It is neither.
     """
-    names = text.split(",")
+    names = [name.strip() for name in text.split(",")]
     if all(name in views for name in names):
         return names
-    if text.isdecimal():
+    if text.strip().isdecimal():
         return int(text)
     unknown = next(name for name in names if name not in views)
-    raise InputError(
-        f"`hold_out` takes a number of views or their names, but '{unknown}' is neither. There are "
-        f"{', '.join(views[:12])}{' ...' if len(views) > 12 else ''}."  # noqa: PLR2004 -- enough to see them
-    )
+    raise UnknownNameError("view to hold out", unknown, views)
+
+
+def checked_hold_out(hold_out: object) -> HoldOut:
+    """Return what is to be held out as a number, as text, or as names.
+
+    Raises
+    ------
+    InputTypeError
+        It is none of them.
+    """
+    if isinstance(hold_out, str):
+        return hold_out
+    if isinstance(hold_out, bool | np.bool_):
+        raise wrong_type(hold_out, "a number of views, or names of views", "hold_out")
+    return index(hold_out) if hasattr(hold_out, "__index__") else texts(hold_out, "hold_out")
 
 
 def held_out_views(views: Sequence[str], hold_out: HoldOut) -> tuple[str, ...]:
@@ -40,20 +54,23 @@ def held_out_views(views: Sequence[str], hold_out: HoldOut) -> tuple[str, ...]:
 
     Raises
     ------
-    InputError
+    UnknownNameError, InputError, InputTypeError
         There are no such views, or none is left to calibrate from.
     """
+    hold_out = checked_hold_out(hold_out)
     if isinstance(hold_out, str):
         hold_out = parse_hold_out(hold_out, views)
     if isinstance(hold_out, int):
-        if not 0 <= hold_out < len(views):
+        if hold_out < 0:
+            raise InputError(f"`hold_out` is a number of views, 0 or more, but {hold_out} was given.")
+        if hold_out and hold_out >= len(views):
             raise InputError(f"{hold_out} of {len(views)} views cannot be held out. Hold out fewer.")
         middles = (np.arange(hold_out) + 0.5) * len(views) / max(hold_out, 1)
         return tuple(views[int(middle)] for middle in middles)
     unknown = [name for name in hold_out if name not in views]
     if unknown:
-        raise InputError(f"The view '{unknown[0]}' cannot be held out: it is not among {', '.join(views)}.")
-    if set(views) == set(hold_out):
+        raise UnknownNameError("view to hold out", unknown[0], views)
+    if hold_out and set(views) == set(hold_out):
         raise InputError("All views are held out, so that none is left to calibrate from.")
     return tuple(view for view in views if view in hold_out)
 

@@ -10,6 +10,7 @@ from labcal.detect.checks.refusals import cause, hardly_measured
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.foreign_dots import require_detections
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.grid import Grid, find_grid
 from labcal.detect.lattice.missed import with_missed
@@ -22,7 +23,7 @@ from labcal.detect.settings import DEFAULTS, DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
-from labcal.targets.registry import function_of, kind_of
+from labcal.targets.registry import is_shipped, kind_of, run_part
 
 
 def detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings | None = None) -> PictureDots:
@@ -48,7 +49,8 @@ def detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings |
     Raises
     ------
     InputTypeError, InputError
-        `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
+        `image` is no picture (see :func:`labcal.detect.grey.grey_picture`); or the target is of a kind of the
+        user's whose detector fails, or returns what is no detection.
     """
     settings = DEFAULTS if settings is None else settings
     found = _detect_dots(image, target, settings)
@@ -61,7 +63,10 @@ def _detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings)
     grey = grey_picture(image)
     if np.shares_memory(grey, image):
         grey = grey.copy()  # a detector may work in place, since it may be large
-    found: PictureDots = function_of(kind_of(target).detector)(grey, target, settings)
+    kind, size = kind_of(target), (grey.shape[1], grey.shape[0])
+    found: PictureDots = run_part(kind, "detector", grey, target, settings)
+    if not is_shipped(kind):
+        require_detections(f"The kind of target '{kind.name}': its 'detector'", found, target, size)
     return found
 
 

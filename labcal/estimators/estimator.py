@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
@@ -10,9 +10,11 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from labcal.arrays import AnyArray, float_array
+from labcal.bounds import MOST_MM
 from labcal.errors import InputError, InputTypeError
 from labcal.estimators.propagation import propagated_covariance
 from labcal.estimators.scikit_learn import BaseEstimator, RegressorMixin, check_is_fitted, validate_data
+from labcal.run.user_code import user_code
 
 Estimator = TypeVar("Estimator", bound="PointEstimator")
 
@@ -74,7 +76,8 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         self.single_output_ = points.ndim == 1
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
-        self._fit(pixels, points)
+        with self._code_of("fit"):
+            self._fit(pixels, points)
         self.residual_covariance_ = self._residual_covariance(pixels, points)
         return self
 
@@ -99,7 +102,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
             `fit` has not been called.
         """
         check_is_fitted(self, "n_outputs_")
-        points = self._predict(self._inputs(X))
+        points = self._points(self._inputs(X))
         return points[:, 0] if self.single_output_ else points
 
     def predict_with_covariance(
@@ -140,7 +143,9 @@ class PointEstimator(RegressorMixin, BaseEstimator):
                 f"{self.method}: covariances of shape {pixel_covariance.shape} were given for pixels of "
                 f"shape {pixels.shape}, but need one of 2 x 2 for each point and camera."
             )
-        return self._with_covariance(pixels, pixel_covariance)
+        with self._code_of("predict"):
+            points, covariance = self._with_covariance(pixels, pixel_covariance)
+        return self._require_points(points, len(pixels)), covariance
 
     def stored_arrays(self) -> tuple[FittedArray, ...]:
         """Return the arrays of the fitted estimator that are stored: its own and those of every method."""
@@ -167,8 +172,46 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Float64[np.ndarray, "dim dim"]:
         """Return the mean product of the errors of X, Y and Z on the training data."""
-        errors = (self._predict(pixels) - points)[:, :COORDINATES]
-        return np.asarray(errors.T @ errors / len(errors))
+        return self._mean_product(self._trained_points(pixels) - points)
+
+    def _mean_product(self, errors: Float64[np.ndarray, "n outputs"]) -> Float64[np.ndarray, "dim dim"]:
+        """Return the mean product of the errors of X, Y and Z."""
+        errors = errors[:, :COORDINATES]
+        with np.errstate(over="ignore", invalid="ignore"):  # of errors that are no lengths
+            return np.asarray(errors.T @ errors / len(errors))
+
+    def _points(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
+        """Return predictions, checked."""
+        with self._code_of("predict"):
+            found = self._predict(pixels)
+        return self._require_points(found, len(pixels))
+
+    def _trained_points(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
+        """Return predictions for the training data, which must be places."""
+        found = self._points(pixels)
+        if not (np.abs(found) <= MOST_MM).all():
+            raise InputError(
+                f"{self.method}: 'predict' gives points that are not finite, or beyond {MOST_MM:g} mm, for "
+                "the pixels it was fitted to."
+            )
+        return found
+
+    def _require_points(self, found: object, count: int) -> Float64[np.ndarray, "n outputs"]:
+        """Return predictions, which must be an array of a row for each point."""
+        if not (isinstance(found, np.ndarray) and found.shape == (count, self.n_outputs_)):
+            given = (
+                f"an array of shape {found.shape}" if isinstance(found, np.ndarray) else type(found).__name__
+            )
+            raise InputError(
+                f"{self.method}: 'predict' gave {given} for {count} pixels, but {self.n_outputs_} columns "
+                f"were fitted: it should be {(count, self.n_outputs_)}."
+            )
+        return found
+
+    def _code_of(self, part: str) -> AbstractContextManager[None]:
+        """Return the context in which a part of a method runs: errors of a user's class name it."""
+        is_labcals = type(self).__module__.partition(".")[0] == __name__.partition(".")[0]
+        return nullcontext() if is_labcals else user_code(f"{self.method}: its '{part}'")
 
     def _with_covariance(
         self,
@@ -195,9 +238,16 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         """Return both as finite float64 arrays of the same length."""
         with _own_errors(self.method):
             pixels, points = validate_data(
-                self, X, Y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
+                self,
+                X,
+                Y,
+                dtype=np.float64,
+                copy=True,
+                multi_output=True,
+                y_numeric=True,
+                ensure_min_samples=2,
             )
-        return pixels, np.asarray(points, dtype=np.float64)
+        return pixels, np.array(points, dtype=np.float64)  # copies: a method may work in place
 
     def _inputs(self, X: ArrayLike) -> np.ndarray:
         """Return pixels as a finite float64 array of the width used in training."""

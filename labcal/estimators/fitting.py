@@ -1,10 +1,19 @@
 """Fitting of methods to the dots of a target, on a stage or in the hand (placed by a bundle adjustment)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from labcal.arguments import (
+    object_of,
+    one_text,
+    set_checked,
+    settings_of,
+    truth_value,
+    whole_number,
+    wrong_type,
+)
 from labcal.calibrate.calibration import Calibration, calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import AUTO
@@ -12,7 +21,7 @@ from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.correspond.training import TrainingData, training_data
-from labcal.correspond.view_roles import HoldOut
+from labcal.correspond.view_roles import HoldOut, checked_hold_out
 from labcal.errors import InputError
 from labcal.estimators.centred_training import CentredTraining, centred_training
 from labcal.estimators.estimator import PointEstimator
@@ -21,10 +30,11 @@ from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.scikit_learn import clone
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
-from labcal.run.progress import NoProgress, Progress
+from labcal.public_object import PublicObject
+from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTarget, target_of
 
 
 @dataclass(frozen=True)
@@ -49,9 +59,26 @@ class FitSettings:
     hold_out: HoldOut = ()
     """Views of a hand-held target that do not enter."""
 
+    def __post_init__(self) -> None:
+        """Check the settings.
 
-@dataclass(frozen=True)
-class Training:
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, or the seed is negative.
+        """
+        values = {
+            "lens": one_text(self.lens, "lens"),
+            "seed": whole_number(self.seed, "seed", 0),
+            "free_dots": truth_value(self.free_dots, "free_dots"),
+            "rehearsal": truth_value(self.rehearsal, "rehearsal"),
+            "hold_out": checked_hold_out(self.hold_out),
+        }
+        set_checked(self, values)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Training(PublicObject):
     """Training data, and how they were made.
 
     Attributes
@@ -70,6 +97,14 @@ class Training:
     held: Calibration | None
     warnings: tuple[str, ...]
     held_out: tuple[str, ...] = ()
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "cameras": list(self.centred.data.cameras),
+            "views": len(self.calibrated_on),
+            "points": len(self.centred.data.X),
+            "warnings": len(self.warnings),
+        }
 
     @property
     def calibrated_on(self) -> tuple[str, ...]:
@@ -121,7 +156,10 @@ def training_of(
     >>> training.centred.data.X.shape, training.centred.data.Y.shape  # pixels of two cameras, and mm
     ((704, 4), (704, 3))
     """
-    settings = settings or FitSettings()
+    settings = settings_of(settings, FitSettings)
+    if not isinstance(source, Shoot):
+        source = target_of(source)
+    detections = object_of(detections, Detections, "detections")
     tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
     if isinstance(source, Shoot) and on_stage(source):
         _refuse_of_held(settings)
@@ -154,7 +192,7 @@ def _unused_views(shoot: Shoot, data: TrainingData) -> tuple[str, ...]:
     return tuple(f"view '{name}' is not used: no dot in it was measured by all cameras" for name in views)
 
 
-def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[PointEstimator]:
+def estimators_of(methods: Sequence[object], settings: FitSettings | None = None) -> list[PointEstimator]:
     """Return estimators with the settings that concern them.
 
     Parameters
@@ -162,7 +200,7 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
     methods : sequence of str, type or object
         As for :func:`~labcal.estimators.method_choice.estimator_of`. An estimator of labcal's that is given
         ready keeps its own parameters.
-    settings : FitSettings
+    settings : FitSettings, optional
 
     Returns
     -------
@@ -183,6 +221,11 @@ def estimators_of(methods: Sequence[object], settings: FitSettings) -> list[Poin
     >>> hybrid.lens, mlp.random_state
     ('brown5', 7)
     """
+    settings = settings_of(settings, FitSettings)
+    if isinstance(methods, str):
+        methods = [methods]
+    if not isinstance(methods, Sequence):
+        raise wrong_type(methods, "a sequence of methods", "methods")
     estimators = [estimator_of(method) for method in methods]
     if settings.lens != AUTO:
         camera_of_lens(settings.lens, (1, 1), None)  # raises now if there is no such lens
@@ -227,8 +270,13 @@ def fit_methods(
     >>> [model.estimator.method for model in pipeline.fit_methods(training, methods, settings)]
     ['affine', 'dlt']
     """
-    settings, progress = settings or FitSettings(), progress or NoProgress()
-    data, fitted = training.centred.data, list[Model | InputError]()
+    settings, progress = settings_of(settings, FitSettings), progress_of(progress)
+    if isinstance(estimators, str) or not isinstance(estimators, Sequence):
+        raise wrong_type(estimators, "a sequence, as estimators_of returns it", "estimators")
+    for one in estimators:
+        if not isinstance(one, PointEstimator):
+            raise wrong_type(one, "estimators, as estimators_of returns them", "estimators")
+    data, fitted = object_of(training, Training, "training").centred.data, list[Model | InputError]()
     progress.start("methods", len(estimators) + 1)
     surrogate = None
     if settings.rehearsal:

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import safetensors.numpy
 from safetensors import SafetensorError, safe_open
 
+from labcal.arguments import object_of
 from labcal.bounds import MOST_MM
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError, OutputError
@@ -17,6 +17,7 @@ from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_header import VERSION, ModelHeader, header_of
 from labcal.estimators.stored_estimator import checked_array, stored_estimator
+from labcal.estimators.stored_state import in_rows, stored_arrays, stored_facts, stored_parameters
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import recognised_by
 from labcal.run.file_reading import require_file
@@ -85,6 +86,8 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     ------
     OutputError
         The file exists and `force` is not set, or it cannot be written.
+    InputError
+        The method is one of one's own, and does not set what it states that it consists of.
 
     Examples
     --------
@@ -95,18 +98,16 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
     >>> load_model("model.safetensors") == model
     True
     """
-    estimator = model.estimator
-    arrays = {
-        spec.attribute: _array(getattr(estimator, spec.attribute)) for spec in estimator.stored_arrays()
-    }
+    estimator = object_of(model, Model, "model").estimator
+    arrays = stored_arrays(estimator)
     for field in fields(TrainingBox):
-        arrays[_BOX_PREFIX + field.name] = _array(getattr(model.box, field.name))
+        arrays[_BOX_PREFIX + field.name] = in_rows(getattr(model.box, field.name))
     header = ModelHeader(
         format="labcal-model",
         version=VERSION,
         method=estimator.method,
-        parameters={name: _plain(value) for name, value in estimator.stored_parameters().items()},
-        facts={name: _plain(getattr(estimator, name)) for name in estimator.fitted_facts},
+        parameters=stored_parameters(estimator),
+        facts=stored_facts(estimator),
         inputs=estimator.n_features_in_,
         outputs=estimator.n_outputs_,
         cameras=model.cameras,
@@ -268,15 +269,3 @@ def _box(path: Path, header: ModelHeader, arrays: dict[str, np.ndarray]) -> Trai
     if farthest > MOST_MM or not upright:
         raise InputError(f"The volume in which the model {path} was trained is none. Fit it again.")
     return box
-
-
-def _array(value: np.ndarray) -> np.ndarray:
-    """Return an array as it is written: in one piece, in rows."""
-    return np.ascontiguousarray(value, dtype=np.float64).reshape(np.shape(value))
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401 - scikit-learn is untyped
-    """Return a parameter or fact without NumPy's scalar types, which JSON does not know."""
-    if isinstance(value, np.generic):
-        return value.item()
-    return tuple(_plain(element) for element in value) if isinstance(value, list | tuple) else value

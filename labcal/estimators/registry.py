@@ -3,9 +3,10 @@
 import inspect
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from labcal.errors import InputError, InputTypeError, UnknownNameError
+from labcal.errors import InputTypeError, UnknownNameError
+from labcal.run.user_code import SEPARATOR, user_code
 
 if TYPE_CHECKING:
     from labcal.estimators.estimator import PointEstimator
@@ -30,8 +31,6 @@ class MethodEntry:
     needs: str
 
 
-SEPARATOR = ":"
-"""Between module and class of a method of one's own; no name of a method has it."""
 _VOLUME = "two cameras or more; dots not all on one plane"
 _ANY = "any number of cameras; dots on one plane or not"
 # In the order in which they are recommended.
@@ -102,30 +101,38 @@ def register_method(made: "type[PointEstimator]") -> "type[PointEstimator]":
     InputTypeError
         It is no such class, or lacks methods that such a class has.
     InputError
-        The name is that of a method of labcal, or no name: letters, digits and hyphens.
+        The name is that of a method of labcal, capital letters apart, or no name: letters, digits and
+        hyphens; or the class cannot be made without arguments.
     """
     # Here, since scikit-learn and pydantic take a second, and help needs the names only.
     from labcal.estimators.estimator import PointEstimator  # noqa: PLC0415
-    from labcal.run.names import is_name  # noqa: PLC0415
+    from labcal.run.registration import require_own_name  # noqa: PLC0415
 
     if not (isinstance(made, type) and issubclass(made, PointEstimator)):
         raise InputTypeError(
             f"A method that is registered is a subclass of PointEstimator, but {made!r:.80} is none. Give a "
             "scikit-learn regressor to 'fit' as it is."
         )
+    require_whole(made)
+    name: Any = getattr(made, "method", None)
+    require_own_name("method", name, _METHODS, _REGISTERED)
+    with user_code(f"The class {made.__name__}, made without arguments,"):
+        made()
+    _REGISTERED[name] = made
+    return made
+
+
+def require_whole(made: "type[PointEstimator]") -> None:
+    """Raise where a class lacks what makes a method of it.
+
+    Raises
+    ------
+    InputTypeError
+        It leaves abstract members as they are.
+    """
     missing = [name for name in _PARTS if getattr(getattr(made, name), "__isabstractmethod__", False)]
     if missing:
         raise InputTypeError(f"The class {made.__name__} is no whole method: it lacks {', '.join(missing)}.")
-    name = getattr(made, "method", None)
-    if not isinstance(name, str) or not is_name(name):
-        raise InputError(
-            f"The class {made.__name__} needs a name of letters, digits and hyphens in its attribute "
-            f"'method', but has {name!r:.80}."
-        )
-    if name in _METHODS:
-        raise InputError(f"labcal has a method '{name}' already. Give the class another name in 'method'.")
-    _REGISTERED[name] = made
-    return made
 
 
 def method_names() -> list[str]:

@@ -1,8 +1,7 @@
 """A method of one's own: any regressor with fit and predict, made an estimator of points."""
 
 import inspect
-from collections.abc import Iterator
-from contextlib import contextmanager
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -10,14 +9,13 @@ import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
-from labcal.errors import InputError, LabcalError
+from labcal.bounds import MOST_WEIGHT
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
+from labcal.estimators.held_out_errors import Predict, held_out_errors
 from labcal.estimators.scikit_learn import clone
-from labcal.rng import generator
 from labcal.run.threads import one_blas_thread
+from labcal.run.user_code import user_code
 
-FOLDS = 5
-"""Parts of the training data, each of which is held out once."""
 Regressor = Any
 """An object with fit and predict, of whatever class a user has."""
 _SEED = "random_state"
@@ -29,7 +27,7 @@ class UserMethod(PointEstimator):
     A regressor that refuses several outputs, and says to scikit-learn that it takes one, is fitted once for
     each of X, Y and Z. A copy is fitted; the regressor that is given stays as it was.
 
-    Covariances are those of errors on dots held out: the training data are split at random into `FOLDS`
+    Covariances are those of errors on dots held out: the training data are split at random into five
     parts, and each is predicted by the method fitted to the others. They are the same for every point. They
     hold the pixels' noise as it was in training, and leave out what pixels that are noisier than that would
     add, and how much more the method may err where there are no trained dots near, between planes say. The
@@ -125,11 +123,7 @@ class UserMethod(PointEstimator):
         self.regressor_ = self._fitted(pixels, points)
         self.class_, self.n_trained_ = self.regressor_class, len(pixels)
         self.trained_pixels_, self.trained_points_ = pixels, points
-        self.trained_predictions_ = self._predict(pixels)
-        if not np.isfinite(self.trained_predictions_).all():
-            raise InputError(
-                f"{self.method}: 'predict' gives points that are not finite for the pixels it was fitted to."
-            )
+        self.trained_predictions_ = self._trained_points(pixels)
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         return self._predicted(self.regressor_, pixels)
@@ -138,20 +132,14 @@ class UserMethod(PointEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Float64[np.ndarray, "dim dim"]:
         """Return the mean product of errors on dots held out; NaN where there is a part that has none."""
-        errors = np.full_like(points, np.nan)
-        part = generator(0, "user method", "folds").permutation(len(points)) % FOLDS
-        for number in range(FOLDS):
-            out = part == number
-            if not out.any():
-                continue
-            try:
-                errors[out] = self._predicted(self._fitted(pixels[~out], points[~out]), pixels[out])
-            except InputError:
-                break  # too few dots for it, say
-            errors[out] -= points[out]
-        self.has_covariance_ = bool(np.isfinite(errors).all())
-        errors = errors[:, :COORDINATES]
-        return np.asarray(errors.T @ errors / len(errors))
+        errors = held_out_errors(self._fitted_again, pixels, points)
+        covariance = self._mean_product(errors)
+        self.has_covariance_ = bool((np.abs(covariance) <= MOST_WEIGHT).all())
+        return covariance if self.has_covariance_ else np.full_like(covariance, np.nan)
+
+    def _fitted_again(self, pixels: np.ndarray, points: np.ndarray) -> Predict:
+        """Return the predictions of a copy that is fitted to other points."""
+        return partial(self._predicted, self._fitted(pixels, points))
 
     def _covariance(
         self,
@@ -165,17 +153,17 @@ class UserMethod(PointEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Regressor:
         """Return a fitted copy of the regressor."""
-        with one_blas_thread(), _reraised(self.method, "fit"):
+        with one_blas_thread(), user_code(f"{self.method}: its 'fit'"):
             made = self._copy()
             try:
-                made.fit(pixels, points)
+                made.fit(pixels.copy(), points.copy())  # it may work in place
             except ValueError:
                 if not _takes_one_output(made):
                     raise
                 from sklearn.multioutput import MultiOutputRegressor  # noqa: PLC0415 -- imports scipy.stats
 
                 made = MultiOutputRegressor(self._copy())
-                made.fit(pixels, points)
+                made.fit(pixels.copy(), points.copy())
             return made
 
     def _copy(self) -> Regressor:
@@ -195,16 +183,13 @@ class UserMethod(PointEstimator):
         regressor: Regressor,
         pixels: Float64[np.ndarray, "n inputs"],
     ) -> Float64[np.ndarray, "n outputs"]:
-        with one_blas_thread(), _reraised(self.method, "predict"):
-            found = np.array(regressor.predict(pixels), dtype=np.float64)
+        with one_blas_thread(), user_code(f"{self.method}: its 'predict'"):
+            given = regressor.predict(pixels.copy())  # it may work in place
+            masked = isinstance(given, np.ma.MaskedArray)
+            found = np.array(given.filled(np.nan) if masked else given, dtype=np.float64)
         if found.shape == (len(pixels),) and self.n_outputs_ == 1:
             found = found[:, None]
-        if found.shape != (len(pixels), self.n_outputs_):
-            raise InputError(
-                f"{self.method}: 'predict' gave an array of shape {found.shape} for {len(pixels)} pixels, "
-                f"but {self.n_outputs_} columns were fitted: it should be {(len(pixels), self.n_outputs_)}."
-            )
-        return found
+        return self._require_points(found, len(pixels))
 
 
 def class_path(regressor: Regressor) -> str:
@@ -231,18 +216,18 @@ def _takes_one_output(regressor: Regressor) -> bool:
     return callable(tags) and not tags().target_tags.multi_output
 
 
-@contextmanager
-def _reraised(method: str, where: str) -> Iterator[None]:
-    """Turn whatever the user's own code raises into an error that says where it comes from."""
-    try:
-        yield
-    except LabcalError:
-        raise
-    except Exception as error:
-        raise InputError(
-            f"{method}: its '{where}' failed ({type(error).__name__}: {error}). Set LABCAL_TRACEBACK=1 to "
-            "see where."
-        ) from error
+def require_copies(method: str, regressor: Regressor) -> None:
+    """Raise unless a regressor can be copied, since copies are fitted, and states its parameters.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.run.user_code.user_code`.
+    """
+    with user_code(f"{method}: its 'get_params'"):
+        _parameters(regressor)
+    with user_code(f"{method}: a copy of it, which is what is fitted,"):
+        clone(regressor, safe=False)
 
 
 def is_regressor(given: object) -> bool:

@@ -8,8 +8,9 @@ from labcal.errors import InputError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model_header import ModelHeader
-from labcal.estimators.registry import SEPARATOR, make_estimator, method_names
+from labcal.estimators.registry import make_estimator, method_names
 from labcal.estimators.user_method import UserMethod
+from labcal.run.user_code import SEPARATOR
 from labcal.wording import clipped, shown
 
 _ALIKE = 1e-6

@@ -83,7 +83,10 @@ def print_shape(dots: FreedDots) -> PrintShape:
                         x * y / (half_x * half_y)], axis=-1)  # fmt: skip
     bent, bent_cov = _fit(heights, d[:, 2], _block(covariance, slice(2, 3)))
     rest = d - np.column_stack([(in_plane @ plane).reshape(-1, 2), heights @ bent])
-    stretch_known, heights_known = Constrained.STRETCH not in dots.held, Constrained.HEIGHTS not in dots.held
+    stretch_known, heights_known = (
+        Constrained.STRETCH not in dots.constrained,
+        Constrained.HEIGHTS not in dots.constrained,
+    )
     return PrintShape(
         stretch_ppm=_figure(plane, plane_cov, 1e6 * np.array([0, 0, 1, 0, 0, -1.0]), known=stretch_known),
         shear_mrad=_figure(plane, plane_cov, 1e3 * np.array([0, 0, 0, 1.0, 1, 0]), known=stretch_known),
@@ -96,7 +99,7 @@ def print_shape(dots: FreedDots) -> PrintShape:
         sigma_in_plane_mm=_rms(dots.sigma[freed][:, :2]),
         worst=_worst(dots, rest),
         kept=tuple((int(col), int(row)) for col, row in dots.target.indices()[~freed]),
-        held=tuple(part.name.lower() for part in Constrained if part in dots.held and part.name),
+        held=tuple(part.name.lower() for part in Constrained if part in dots.constrained and part.name),
     )
 
 

@@ -15,6 +15,11 @@ class Experiments:
     rows: tuple[PaperRow, ...]
     claims: tuple[str, ...]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Numbers of the rows, and the claims."""
+        return (*(row.exp for row in self.rows), *self.claims)
+
 
 def experiments_named(names: Sequence[str]) -> Experiments:
     """Return the rows and claims with these names, or all if none is given.

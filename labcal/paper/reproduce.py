@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.arguments import one_text, set_checked, texts, truth_value, whole_number
 from labcal.correspond.dot_source import dots_of_shoot
 from labcal.paper.claims.plan import plan_digest
 from labcal.paper.claims.tested import tested_claims
@@ -18,8 +19,8 @@ from labcal.paper.summary import figures_of, least_squares_readings, row_result
 from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
 from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
+from labcal.report.reproduction_page import reproduction_page
 from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
@@ -55,15 +56,10 @@ class ReproduceSettings:
     (10, 1)
     >>> ReproduceSettings(experiments=("01", "C4")).selected.claims
     ('C4',)
-
-    Raises
-    ------
-    UnknownNameError, InputError
-        There is no such row or claim; see :func:`labcal.paper.experiments.experiments_named`.
     """
 
-    experiments: tuple[str, ...] = ()
-    """Numbers of rows, and claims (``"C1"``); all of both where empty."""
+    experiments: Sequence[str] = ()
+    """Numbers of rows, and claims: ``("01", "C1")``; all of both where empty."""
     quick: bool = False
     seeds: int | None = None
     """Runs of every reading of a row; 10, or 1 when quick, where not given.
@@ -78,7 +74,26 @@ class ReproduceSettings:
     force: bool = False
 
     def __post_init__(self) -> None:
-        experiments_named(self.experiments)
+        """Check the settings.
+
+        Raises
+        ------
+        UnknownNameError
+            The paper has no such row or claim.
+        InputError, InputTypeError
+            One is of a wrong type, a number is too small, or the paper has no figures of a row.
+        """
+        named = texts(self.experiments, "experiments")
+        values = {
+            "experiments": experiments_named(named).names if named else (),
+            "quick": truth_value(self.quick, "quick"),
+            "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
+            "seed": whole_number(self.seed, "seed", 0),
+            "workers": whole_number(self.workers, "workers", 1),
+            "scheduler": None if self.scheduler is None else one_text(self.scheduler, "scheduler"),
+            "force": truth_value(self.force, "force"),
+        }
+        set_checked(self, values)
 
     @property
     def selected(self) -> Experiments:

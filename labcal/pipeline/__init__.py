@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.render.shoot import RenderSettings
+    from labcal.report.overlays import write_overlays
+    from labcal.report.page.output import PageOutput
 
 __all__ = [
     "BenchSettings",
@@ -39,6 +41,7 @@ __all__ = [
     "DetectSettings",
     "FitSettings",
     "HandheldSettings",
+    "PageOutput",
     "RenderSettings",
     "ReproduceSettings",
     "UndistortSettings",
@@ -61,6 +64,7 @@ __all__ = [
     "reproduce",
     "training_of",
     "undistort",
+    "write_overlays",
 ]
 
 _HOMES = {
@@ -69,6 +73,7 @@ _HOMES = {
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "PageOutput": "labcal.report.page.output",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "UndistortSettings": "labcal.correspond.undistortion",
@@ -79,6 +84,7 @@ _HOMES = {
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
     "training_of": "labcal.estimators.fitting",
+    "write_overlays": "labcal.report.overlays",
 }
 """Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""
 

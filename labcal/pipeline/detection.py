@@ -2,9 +2,11 @@
 
 from typing import TYPE_CHECKING
 
+from labcal.arguments import settings_of
 from labcal.correspond.detections import Detections
 from labcal.paths import AnyPath
-from labcal.run.progress import NoProgress, Progress
+from labcal.pipeline.pages import claimed_page, page_maker
+from labcal.run.progress import Progress, progress_of
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, find_tone_curve
 from labcal.targets.catalogue import AnyTarget
 
@@ -13,13 +15,14 @@ if TYPE_CHECKING:
     from labcal.correspond.picture_set import AnyPictures
     from labcal.detect.settings import DetectSettings
     from labcal.report.inspection import Inspection
+    from labcal.report.page.output import PageOutput
 
 
 def measure(
     pictures: "AnyPictures",
     target: AnyTarget | AnyPath | None = None,
     settings: "DetectSettings | None" = None,
-    tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
+    tone_curve: AnyToneCurve | AnyPath = ToneCurve.LINEAR,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> "list[Measurement]":
@@ -33,8 +36,9 @@ def measure(
         What the pictures show; a shoot brings its own.
     settings : DetectSettings, optional
         Thresholds, sizes and counts of the detector; the defaults where left out.
-    tone_curve : str or AnyToneCurve
-        The camera's, which is undone first.
+    tone_curve : str, path or AnyToneCurve
+        The camera's, which is undone first: by itself, by name, or as a CSV file with the columns `value`
+        and `light`.
     workers : int
         Processes at work; the results are the same for any number.
     progress : Progress, optional
@@ -59,20 +63,22 @@ def measure(
     """
     from labcal.correspond.measure import measure_pictures
     from labcal.correspond.picture_set import open_pictures
+    from labcal.detect.settings import DetectSettings
     from labcal.run.executor import open_executor
 
-    curve = find_tone_curve(tone_curve) if isinstance(tone_curve, str) else tone_curve
+    curve, receiver = find_tone_curve(tone_curve), progress_of(progress)
+    how = settings_of(settings, DetectSettings)
     opened = open_pictures(pictures)
     shown = opened.target(target)
     with open_executor(workers) as executor:
-        return measure_pictures(opened.sources, shown, executor, progress or NoProgress(), curve, settings)
+        return measure_pictures(opened.sources, shown, executor, receiver, curve, how)
 
 
 def detect(
     pictures: "AnyPictures",
     target: AnyTarget | AnyPath | None = None,
     settings: "DetectSettings | None" = None,
-    tone_curve: str | AnyToneCurve = ToneCurve.LINEAR,
+    tone_curve: AnyToneCurve | AnyPath = ToneCurve.LINEAR,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> Detections:
@@ -114,6 +120,8 @@ def inspect(
     settings: "DetectSettings | None" = None,
     workers: int = 1,
     progress: Progress | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> "Inspection":
     """Return pictures at a glance: exposure, sharpness and dots of each, and a contact sheet of all.
 
@@ -121,6 +129,8 @@ def inspect(
     ----------
     pictures, target, settings, workers, progress
         As of :func:`measure`.
+    page : path, optional
+        A page to write, ``.html``, with all pictures and figures.
 
     Returns
     -------
@@ -131,6 +141,8 @@ def inspect(
     ------
     InputError
         There are no such pictures, the target is not known, or no picture could be read at all.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -145,7 +157,14 @@ def inspect(
     from labcal.correspond.picture_set import open_pictures
     from labcal.report.inspection import inspection
 
-    opened, progress = open_pictures(pictures), progress or NoProgress()
+    opened, progress = open_pictures(pictures), progress_of(progress)
+    output = claimed_page(page, opened.given, opened.sources)
     shown = opened.target(target)
     measurements = measure(opened, shown, settings, workers=workers, progress=progress)
-    return inspection(opened, measurements, shown, progress)
+    found = inspection(opened, measurements, shown, progress)
+    if output is not None:
+        from labcal.report.inspection_page import inspection_page
+
+        given = {"pictures": opened.given, "target": target, "page": output.path}
+        output.write(inspection_page(found, page_maker(output, "inspect", given)))
+    return found

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from labcal.arguments import settings_of, truth_value
 from labcal.cameras.rig import Rig
+from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
-from labcal.run.progress import NoProgress, Progress
+from labcal.run.progress import Progress, progress_of
 
 if TYPE_CHECKING:
     from labcal.cameras.interop.conversion import Conversion, ConvertSettings
@@ -59,7 +61,10 @@ def convert(
     from labcal.correspond.paths_read import paths_read
 
     given = [inputs] if isinstance(inputs, str) or not isinstance(inputs, Sequence) else inputs
-    paths, place, settings = [as_path(one) for one in given], as_path(output), settings or ConvertSettings()
+    paths, place = [as_path(one) for one in given], as_path(output)
+    settings, force = settings_of(settings, ConvertSettings), truth_value(force, "force")
+    if not paths:
+        raise InputError("No file is given. Give `inputs`: a file, one a camera, or a folder.")
     converted = convert_detections if is_of_detections([*paths, place]) else convert_cameras
     return converted(paths, place, settings, paths_read([*paths, settings.target]), force=force)
 
@@ -111,6 +116,5 @@ def undistort(
     opened = open_pictures(pictures)
     given = [None if isinstance(model, Rig) else model, *opened.given]
     read, place = paths_read(given, opened.sources), as_path(folder)
-    return undistort_pictures(
-        rig, opened, place, settings or UndistortSettings(), read, progress or NoProgress()
-    )
+    how = settings_of(settings, UndistortSettings)
+    return undistort_pictures(rig, opened, place, how, read, progress_of(progress))

@@ -1,31 +1,38 @@
 """Points from dots, and how far off they are."""
 
+import os
 from collections.abc import Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from labcal.arguments import texts
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.dot_source import DotSource, open_dots
 from labcal.correspond.points import Points
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.pages import claimed_page, page_maker
+from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
-from labcal.targets.catalogue import AnyTarget, load_target
-from labcal.targets.places import DotPlaces
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces, is_places, read_places
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.reconstruct.reconstruction import Reconstruction
+    from labcal.report.page.output import PageOutput
 
 
 def reconstruct(
     model: Model | Rig | AnyPath,
-    detections: Detections | AnyPath,
+    detections: Detections | Shoot | AnyPath,
     target: Target | AnyPath | None = None,
+    progress: Progress | None = None,
 ) -> "Reconstruction":
     """Return the points of all dots that every camera measured.
 
@@ -33,10 +40,12 @@ def reconstruct(
     ----------
     model : Model, Rig or path
         A fitted method or cameras, or the file of them.
-    detections : Detections or path
-        Dots, or the table of them.
+    detections : Detections, Shoot or path
+        Dots, or the table of them; or a shoot or its folder, in whose pictures they are found.
     target : Target or str, optional
-        What the dots are of, so that centroids give centres.
+        What the dots are of, so that centroids give centres; a shoot brings its own.
+    progress : Progress, optional
+        Of the detection.
 
     Returns
     -------
@@ -61,11 +70,38 @@ def reconstruct(
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
-    shown = target if target is None or isinstance(target, Target) else load_target(target)
-    dots = dots_of(detections, None)
+    receiver = progress_of(progress)
+    given = DotSource(None, detections) if isinstance(detections, Detections) else open_dots(detections)
+    shown = None if target is None and given.shoot is None else _reconstructed_target(given, target)
+    dots = dots_of(given.table, given.shoot, receiver)
     found = reconstruct_centres(used, dots, shown)
     known = None if shown is None else shown.name
     return replace(found, warnings=reconstruction_warnings(used, dots, found, known))
+
+
+def _reconstructed_target(given: DotSource, target: Target | AnyPath | None) -> Target:
+    """Return the target of dots: places that were found are one, too."""
+    return target if isinstance(target, Target) else given.target(target)
+
+
+def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPlaces:
+    """Return what points are of: a shoot, a target or the places of its dots, by their path, too."""
+    if isinstance(source, str | os.PathLike) and os.fspath(source) and is_places(source):
+        return read_places(source)
+    return shown_by(source)
+
+
+def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Collection[str] | None:
+    """Return the views that points come from; None where they are not known."""
+    from labcal.reconstruct.reconstruction import calibration_views
+
+    if rig is None:
+        return None
+    if isinstance(rig, Rig | Model):
+        return rig.calibrated_on or None
+    if isinstance(rig, str | os.PathLike) or not isinstance(rig, Collection):
+        return calibration_views(as_path(rig)) or None
+    return texts(rig, "rig")
 
 
 def evaluate(
@@ -74,6 +110,8 @@ def evaluate(
     detections: Detections | AnyPath | None = None,
     alignment: "Alignment | None" = None,
     rig: Rig | Model | Collection[str] | AnyPath | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> "TruthErrors | LengthErrors":
     """Return the errors of points in mm, against the truth where a shoot has one, else against lengths.
 
@@ -82,7 +120,7 @@ def evaluate(
     points : Points or path
     source : Shoot, AnyTarget, DotPlaces, path or str
         The shoot that the points are of, or its folder; or, to compare with the target's own lengths, the
-        target or its name, or the places of its dots (``RIG-dots.json``).
+        target or its name, or the places of its dots or their file (``RIG-dots.json``).
     detections : Detections or path, optional
         What the points came from; gives the limit of triangulation.
     alignment : {"none", "rigid"}, optional
@@ -90,6 +128,8 @@ def evaluate(
     rig : Rig, Model, path or collection of str, optional
         What the points were reconstructed with, or the views that it was calibrated from: these are not
         scored, or are said to be.
+    page : path, optional
+        A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
     Returns
     -------
@@ -100,6 +140,8 @@ def evaluate(
     ------
     InputError
         The points are not of that target or shoot, or something is given that needs a truth.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -107,30 +149,58 @@ def evaluate(
     >>> pipeline.evaluate(examples.points(), examples.TARGET)
     LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
     """
-    from labcal.cameras.rig import Rig
     from labcal.correspond.points_csv import read_points
+    from labcal.evaluate.against_truth import ALIGNMENTS
+
+    output = claimed_page(page, [points, source, detections, rig])
+    if alignment is not None and alignment not in ALIGNMENTS:
+        raise UnknownNameError("alignment", alignment, ALIGNMENTS)
+    shown = source if isinstance(source, DotPlaces) else _scored_by(source)
+    _refuse_without_truth(shown, detections, alignment)
+    found = points if isinstance(points, Points) else read_points(as_path(points))
+    errors = _errors(found, shown, detections, alignment, rig)
+    if output is not None:
+        from labcal.pipeline.surroundings import surroundings
+        from labcal.report.evaluation_page import evaluation_page
+
+        given = {"points": points, "source": source, "detections": detections, "alignment": alignment}
+        maker = page_maker(output, "evaluate", {**given, "rig": rig, "page": output.path})
+        target = shown.target if isinstance(shown, Shoot) else shown
+        output.write(evaluation_page(errors, found, target, surroundings(errors, shown, rig), maker))
+    return errors
+
+
+def _refuse_without_truth(
+    shown: Shoot | AnyTarget | DotPlaces,
+    detections: Detections | AnyPath | None,
+    alignment: "Alignment | None",
+) -> None:
+    """Raise where something is given that needs a truth, and there is none."""
+    from labcal.shoot.truth import has_truth
+
+    if isinstance(shown, Shoot) and has_truth(shown.folder):
+        return
+    for name, given in (("detections", detections), ("alignment", alignment)):
+        if given is not None:
+            raise InputError(
+                f"`{name}` goes with the truth of a rendered shoot, which is not given here. Leave it out."
+            )
+
+
+def _errors(
+    found: Points,
+    shown: Shoot | AnyTarget | DotPlaces,
+    detections: Detections | AnyPath | None,
+    alignment: "Alignment | None",
+    rig: Rig | Model | Collection[str] | AnyPath | None,
+) -> "TruthErrors | LengthErrors":
+    """Return the errors of points; as :func:`evaluate`."""
     from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews
-    from labcal.reconstruct.reconstruction import calibration_views
     from labcal.shoot.truth import has_truth
 
-    shown = source if isinstance(source, DotPlaces) else shown_by(source)
-    if not (isinstance(shown, Shoot) and has_truth(shown.folder)):
-        for name, given in (("detections", detections), ("alignment", alignment)):
-            if given is not None:
-                raise InputError(
-                    f"`{name}` goes with the truth of a rendered shoot, which is not given here. "
-                    "Leave it out."
-                )
-    found = points if isinstance(points, Points) else read_points(as_path(points))
-    learned: Collection[str] | None
-    if isinstance(rig, Rig | Model):
-        learned = rig.calibrated_on or None
-    elif rig is None or (isinstance(rig, Collection) and not isinstance(rig, str)):
-        learned = rig
-    else:
-        learned = calibration_views(as_path(rig)) or None
+    learned = _calibration_views_of(rig)
     if not isinstance(shown, Shoot):
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):

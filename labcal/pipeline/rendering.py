@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from labcal.arguments import settings_of, texts
 from labcal.paths import AnyPath, as_path
-from labcal.run.progress import NoProgress, Progress
+from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 
 if TYPE_CHECKING:
@@ -55,5 +56,6 @@ def render(
     from labcal.render.shoot import RenderSettings, render_shoot
     from labcal.scene.catalogue import load_scene
 
-    loaded = load_scene(scene, tuple(overrides))
-    return render_shoot(loaded, as_path(folder), settings or RenderSettings(), progress or NoProgress())
+    how, receiver = settings_of(settings, RenderSettings), progress_of(progress)
+    loaded = load_scene(scene, texts(overrides, "overrides"))
+    return render_shoot(loaded, as_path(folder), how, receiver)

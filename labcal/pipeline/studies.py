@@ -2,8 +2,9 @@
 
 from typing import TYPE_CHECKING
 
+from labcal.arguments import one_text, settings_of
 from labcal.paths import AnyPath, as_path
-from labcal.run.progress import NoProgress, Progress
+from labcal.run.progress import Progress, progress_of
 
 if TYPE_CHECKING:
     from labcal.bench.settings import BenchSettings
@@ -44,9 +45,10 @@ def reproduce(
     from labcal.paper.reproduce import ReproduceSettings, reproduce
     from labcal.run.claims import FolderOutput, claim_outputs
 
-    place, settings = as_path(folder), settings or ReproduceSettings()
+    place, settings = as_path(folder), settings_of(settings, ReproduceSettings)
+    receiver = progress_of(progress)
     claim_outputs([FolderOutput(place)], (), force=settings.force)
-    return reproduce(place, settings, progress or NoProgress())
+    return reproduce(place, settings, receiver)
 
 
 def bench(
@@ -87,4 +89,5 @@ def bench(
     from labcal.bench.benchmarks import run_benchmark
     from labcal.bench.settings import BenchSettings
 
-    return run_benchmark(what, as_path(folder), settings or BenchSettings(), progress or NoProgress())
+    how, receiver = settings_of(settings, BenchSettings), progress_of(progress)
+    return run_benchmark(one_text(what, "what"), as_path(folder), how, receiver)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from labcal.arguments import set_checked, truth_value, whole_number
 from labcal.cameras.record import CameraRecord, matrix4_record
-from labcal.errors import InputError, WorkerError
+from labcal.errors import WorkerError
 from labcal.paths import AnyPath, as_path
 from labcal.render.irradiance import Case
 from labcal.render.picture import Job, render_picture
@@ -58,6 +59,22 @@ class RenderSettings:
     force: bool = False
     """Replace a shoot that is there already."""
 
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, or a number is too small.
+        """
+        optional = {name: getattr(self, name) for name in ("spp", "views")}
+        numbers = {
+            **{n: None if value is None else whole_number(value, n, 1) for n, value in optional.items()},
+            "seed": whole_number(self.seed, "seed", 0),
+            "workers": whole_number(self.workers, "workers", 1),
+        }
+        set_checked(self, {**numbers, "force": truth_value(self.force, "force")})
+
 
 def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progress: Progress) -> Shoot:
     """Render a scene into a new shoot folder.
@@ -93,10 +110,6 @@ def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progre
     folder = as_path(folder)
     if settings.spp is not None:
         scene = scene.with_spp(settings.spp)
-    if settings.views is not None and settings.views < 1:
-        raise InputError(f"The number of views must be at least 1, but is {settings.views}.")
-    if settings.workers < 1:
-        raise InputError(f"The number of workers must be at least 1, but is {settings.workers}.")
     command = _command(scene, settings)
     if not settings.force and is_finished(folder, command):
         return open_shoot(folder)

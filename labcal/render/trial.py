@@ -37,7 +37,7 @@ def try_render() -> str:
             f"A trial picture of {_SIDE} x {_SIDE} pixels took more than {_SECONDS:g} s."
         ) from error
     if done.returncode != 0:
-        said = done.stderr.strip().splitlines() or ["nothing was said"]
+        said = done.stderr.strip().splitlines() or ["there was no message"]
         # A library that aborts tells the reason first, Python tells it last.
         reason = said[0] if done.returncode < 0 else said[-1]
         raise DeviceError(

@@ -21,10 +21,30 @@ def write_overlays(
 ) -> None:
     """Write each picture that could be read with its dots drawn in, as ``<view>_<camera>.png``.
 
+    Parameters
+    ----------
+    folder : path
+        The folder to appear.
+    measurements : sequence of Measurement
+        As :func:`labcal.pipeline.measure` returns them; their pictures are read again.
+    target : AnyTarget
+        What the pictures show.
+    force : bool
+        Replace a folder of such pictures.
+
     Raises
     ------
     OutputError
         The folder may not be made.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from labcal import examples, pipeline
+    >>> shoot = examples.shoot("shoot", views=1)
+    >>> pipeline.write_overlays("overlays", pipeline.measure(shoot), shoot.target)
+    >>> sorted(path.name for path in Path("overlays").glob("*.png"))
+    ['hand-0_left.png', 'hand-0_right.png']
     """
     folder = as_path(folder)
     command = overlay_command([found.source for found in measurements])

@@ -6,6 +6,7 @@ from typing import TypeVar
 from pydantic import BaseModel
 
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path
 from labcal.run.file_reading import MOST_OF_A_DOCUMENT, read_text
 from labcal.run.json_reading import json_content, read_json
 from labcal.wording import shown
@@ -13,7 +14,7 @@ from labcal.wording import shown
 Document = TypeVar("Document", bound=BaseModel)
 
 
-def read_document(model: type[Document], what: str, path: Path) -> Document:
+def read_document(model: type[Document], what: str, path: AnyPath) -> Document:
     """Read and check a JSON file.
 
     Parameters
@@ -22,13 +23,14 @@ def read_document(model: type[Document], what: str, path: Path) -> Document:
         What it holds.
     what : str
         What it is, for messages: ``"rig"``.
-    path : Path
+    path : path
 
     Raises
     ------
     InputError
         The file cannot be read, is something else, or comes from a newer version.
     """
+    path = as_path(path)
     text = read_text(path, what, MOST_OF_A_DOCUMENT)
     _refuse_other_kind(model, json_content(text, f"The {what} {path}"), what, path)
     return read_json(model, text, f"The {what} {path}")

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from queue import SimpleQueue
 from typing import ParamSpec, TypeVar
 
-from labcal.errors import InputError
+from labcal.arguments import whole_number
 from labcal.extras import optional_module
 from labcal.run.main_guard import end_unguarded_worker, refuse_unguarded
 from labcal.run.pool import WorkerPool
@@ -55,8 +55,7 @@ def open_executor(workers: int, scheduler: str | None = None) -> Iterator[Execut
     DeviceError
         The scheduler does not answer, or the libraries for a cluster are not installed.
     """
-    if workers < 1:
-        raise InputError(f"The number of workers must be at least 1, but is {workers}.")
+    workers = whole_number(workers, "workers", 1)
     if scheduler is not None:
         end_unguarded_worker()
         optional_module("distributed", "cluster")

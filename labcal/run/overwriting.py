@@ -5,6 +5,7 @@ import stat
 from collections.abc import Iterable
 from pathlib import Path
 
+from labcal.arguments import truth_value
 from labcal.errors import OutputError
 from labcal.run.foreign import foreign_entries
 from labcal.run.made import made_in
@@ -186,7 +187,7 @@ def _require_plain(path: Path, status: os.stat_result) -> None:
 
 def _require_leave(path: Path, status: os.stat_result, *, force: bool) -> None:
     """Raise unless the user allows replacement and the place is not write-protected."""
-    if not force:
+    if not truth_value(force, "force"):
         raise OutputError(f"{path} exists already. Choose another name, or add `force=True` to replace it.")
     if not status.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):
         raise OutputError(

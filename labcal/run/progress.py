@@ -2,6 +2,8 @@
 
 from typing import Protocol, runtime_checkable
 
+from labcal.arguments import wrong_type
+
 
 @runtime_checkable  # so that tests can check annotations
 class Progress(Protocol):
@@ -22,3 +24,18 @@ class NoProgress:
 
     def advance(self, steps: int = 1) -> None:
         """Do nothing."""
+
+
+def progress_of(given: object) -> Progress:
+    """Return the receiver that is given, or a silent one for None.
+
+    Raises
+    ------
+    InputTypeError
+        It has no methods ``start`` and ``advance``.
+    """
+    if given is None:
+        return NoProgress()
+    if isinstance(given, Progress):
+        return given
+    raise wrong_type(given, "an object with the methods start and advance", "progress")

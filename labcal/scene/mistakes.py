@@ -105,8 +105,8 @@ def _require_possible(mistake: Mistake, shooting: Shooting) -> None:
         )
     if mistake is Mistake.BOARD_TURNED and not shooting.on_stage:
         raise InputError(
-            f"The mistake '{mistake}' means nothing for a target in the hand, since nobody says how it is "
-            "held. Take a scene with a stage."
+            f"The mistake '{mistake}' means nothing for a target in the hand, whose poses are not "
+            "given. Take a scene with a stage."
         )
     if mistake in _BETWEEN_VIEWS and len(shooting.views) < 2:  # noqa: PLR2004 -- one as meant, one not
         raise InputError(

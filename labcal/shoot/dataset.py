@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labcal.arguments import choice_of
 from labcal.arrays import Pose
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
@@ -14,7 +15,7 @@ from labcal.public_object import PublicObject
 from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTarget, target_of
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -73,13 +74,33 @@ class Shoot(PublicObject):
         """Names of the cameras, in the manifest's order."""
         return tuple(self.manifest.cameras)
 
-    def views(self, role: Role | None = None) -> tuple[ViewEntry, ...]:
-        """Return the views with a role, or all."""
-        return tuple(view for view in self.manifest.views if role is None or view.role is role)
+    def views(self, role: Role | str | None = None) -> tuple[ViewEntry, ...]:
+        """Return the views with a role, ``"train"`` or ``"test"``, or all.
 
-    def showing(self, target: AnyTarget) -> "Shoot":
-        """Return the shoot with another target than the one in its manifest."""
-        return replace(self, manifest=self.manifest.model_copy(update={"target": target}))
+        Raises
+        ------
+        UnknownNameError, InputTypeError
+            There is no such role.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> [view.name for view in examples.shoot("shoot").views("test")]
+        ['hand-1']
+        """
+        wanted = None if role is None else choice_of(role, Role, "role")
+        return tuple(view for view in self.manifest.views if wanted is None or view.role is wanted)
+
+    def showing(self, target: AnyTarget | AnyPath) -> "Shoot":
+        """Return the shoot with another target, by itself or by name, than the one in its manifest.
+
+        Raises
+        ------
+        UnknownNameError, InputError, InputTypeError
+            There is no such target.
+        """
+        manifest = self.manifest.model_copy(update={"target": target_of(target)})
+        return replace(self, manifest=manifest)
 
     def nominal_poses(self) -> dict[str, Pose]:
         """Return ``T_world_target_nominal`` (mm) of the views that have one."""

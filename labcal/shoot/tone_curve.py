@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_text
 from labcal.run.tables import damaged_line, read_table
 
 HEADER = ("value", "light")
@@ -100,16 +101,26 @@ def undone(picture: Shaped[np.ndarray, "*shape"], curve: AnyToneCurve) -> Shaped
     return shone
 
 
-def find_tone_curve(text: str) -> AnyToneCurve:
-    """Return the tone curve of a name, or of a CSV file with the columns `value` and `light`.
+def find_tone_curve(given: AnyToneCurve | AnyPath) -> AnyToneCurve:
+    """Return the tone curve that is given, by itself, by name, or as a CSV file.
+
+    Parameters
+    ----------
+    given : ToneCurve, MeasuredCurve, str or path
+        The file has the columns `value` and `light`.
 
     Raises
     ------
     UnknownNameError
         It is neither a name nor a file.
+    InputTypeError
+        It is no tone curve at all.
     InputError
         The file is damaged, or its columns do not rise from (0, 0) to (1, 1).
     """
+    if isinstance(given, MeasuredCurve):
+        return given
+    text = as_text(given)
     if text.lower() in tuple(ToneCurve):
         return ToneCurve(text.lower())
     path = Path(text)

@@ -1,14 +1,16 @@
 """Targets by name, or from a YAML file of one's own."""
 
+from os import PathLike
 from typing import Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator
 
-from labcal.errors import InputError, UnknownNameError
+from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.paths import AnyPath, as_text
 from labcal.run.descriptions import description_content, description_names, validate_description
 from labcal.targets.registry import PLAIN, TargetKind, kind_by_name, target_kinds
 from labcal.targets.target import PrintableTarget
+from labcal.wording import shown
 
 FOLDER = "calib_targets"
 
@@ -42,6 +44,26 @@ AnyTarget = Annotated[PrintableTarget, PlainValidator(_described), PlainSerializ
 def target_names() -> list[str]:
     """Return the names of the targets that labcal ships, sorted."""
     return description_names(FOLDER)
+
+
+def target_of(given: AnyTarget | AnyPath) -> AnyTarget:
+    """Return the target that is given, by itself, by name or by the path of a YAML file.
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        As of :func:`load_target`.
+    InputTypeError
+        It is no target at all.
+    """
+    if isinstance(given, PrintableTarget):
+        return given
+    if isinstance(given, str | PathLike):
+        return load_target(given)
+    raise InputTypeError(
+        f"A target is an object, a name or the path of a YAML file, but {shown(given)} of type "
+        f"{type(given).__name__} was given."
+    )
 
 
 def load_target(name: AnyPath) -> AnyTarget:

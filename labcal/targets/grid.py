@@ -127,7 +127,7 @@ class DotGrid(BaseModel):
             if outer is not None or inner is not None:
                 raise ValueError(
                     "ring_outer_diameter_mm and ring_inner_diameter_mm mean nothing without rings: leave "
-                    "them out, or say where the rings are"
+                    "them out, or state where the rings are"
                 )
             return
         if self.layout is Layout.ASYMMETRIC:

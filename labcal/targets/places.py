@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_validator
 
+from labcal.arguments import object_of
 from labcal.arrays import Vectors3
 from labcal.bounds import MOST_MM, Millimetres
 from labcal.geometry.covariances import valid_or_not_stated
@@ -16,6 +17,7 @@ from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
 from labcal.targets.catalogue import AnyTarget
 
+_BEGINNING_BYTES = 64
 KIND = beginning_with("a RIG-dots.json", b'{\n  "format": "labcal-dots"')
 
 
@@ -93,6 +95,15 @@ class DotPlaces(BaseModel):
             )  # fmt: skip
         return cls(target=target, dots=tuple(dots))
 
+    @classmethod
+    def load(cls, path: AnyPath) -> "DotPlaces":
+        """Read ``RIG-dots.json``; as :func:`read_places`, which lists its errors."""
+        return read_places(path)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write ``RIG-dots.json``; as :func:`write_places`, which lists its errors."""
+        write_places(path, self, force=force)
+
     def points(self) -> Vectors3:
         """Return the places in the order of the target's indices, mm, shape (dots, 3)."""
         return np.array([[dot.x_mm, dot.y_mm, dot.z_mm] for dot in self.dots])
@@ -117,7 +128,17 @@ def write_places(path: AnyPath, places: DotPlaces, *, force: bool = False) -> No
     OutputError
         It exists and `force` is not set, or it cannot be written.
     """
+    places = object_of(places, DotPlaces, "places")
     write_file(as_path(path), places.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
+
+
+def is_places(path: AnyPath) -> bool:
+    """Tell whether a path is that of a file of places, by its beginning."""
+    place = as_path(path)
+    if not place.is_file():
+        return False
+    with place.open("rb") as file:
+        return b'"labcal-dots"' in file.read(_BEGINNING_BYTES)
 
 
 def read_places(path: AnyPath) -> DotPlaces:

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
+from inspect import signature
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from labcal.errors import InputError, InputTypeError, UnknownNameError
-from labcal.run.names import is_name
+from labcal.run.registration import require_members, require_own_name
+from labcal.run.user_code import Place, imported, user_code
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.grid import DotGrid
 from labcal.targets.target import PrintableTarget, Target
@@ -18,6 +19,9 @@ PLAIN = "dots"
 
 Part = Callable[..., Any] | str
 """A function, or where it is (``package.module:function``): imported when it is first used."""
+_PLACE = Place("function", "package.module:function", "function", callable)
+_PARTS = {"detector": ("grey", "target", "settings"), "outlines": ("target",)}
+"""The parts of a kind that are functions, with their arguments."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +35,7 @@ class TargetKind:
     model : type
         The description: a pydantic model that is a :class:`~labcal.targets.target.PrintableTarget`.
     detector : callable or str
-        Takes a grey picture (float64, shape (h, w)), the target and
+        Takes a grey picture (float32, shape (h, w)), the target and
         :class:`~labcal.detect.settings.DetectSettings`; returns :class:`~labcal.detect.dots.PictureDots`.
     outlines : callable or str
         Takes the target; returns all that is printed on it as one ``matplotlib.path.Path``, mm in the
@@ -93,24 +97,28 @@ def kind_of(target: object) -> TargetKind:
     )
 
 
-def function_of(part: Part) -> Callable[..., Any]:
-    """Return a part of a kind as a function.
+def run_part(kind: TargetKind, name: str, *given: object) -> Any:  # noqa: ANN401 -- of any kind
+    """Return what a part of a kind, its detector or its outlines, makes of the arguments.
 
     Raises
     ------
-    InputError
-        There is no function at the place that a text names.
+    UnknownNameError, InputError
+        There is no function at the place that a text names; or it is a user's, and fails.
     """
-    if not isinstance(part, str):
-        return part
-    module, _, name = part.partition(":")
-    try:
-        found: Callable[..., Any] = getattr(import_module(module), name)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise InputError(
-            f"'{part}' names no function: it should be package.module:function ({error})."
-        ) from error
-    return found
+    part: Part = getattr(kind, name)
+    function = imported(part, _PLACE) if isinstance(part, str) else part
+    what = f"The kind of target '{kind.name}': its '{name}'"
+    if not callable(function):
+        raise InputError(f"{what} should be a function, or where one is, but is {part!r:.80}.")
+    if kind in _SHIPPED:
+        return function(*given)
+    with user_code(what):
+        return function(*given)
+
+
+def is_shipped(kind: TargetKind) -> bool:
+    """Tell whether a kind is one of labcal's own."""
+    return kind in _SHIPPED
 
 
 def register_target(kind: TargetKind) -> TargetKind:
@@ -128,25 +136,69 @@ def register_target(kind: TargetKind) -> TargetKind:
     Raises
     ------
     InputTypeError
-        Its model lacks something that a target has.
+        It is no kind; its model is no class of pydantic's, or lacks something that a target has.
     InputError
-        Its name is that of a kind of labcal, or no name; or its model has no key `kind`.
+        Its name is that of a kind of labcal, capital letters apart, or no name; its model has no key `kind`
+        with this name, or is that of another kind; or a part is no function of so many arguments.
     """
-    if not is_name(kind.name):
-        raise InputError(f"A kind needs a name of letters, digits and hyphens, but has {kind.name!r:.80}.")
-    if any(kind.name == shipped.name for shipped in _SHIPPED):
-        raise InputError(f"'{kind.name}' is a kind of labcal's already. Give it another name.")
-    fields = kind.model.model_fields
-    parts = [name for one in (Target, PrintableTarget) for name in vars(one) if not name.startswith("_")]
-    missing = [name for name in dict.fromkeys(parts) if not (name in fields or hasattr(kind.model, name))]
-    if missing:
+    if not isinstance(kind, TargetKind):
+        raise InputTypeError(f"What is registered should be a TargetKind, not {type(kind).__name__}.")
+    own = _KINDS.keys() - {shipped.name for shipped in _SHIPPED}
+    require_own_name("kind of target", kind.name, [shipped.name for shipped in _SHIPPED], own)
+    _require_model(kind)
+    for name, form in _PARTS.items():
+        _require_part(kind, name, form)
+    _KINDS[kind.name] = kind
+    return kind
+
+
+def _require_model(kind: TargetKind) -> None:
+    """Raise unless the model of a kind describes targets, and those of this kind alone."""
+    if not (isinstance(kind.model, type) and issubclass(kind.model, BaseModel)):
         raise InputTypeError(
-            f"The model of '{kind.name}' is no target: it lacks {', '.join(sorted(missing))}."
+            f"The model of '{kind.name}' should be a class of pydantic's BaseModel, not {kind.model!r:.80}."
         )
+    fields = kind.model.model_fields
+    require_members(f"The model of '{kind.name}' is no target", kind.model, (Target, PrintableTarget), fields)
     if "kind" not in fields:
         raise InputError(
             f"Descriptions of '{kind.name}' are recognised by their key 'kind', which its model lacks: give "
             f"it kind: Literal['{kind.name}']."
         )
-    _KINDS[kind.name] = kind
-    return kind
+    if not _accepts_its_name(kind):
+        raise InputError(
+            f"Descriptions of '{kind.name}' state this name under their key 'kind', which its model refuses: "
+            f"give it kind: Literal['{kind.name}']."
+        )
+    for other in _KINDS.values():
+        if other.model is kind.model and other.name != kind.name:
+            raise InputError(
+                f"The model {kind.model.__name__} of '{kind.name}' is that of the kind '{other.name}', from "
+                "which it could not be told apart. Give it a class of its own."
+            )
+
+
+def _accepts_its_name(kind: TargetKind) -> bool:
+    """Tell whether the name of a kind is a value of its model's key `kind`."""
+    with user_code(f"The model of '{kind.name}'"):
+        try:
+            kind.model.model_validate({"kind": kind.name})
+        except ValidationError as error:
+            return not any(fault["loc"][:1] == ("kind",) for fault in error.errors())
+    return True
+
+
+def _require_part(kind: TargetKind, name: str, form: tuple[str, ...]) -> None:
+    """Raise where a part is seen to be no function of its arguments; a text is looked up when it is used."""
+    part = getattr(kind, name)
+    if isinstance(part, str):
+        return
+    wanted = f"should be a function of ({', '.join(form)})"
+    if not callable(part):
+        raise InputError(f"The kind of target '{kind.name}': its '{name}' {wanted}, but is {part!r:.80}.")
+    try:
+        signature(part).bind(*form)
+    except ValueError:  # one without a signature, as of compiled code
+        return
+    except TypeError as error:
+        raise InputError(f"The kind of target '{kind.name}': its '{name}' {wanted} ({error}).") from error

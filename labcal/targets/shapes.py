@@ -3,18 +3,31 @@
 import numpy as np
 from matplotlib.path import Path as Outline
 
+from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 from labcal.targets.grid import DotGrid
-from labcal.targets.registry import function_of, kind_of
+from labcal.targets.registry import kind_of, run_part
 
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 
 
 def printed_outlines(target: AnyTarget) -> Outline:
-    """Return the outlines of all that is printed on the bare board, as the target's kind has them."""
-    outlines: Outline = function_of(kind_of(target).outlines)(target)
+    """Return the outlines of all that is printed on the bare board, as the target's kind has them.
+
+    Raises
+    ------
+    InputError
+        The kind is a user's, and fails or returns no path.
+    """
+    kind = kind_of(target)
+    outlines = run_part(kind, "outlines", target)
+    if not (isinstance(outlines, Outline) and np.isfinite(outlines.vertices).all()):
+        raise InputError(
+            f"The kind of target '{kind.name}': its 'outlines' should return a matplotlib.path.Path of "
+            f"finite places, not {type(outlines).__name__}."
+        )
     return outlines
 
 

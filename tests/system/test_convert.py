@@ -72,7 +72,7 @@ def test_wrong_use_of_convert(labcal: Run, rig: Path, tmp_path: Path) -> None:
         ((rig, tmp_path / "a.yaml"), "--to FORMAT"),
         ((rig, tmp_path / "a.yaml", "--to", "kalib"), "Did you mean 'kalibr'"),
         ((tmp_path / "none.xml", tmp_path / "a.json"), "No such file"),
-        ((rig, tmp_path / "a.json", "--only", "middle"), "no camera 'middle'"),
+        ((rig, tmp_path / "a.json", "--only", "middle"), "no camera in the rig named 'middle'"),
         ((rig, tmp_path / "nowhere" / "a.json"), "Create it first"),
         ((rig, tmp_path / "a.vnl"), "detections.csv"),
         ((tmp_path / "a.csv", tmp_path / "a.vnl"), "--target"),

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 from labcal import examples, load_target
+from labcal.cameras.interop.conversion import ConvertSettings, convert_cameras
 from labcal.cameras.interop.registry import format_by_name, format_to_write
 from labcal.cameras.interop.rig_files import read_rig_files, rig_outputs, write_rig_files
+from labcal.cameras.rig import Rig
+from labcal.correspond.interop.conversion import convert_detections
 from labcal.errors import InputError
-from labcal.paths import as_text
+from labcal.paths import as_path, as_text
 from labcal.report.reproduction import read_reproduction
+from labcal.run.documents import read_document
 from labcal.scene.catalogue import load_scene
 from labcal.shoot.exr import read_exr, read_exr_texts, write_exr
 from labcal.shoot.pictures import (
@@ -94,3 +98,26 @@ def test_a_path_that_says_that_it_is_one_is_not_taken_for_a_name() -> None:
     assert as_text("./rings-10x8") == "./rings-10x8"
     with pytest.raises(InputError):
         load_target("./rings-10x8")
+
+
+def test_documents_and_conversions_take_any_path(given: Given, tmp_path: Path) -> None:
+    examples.rig().save(given(tmp_path / "rig.json"))
+    assert read_document(Rig, "rig", given(tmp_path / "rig.json")) == examples.rig()
+    settings = ConvertSettings(to_format="opencv")
+    made = convert_cameras(
+        [given(tmp_path / "rig.json")], given(tmp_path / "a.yml"), settings, [], force=False
+    )
+    assert made.files == [str(tmp_path / "a.yml")]
+    examples.detections().save(given(tmp_path / "dots.csv"))
+    target = ConvertSettings(target=given(Path(examples.TARGET)))
+    made = convert_detections(
+        [given(tmp_path / "dots.csv")], given(tmp_path / "a.vnl"), target, [], force=False
+    )
+    assert made.files == [str(tmp_path / "a.vnl")]
+
+
+@pytest.mark.parametrize("path", ["", "a\0b", "x" * 300, Path("x" * 300), Path("folder") / ("x" * 256)])
+def test_a_path_that_no_file_can_have_is_refused(path: str | Path) -> None:
+    with pytest.raises(InputError, match="path"):
+        as_path(path)
+    assert as_path("x" * 255).name == "x" * 255

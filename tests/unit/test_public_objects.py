@@ -1,6 +1,9 @@
 """Tables, rigs and cameras as a notebook has them: compared, shown, saved, turned into tables and drawn."""
 
+import copy
+import pickle
 import sys
+from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -9,7 +12,7 @@ import pytest
 from jaxtyping import TypeCheckError
 from matplotlib.figure import Figure
 
-from labcal import examples
+from labcal import examples, load_target, pipeline
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import epipolar_distances, triangulation_limit
@@ -246,3 +249,44 @@ def test_limits_and_distances_take_lists_and_refuse_other_shapes(points: Points)
         epipolar_distances(*cameras, q[0], q[1][:2])
     with pytest.raises(InputError, match=r"true must have the shape \(1, 3\)"):
         error_statistics([[1, 0, 0]], [[0, 0, 0], [0, 0, 0]])
+
+
+def test_an_object_is_not_changed_by_what_it_was_made_of_nor_in_place(points: Points) -> None:
+    def changed(array: np.ndarray) -> None:
+        array[...] = "x" if array.dtype.kind == "U" else 1
+
+    for made in (examples.detections(), points, examples.rig().camera("left")):
+        arrays = [one.name for one in fields(made) if isinstance(getattr(made, one.name), np.ndarray)]
+        given = {name: getattr(made, name).copy() for name in arrays}
+        same = replace(made, **given)
+        for name in arrays:
+            changed(given[name])
+            with pytest.raises(ValueError, match="read-only"):
+                changed(getattr(same, name))
+        assert same == made
+
+
+def test_a_camera_projects_the_same_whatever_becomes_of_its_matrix() -> None:
+    matrix, pose = np.array(K, dtype=np.float64), np.eye(4)
+    camera = Camera(matrix, "brown5", [0.1, 0, 0, 0, 0], pose, (640, 480))
+    before = camera.project([10, 20, 500]).q
+    matrix[0, 0], pose[0, 3] = 1.0, 300.0
+    np.testing.assert_array_equal(camera.project([10, 20, 500]).q, before)
+    with pytest.raises(ValueError, match="read-only"):
+        camera.centre[0] = 7.0
+
+
+def _pickled(one: object) -> object:
+    """Return an object as another process would receive it."""
+    return pickle.loads(pickle.dumps(one))  # noqa: S301 -- it was pickled here
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, _pickled])
+def test_a_copy_is_equal(copied: Callable[[object], object], points: Points, tmp_path: Path) -> None:
+    shoot, target = examples.shoot(tmp_path / "shoot", views=1), load_target(examples.TARGET)
+    training = pipeline.training_of(target, examples.detections(), pipeline.FitSettings(lens="brown5"))
+    pictures = pipeline.open_pictures(shoot)
+    for one in (spoilt(), points, examples.rig(), examples.rig().camera("left"), shoot, training, pictures):
+        assert copied(one) == one
+    assert repr(training) == "Training(cameras=['left', 'right'], views=8, points=704, warnings=0)"
+    assert repr(pictures) == "PictureSet(name=shoot, pictures=2, cameras=['left', 'right'])"

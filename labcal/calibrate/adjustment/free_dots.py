@@ -87,7 +87,7 @@ def adjust_dots(
         covariance=covariance.reshape(target.count, 3, target.count, 3),
         pictures=pictures,
         freed=movable,
-        held=hold.parts,
+        constrained=hold.parts,
     )
     return DotsAdjusted(adjusted, entering, dots)
 

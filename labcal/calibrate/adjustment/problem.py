@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.blocks import Blocks, Slopes, assemble
-from labcal.calibrate.adjustment.held import Held
+from labcal.calibrate.adjustment.datum_constraints import DatumConstraints
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.prior_term import NO_PRIOR, LensPrior
 from labcal.calibrate.adjustment.schur import Reduced
@@ -46,8 +46,8 @@ class AdjustmentProblem:
         """Return the normal equations at a state."""
         layout = Layout(parameters, self.freedom)
         blocks = assemble(layout, self.observations, self.loss)
-        held = Held.of(layout, self.observations)
-        return ViewsEliminated(self, layout, held.applied(self.prior.added(blocks, layout)), held)
+        datum = DatumConstraints.of(layout, self.observations)
+        return ViewsEliminated(self, layout, datum.applied(self.prior.added(blocks, layout)), datum)
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class ViewsEliminated:
     problem: AdjustmentProblem
     layout: Layout
     blocks: Blocks
-    held: Held
+    datum: DatumConstraints
 
     @cached_property
     def reduced(self) -> Reduced | None:
@@ -94,11 +94,11 @@ class ViewsEliminated:
         return self._settled(state, _gain(self.blocks.gradient, step))
 
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
-        """Return the covariance of all shared parameters; 0 for what is held, NaN for what is left open."""
+        """Return the covariance of all shared parameters; 0 for constrained, NaN for undetermined ones."""
         if self.reduced is None:
             return np.full_like(self.blocks.shared, np.nan)
         covariance = self.reduced.shared_covariance()
-        covariance[self.held.shared] = covariance[:, self.held.shared] = 0.0
+        covariance[self.datum.shared] = covariance[:, self.datum.shared] = 0.0
         return covariance
 
     def shared_spread(self) -> Float64[np.ndarray, "shared shared"]:
@@ -106,7 +106,7 @@ class ViewsEliminated:
         if self.reduced is None:
             return np.full_like(self.blocks.shared, np.inf)
         spread = self.reduced.shared_spread()
-        spread[self.held.shared] = spread[:, self.held.shared] = 0.0
+        spread[self.datum.shared] = spread[:, self.datum.shared] = 0.0
         return spread
 
     def _settled(self, state: RigState, gain: float) -> RigState | None:
@@ -118,7 +118,7 @@ class ViewsEliminated:
         for _ in range(_POSE_STEPS):
             layout = Layout(state, still)
             blocks = assemble(layout, self.problem.observations, self.problem.loss)
-            blocks = Held.of(layout, self.problem.observations).applied(blocks)
+            blocks = DatumConstraints.of(layout, self.problem.observations).applied(blocks)
             reduced = Reduced.of(blocks)
             step = None if reduced is None else reduced.solve(blocks.gradient, _UNDAMPED)
             if step is None or not np.isfinite(step.view).all():

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from labcal.calibrate.adjustment.blocks import Blocks
-from labcal.calibrate.adjustment.held import Held
+from labcal.calibrate.adjustment.datum_constraints import DatumConstraints
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.outliers import outliers
 from labcal.calibrate.adjustment.prior_term import LensPrior
@@ -202,8 +202,8 @@ class _Standing:
                 "is the one in the pictures and that no dots are far off, or choose another lens model."
             )
         layout = Layout(state, freedom)
-        held = Held.of(layout, centroids).count
-        unknowns = layout.count + POSE * len(state.T_world_target) - held
+        constraints = DatumConstraints.of(layout, centroids).count
+        unknowns = layout.count + POSE * len(state.T_world_target) - constraints
         aside = outliers(measured, residual, state.dots, _share(unknowns, len(residual)))
         kept = Scatter.of(
             residual[~aside], measured.covariance[~aside], _share(unknowns, int((~aside).sum()))

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.arguments import one_text, set_checked, texts, whole_number, wrong_type
+from labcal.bounds import LONGEST_SIDE_PX
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.interop.exchange import ReadOptions, Unit
 from labcal.cameras.interop.registry import format_by_name, format_to_write
@@ -17,6 +19,7 @@ from labcal.cameras.interop.rig_files import (
 )
 from labcal.cameras.rig import contradiction_note
 from labcal.errors import InputError
+from labcal.paths import AnyPath, as_path, as_text
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.claims import claim_outputs
 
@@ -38,16 +41,40 @@ class ConvertSettings:
     """Determined by the ending of the output if that is clear."""
     only: Sequence[str] = ()
     """These cameras alone, in this order; all where empty."""
-    target: str | None = None
+    target: AnyPath | None = None
     """Of detections: what the pictures show."""
-    cameras: str | None = None
+    cameras: Mapping[str, str] | str | None = None
     """Of detections: cameras by the images' names, as in ``_0=left,_1=right``."""
-    size: tuple[int, int] | None = None
-    """Width and height of the pictures, px."""
+    size: tuple[int, int] | str | None = None
+    """Width and height of the pictures, px: ``(1280, 960)``, or ``"1280x960"``."""
     unit: str | None = None
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
     """Of OpenCV's files with four coefficients that do not state it: ``brown5`` or ``fisheye-kb4``."""
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, or there is no such size or unit.
+        """
+        values: dict[str, object] = {"only": texts(self.only, "only")}
+        for name in ("from_format", "to_format", "unit", "lens"):
+            given = getattr(self, name)
+            values[name] = None if given is None else one_text(given, name)
+        if self.target is not None:
+            values["target"] = as_text(self.target)
+        if self.size is not None:
+            values["size"] = _picture_size(self.size)
+        _unit(self.unit)
+        set_checked(self, values)
+
+    @property
+    def picture_size(self) -> tuple[int, int] | None:
+        """Width and height of the pictures, px, as numbers."""
+        return self.size if isinstance(self.size, tuple) else None
 
     def refuse(self, names: Iterable[str], why: str) -> None:
         """Raise where something is given that would be dropped.
@@ -92,18 +119,23 @@ class Conversion(PublicObject):
 
 
 def convert_cameras(
-    inputs: Sequence[Path], output: Path, settings: ConvertSettings, read: Iterable[Path], *, force: bool
+    inputs: Sequence[AnyPath],
+    output: AnyPath,
+    settings: ConvertSettings,
+    read: Iterable[Path],
+    *,
+    force: bool,
 ) -> Conversion:
     """Write cameras in the format of another system, or read them from one.
 
     Parameters
     ----------
-    inputs : sequence of Path
+    inputs : sequence of paths
         A file, one a camera, or a folder.
-    output : Path
+    output : path
         The file to write; of COLMAP, a folder.
     settings : ConvertSettings
-    read : iterable of Path
+    read : iterable of paths
         All files that are read, none of which is replaced.
     force : bool
         Replace what labcal wrote there.
@@ -115,11 +147,12 @@ def convert_cameras(
     OutputError
         The output may not be written.
     """
+    paths, output = [as_path(one) for one in inputs], as_path(output)
     settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
     to_format = settings.to_format
     wanted = format_by_name(to_format) if to_format else format_to_write(output)
-    given = ReadOptions(settings.size, _unit(settings.unit), settings.lens)
-    source, found = read_rig_files(list(inputs), settings.from_format, given)
+    given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens)
+    source, found = read_rig_files(paths, settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     texts = wanted.write(rig, output.suffix)
     claim_outputs(rig_outputs(output, wanted, texts), read, force=force)
@@ -140,6 +173,19 @@ def convert_cameras(
         notes=notes,
         inconsistent=[] if rig.calibration is None else list(rig.calibration.inconsistent),
     )
+
+
+def _picture_size(given: object) -> tuple[int, int]:
+    """Return a picture size that is given as a pair of numbers, or as text such as ``"1280x960"``."""
+    if isinstance(given, str):
+        given = [int(side) if side.isdecimal() else side for side in given.split("x")]
+    sides = tuple(given) if isinstance(given, Iterable) and not isinstance(given, str) else ()
+    if len(sides) != 2:  # noqa: PLR2004 -- width and height
+        raise wrong_type(given, "width and height in pixels, as in (1280, 960)", "size")
+    width, height = (whole_number(side, "size", 1) for side in sides)
+    if max(width, height) > LONGEST_SIDE_PX:
+        raise InputError(f"`size` is at most {LONGEST_SIDE_PX} px a side, but {width} x {height} was given.")
+    return (width, height)
 
 
 def _unit(name: str | None) -> Unit | None:

@@ -142,7 +142,7 @@ def _in_unit(rig: Rig, chosen: RigFormat, given: ReadOptions) -> Rig:
         if not low <= baseline <= high:
             raise InputError(
                 f"The first two cameras would be {baseline:.4g} mm apart, if lengths are in {unit.value} as "
-                f"in most files of the format '{chosen.name}'. Say what they are in: `unit='mm'` or "
+                f"in most files of the format '{chosen.name}'. State their unit: `unit='mm'` or "
                 "`unit='m'`."
             )
     return rig

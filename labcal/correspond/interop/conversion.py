@@ -10,8 +10,9 @@ from labcal.correspond.detections_csv import KIND as TABLE_KIND
 from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.correspond.interop import corners_vnl
 from labcal.correspond.interop.corners_vnl import corners_text, read_corners
-from labcal.correspond.sources import parse_camera_endings
-from labcal.errors import InputError
+from labcal.correspond.sources import camera_endings
+from labcal.errors import InputError, UnknownNameError
+from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, claim_outputs
 from labcal.run.outputs import write_file
 from labcal.shoot.pictures import read_picture
@@ -30,18 +31,23 @@ def is_of_detections(paths: Iterable[Path]) -> bool:
 
 
 def convert_detections(
-    inputs: Sequence[Path], output: Path, settings: ConvertSettings, read: Iterable[Path], *, force: bool
+    inputs: Sequence[AnyPath],
+    output: AnyPath,
+    settings: ConvertSettings,
+    read: Iterable[Path],
+    *,
+    force: bool,
 ) -> Conversion:
     """Write one ``detections.csv`` as a ``corners.vnl``, or the other way round.
 
     Parameters
     ----------
-    inputs : sequence of Path
+    inputs : sequence of paths
         One file.
-    output : Path
+    output : path
     settings : ConvertSettings
         `target` is needed.
-    read : iterable of Path
+    read : iterable of paths
         All files that are read, none of which is replaced.
     force : bool
         Replace what labcal wrote there.
@@ -54,7 +60,8 @@ def convert_detections(
     OutputError
         The output may not be written.
     """
-    ends = [path.suffix.lower() for path in (*inputs, output)]
+    paths, output = [as_path(one) for one in inputs], as_path(output)
+    ends = [path.suffix.lower() for path in (*paths, output)]
     if sorted(ends) != [TABLE, CORNERS]:
         raise InputError(
             "Detections are converted from one detections.csv to a corners.vnl, or back. Name both with "
@@ -64,21 +71,23 @@ def convert_detections(
     beside = ("cameras", "size") if ends[0] == TABLE else ("only",)
     settings.refuse(beside, f"does not apply to {ends[0]} as input")
     if settings.target is None:
-        raise InputError("Say whose dots these are: `target='NAME'` ('labcal target list' shows the names).")
+        raise InputError(
+            "Name the target of these dots: `target='NAME'` ('labcal target list' shows the names)."
+        )
     target = load_target(settings.target)
     kind = TABLE_KIND if ends[0] == CORNERS else corners_vnl.KIND
     claim_outputs([FileOutput(output, kind)], read, force=force)
     if ends[0] == CORNERS:
-        return _read(inputs[0], output, target, settings, force=force)
-    return _write(inputs[0], output, target, settings, force=force)
+        return _read(paths[0], output, target, settings, force=force)
+    return _write(paths[0], output, target, settings, force=force)
 
 
 def _read(
     path: Path, output: Path, target: AnyTarget, settings: ConvertSettings, *, force: bool
 ) -> Conversion:
     """Write the table of a ``corners.vnl``."""
-    endings = parse_camera_endings(settings.cameras) if settings.cameras else {}
-    corners = read_corners(path, target, endings, lambda image: settings.size or _size_on_disk(image))
+    endings = {} if settings.cameras is None else camera_endings(settings.cameras)
+    corners = read_corners(path, target, endings, lambda image: settings.picture_size or _size_on_disk(image))
     detections = corners.detections
     ok = int(detections.ok.sum())
     _require_points(ok, path)
@@ -141,9 +150,7 @@ def _of_cameras(cameras: list[str], wanted: list[str]) -> np.ndarray:
     """Return which lines are of the cameras that are wanted."""
     for name in wanted:
         if name not in cameras:
-            raise InputError(
-                f"The detections have no camera '{name}', only {', '.join(dict.fromkeys(cameras))}."
-            )
+            raise UnknownNameError("camera in the detections", name, dict.fromkeys(cameras))
     return np.isin(cameras, wanted)
 
 
@@ -151,8 +158,8 @@ def _size_on_disk(image: Path) -> tuple[int, int]:
     """Return the size of a picture that is at hand."""
     if not image.is_file():
         raise InputError(
-            f"The picture {image} is not at hand, so its size is not known. Say it: `size='1280x960'`, or go "
-            "to the folder that the names start from."
+            f"The picture {image} is not at hand, so its size is not known. Give it: `size='1280x960'`, or "
+            "go to the folder that the names start from."
         )
     height, width = read_picture(image).shape[:2]
     return (width, height)

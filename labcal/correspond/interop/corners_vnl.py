@@ -198,7 +198,7 @@ def _sources(images: list[str], endings: Mapping[str, str], path: Path) -> list[
         if twin is not source:
             raise InputError(
                 f"{path}: {twin.image:.80} and {source.image:.80} are both view '{source.view}' of camera "
-                f"'{source.camera}'. Tell cameras by the end of the images' names: "
+                f"'{source.camera}'. Distinguish cameras by the end of the images' names: "
                 "`cameras='_0=left,_1=right'`, or give the images different names."
             )
     return sources

@@ -98,7 +98,7 @@ def measured_corners(
     seen_at = [place if fit is None else fit.centre for place, fit in zip(rough.seen_at, fits, strict=True)]
     known = {node: k for k, node in enumerate(index) if fits[k] is not None}
     tried = dict.fromkeys(index, 9**9)
-    found = True
+    found = bool(known)  # from none there is nothing to predict
     while found:
         found = False
         predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)

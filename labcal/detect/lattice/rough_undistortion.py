@@ -67,7 +67,7 @@ class RoughUndistortion:
     def _polar(self, q: Pixels) -> tuple[np.ndarray, np.ndarray]:
         """Return the vectors from the centre, and their lengths over the focal length, nowhere zero."""
         away = q - self.centre
-        return away, np.maximum(np.linalg.norm(away, axis=-1) / self.focal, 1e-9)
+        return away, np.asarray(np.maximum(np.linalg.norm(away, axis=-1) / self.focal, 1e-9))
 
     @staticmethod
     def _radius(angle: np.ndarray) -> np.ndarray:

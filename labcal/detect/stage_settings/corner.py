@@ -1,5 +1,7 @@
 """Settings of the detection of ChArUco boards: markers, and the fit of corners."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from labcal.detect.stage_settings.stage import StageSettings
@@ -7,6 +9,8 @@ from labcal.detect.stage_settings.stage import StageSettings
 
 class CornerSettings(StageSettings):
     """Settings of corners. A square is one of the board's in the picture, a blur the deviation of an edge."""
+
+    stage: ClassVar[str] = "corner"
 
     min_picture_px: int = Field(
         32,
@@ -43,15 +47,15 @@ class CornerSettings(StageSettings):
         5e-4, gt=0, le=1, description="Step at which the fit ends. Larger: faster, less exact."
     )
     max_step_px: float = Field(
-        1.0, gt=0, le=100, description="Longest step; longer ones are shortened. Larger: may run away."
+        1.0, ge=0.001, le=100, description="Longest step; longer ones are shortened. Larger: may run away."
     )
     max_turn_rad: float = Field(
-        0.3, gt=0, le=3, description="Most turn of an edge in a step. Larger: may run away."
+        0.3, ge=0.001, le=3, description="Most turn of an edge in a step. Larger: may run away."
     )
     first_blur_px: float = Field(
-        0.8, gt=0, le=20, description="Blur to begin with. Larger: for soft pictures."
+        0.8, ge=0.05, le=20, description="Blur to begin with. Larger: for soft pictures."
     )
-    min_blur_px: float = Field(0.2, gt=0, le=5, description="Least blur. Larger: sharp edges fit worse.")
+    min_blur_px: float = Field(0.2, ge=0.01, le=5, description="Least blur. Larger: sharp edges fit worse.")
     max_blur_squares: float = Field(
         0.25, gt=0, le=1, description="Blur above which a corner is bad-fit. Larger: soft corners are kept."
     )

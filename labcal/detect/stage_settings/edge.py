@@ -3,6 +3,8 @@
 Which fits are measurements, and which are `bad-fit`, is decided by stage 4: `quality.py` beside this file.
 """
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from labcal.detect.stage_settings.stage import StageSettings
@@ -10,6 +12,8 @@ from labcal.detect.stage_settings.stage import StageSettings
 
 class EdgeSettings(StageSettings):
     """Settings of the edge fit. A blur is the standard deviation of the edge; radii are those of the dot."""
+
+    stage: ClassVar[str] = "edge"
 
     # Gauss-Newton.
     max_iterations: int = Field(

@@ -1,6 +1,6 @@
 """Settings of stage 2: from outlines to a lattice, and from a lattice to a numbered grid."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
@@ -12,6 +12,8 @@ _Nodes = Annotated[int, Field(ge=1, le=20)]
 
 class GridSettings(StageSettings):
     """Settings of the grid. A step is the distance to the next node there, in the picture."""
+
+    stage: ClassVar[str] = "grid"
 
     min_dots: int = Field(
         9, ge=4, le=1000, description="Fewest dots of a grid. Larger: small parts are refused."

@@ -1,5 +1,7 @@
 """Settings of stage 4: flags of dots and refusals of pictures."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from labcal.detect.stage_settings.stage import StageSettings
@@ -7,6 +9,8 @@ from labcal.detect.stage_settings.stage import StageSettings
 
 class QualitySettings(StageSettings):
     """Settings of flags and refusals. Larger limits keep more dots and pictures, and more doubtful ones."""
+
+    stage: ClassVar[str] = "quality"
 
     # Measured dots.
     max_blur_share: float = Field(

@@ -1,5 +1,7 @@
 """Settings of stage 1: the search for dark spots, and the tracing of their ellipses."""
 
+from typing import ClassVar
+
 from pydantic import Field, model_validator
 
 from labcal.detect.stage_settings.stage import StageSettings
@@ -7,6 +9,8 @@ from labcal.detect.stage_settings.stage import StageSettings
 
 class SegmentationSettings(StageSettings):
     """Settings of segmentation. Pixels "of a level" are those of the picture halved some times."""
+
+    stage: ClassVar[str] = "segmentation"
 
     # Dark spots, level by level.
     coarse_side_px: int = Field(

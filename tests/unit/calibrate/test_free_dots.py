@@ -71,7 +71,7 @@ def test_the_print_is_found(found: HandheldCalibration, grid: DotGrid, printed: 
     freed = found.freed
     assert freed is not None
     assert found.rms_px < 1.05 * np.sqrt(2) * NOISE_PX
-    assert freed.held is Constrained.NOTHING
+    assert freed.constrained is Constrained.NOTHING
     # A dot in one picture stays where it is declared.
     assert freed.freed.tolist() == [True] * 19 + [False]
     np.testing.assert_array_equal(freed.place[-1], grid.points()[-1])
@@ -114,7 +114,7 @@ def test_frontal_views_tell_no_heights(
     settings = replace(FREE, start=Rig.of(left), lenses=Lenses.FIXED)
     freed = calibrate_handheld(dots, grid, "pinhole", settings).freed
     assert freed is not None
-    assert Constrained.HEIGHTS in freed.held
+    assert Constrained.HEIGHTS in freed.constrained
     assert (freed.place[:, 2] == 0.0).all()
     assert (freed.sigma[:, 2] == 0.0).all()
 

@@ -87,7 +87,7 @@ def test_a_rig_is_found_and_its_points_are_where_they_were(centroids: See) -> No
     told = calibrated(dots, TARGET, "telecentric")
     require_found(told.found, true)
     assert any("the mirror image of this rig explains the dots as well" in one for one in told.warnings)
-    assert any("parallel rays tell no depth" in one for one in told.warnings)
+    assert any("parallel rays determine no depth" in one for one in told.warnings)
     document = calibrate_result(told, dots, TARGET)
     assert any("that the views of several cameras agree was not tested" in one for one in document.warnings)
     matches = match(dots, ("left", "right"))
@@ -134,7 +134,7 @@ def test_beside_a_camera_that_sees_depth_there_is_no_mirror_image() -> None:
 def test_one_camera_says_what_it_cannot_tell(centroids: See) -> None:
     dots = seen(centroids, rig())
     told = calibrated(dots.where(dots.camera == "left"), TARGET, "telecentric")
-    assert any("cannot tell to which side the target was tilted" in one for one in told.warnings)
+    assert any("does not determine to which side the target was tilted" in one for one in told.warnings)
     camera, sigma = told.rig.camera("left"), told.found.fits["left"].sigma
     off = np.array([*np.subtract(camera.intrinsics, rig()["left"].intrinsics)[:2], *(camera.dist - DIST)])
     assert (np.abs(off) < 3.0 * np.array([*sigma.intrinsics[:2], *sigma.dist])).all()

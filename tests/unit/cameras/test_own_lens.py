@@ -171,7 +171,7 @@ def test_without_registration_it_is_unknown(tmp_path: Path, division: str) -> No
         (Division(name="brown5"), "'brown5' is a name of labcal's already"),
         (Division(name="auto"), "'auto' is a name of labcal's already"),
         (Division(name="my lens"), "letters, digits and hyphens"),
-        (Division(coefficients=2), "has 2 coefficients with the names lambda"),
+        (Division(coefficients=2), r"has 2 coefficients with the names \('lambda',\)"),
         (Division(coefficients=2, names=("k", "k")), "each with a name of its own"),
         (Division(coefficients=15, names=tuple("abcdefghijklmno")), "up to 14"),
     ],

@@ -56,7 +56,7 @@ def test_a_rig_is_not_replaced_unasked(tmp_path: Path) -> None:
 
 
 def test_a_missing_camera_is_named() -> None:
-    with pytest.raises(InputError, match="no camera 'middle', only left, right-2"):
+    with pytest.raises(InputError, match=r"named 'middle'\. Known: left, right-2"):
         RIG.camera("middle")
 
 

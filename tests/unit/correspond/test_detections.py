@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from edited import edited
 
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
@@ -54,11 +55,10 @@ def test_a_table_reads_back_exactly(tmp_path: Path, exact: Detections) -> None:
             ]
         ),
     )
-    table.position[5] = table.covariance[5] = np.nan
-    table.has_id[5] = False
-    table.index[5] = 0
-    table.flag[5] = DotFlag.NO_ID.value
-    table.index[6], table.flag[6] = (-1, 7), DotFlag.BEYOND_GRID.value
+    for column, value in {"position": np.nan, "covariance": np.nan, "has_id": False, "index": 0}.items():
+        table = edited(table, column, 5, value)
+    table = edited(edited(table, "flag", 5, DotFlag.NO_ID.value), "index", 6, (-1, 7))
+    table = edited(table, "flag", 6, DotFlag.BEYOND_GRID.value)
     (tmp_path / "d.csv").write_text(detections_csv(table), encoding="utf-8")
     back = read_detections(tmp_path / "d.csv")
     for field in fields(Detections):

@@ -3,6 +3,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from edited import edited
 
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
@@ -71,10 +72,10 @@ def test_an_ok_dot_beyond_the_target_tells_of_another_target(
     exact: Detections, grid: DotGrid, index: tuple[int, int]
 ) -> None:
     require_on_target(exact, grid)
-    exact.index[17] = index
+    exact = edited(exact, "index", 17, index)
     with pytest.raises(InputError, match=r"but the target 'small' has 5 x 4 dots"):
         require_on_target(exact, grid)
-    exact.flag[17] = "beyond-grid"
+    exact = edited(exact, "flag", 17, "beyond-grid")
     require_on_target(exact, grid)
 
 

@@ -12,7 +12,8 @@ from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
-from labcal.detect.settings import UNITS, DetectSettings, describe_settings, detect_settings
+from labcal.detect.settings import DetectSettings, describe_settings, detect_settings
+from labcal.detect.stage_settings.setting import UNITS
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.executor import open_executor
 from labcal.targets.catalogue import load_target

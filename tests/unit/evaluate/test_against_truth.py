@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from edited import edited
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
@@ -97,8 +98,9 @@ def test_on_a_stage_only_test_dots_within_the_trained_hull_count(
     poses, roles = staged()
     shoot = a_shoot(tmp_path, pair, grid, poses, roles)
     points = true_points(grid, poses)
-    points.point[:] += [1.0, -2.0, 2.0]
-    points.point[(points.view == "middle") & (points.index[:, 0] == 0) & (points.index[:, 1] == 0)] = np.nan
+    points = replace(points, point=points.point + np.array([1.0, -2.0, 2.0]))
+    lost = (points.view == "middle") & (points.index == 0).all(axis=1)
+    points = edited(points, "point", lost, np.nan)
     found = errors_against_truth(points, shoot, None)
     # The view half-way lies half a pitch further in x, so that its last column is outside; one dot is lost.
     assert found.n == grid.rows * (grid.cols - 1) - 1
@@ -116,7 +118,7 @@ def test_dots_count_where_they_truly_were(tmp_path: Path, pair: Cameras, grid: D
     misprint[:, 2] = 0.0  # in the plane, so that the tested dots stay within the trained hull's heights
     shoot = a_shoot(tmp_path, pair, grid, poses, roles, misprint)
     points = true_points(grid, poses)
-    points.point[:] += np.tile(misprint, (len(poses), 1))
+    points = replace(points, point=points.point + np.tile(misprint, (len(poses), 1)))
     assert errors_against_truth(points, shoot, None).max_mm < 1e-9
     as_designed = errors_against_truth(true_points(grid, poses), shoot, None)
     assert as_designed.rmse_mm == pytest.approx(np.sqrt(2), rel=0.3)

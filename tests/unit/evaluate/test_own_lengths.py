@@ -2,6 +2,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from edited import edited
 from scipy.spatial.transform import Rotation
 
 from labcal.correspond.points import Points
@@ -42,7 +43,8 @@ def test_a_scaled_copy_has_that_scale(grid: DotGrid, ppm: float) -> None:
 
 def test_one_wrong_dot_shows_in_the_greatest_error(grid: DotGrid) -> None:
     points = views(grid, 1.0)
-    points.point[0] += (points.point[0] - points.point[grid.count - 1]) * 0.1
+    first, last = points.point[0], points.point[grid.count - 1]
+    points = edited(points, "point", 0, first + (first - last) * 0.1)
     diagonal = np.linalg.norm(grid.points()[0] - grid.points()[-1])
     found = errors_of_lengths(points, grid)
     assert found.length_error_mm.max == pytest.approx(0.1 * diagonal)
@@ -51,7 +53,7 @@ def test_one_wrong_dot_shows_in_the_greatest_error(grid: DotGrid) -> None:
 
 def test_missing_points_are_left_out(grid: DotGrid) -> None:
     points = views(grid, 1.0)
-    points.point[: grid.count] = np.nan
+    points = edited(points, "point", slice(None, grid.count), np.nan)
     assert errors_of_lengths(points, grid).n == 2 * grid.count * (grid.count - 1) // 2
     one_a_view = points.where(points.index.sum(axis=1) == 0)
     with pytest.raises(InputError, match="no two points of the same view"):
@@ -63,8 +65,8 @@ def test_lengths_of_a_misprinted_target_are_those_of_its_freed_dots(grid: DotGri
     places = grid.points() + np.random.default_rng(0).normal(0, 0.02, (n, 3))
     points = views(grid, 1.0)
     R = Rotation.from_rotvec([0.1, 0.7, -0.2]).as_matrix()
-    points.point[:n] = places @ R.T + 30.0
-    points.point[n:] = np.nan
+    points = edited(points, "point", slice(None, n), places @ R.T + 30.0)
+    points = edited(points, "point", slice(n, None), np.nan)
     freed = DotPlaces.of(grid, places, np.zeros((n, 3, 3)), np.full(n, 9), np.full(n, fill_value=True))
     assert errors_of_lengths(points, grid).length_error_mm.rms > 0.02
     assert errors_of_lengths(points, freed).length_error_mm.max < 1e-9
@@ -72,7 +74,8 @@ def test_lengths_of_a_misprinted_target_are_those_of_its_freed_dots(grid: DotGri
 
 def test_lengths_from_dots_that_were_not_freed_do_not_count(grid: DotGrid) -> None:
     points = views(grid, 1.0)
-    points.point[points.index[:, 0] == 0] += [0.0, 0.0, 5.0]
+    column = points.index[:, 0] == 0
+    points = edited(points, "point", column, points.point[column] + np.array([0.0, 0.0, 5.0]))
     freed = grid.indices()[:, 0] > 0
     nothing = np.zeros((grid.count, 3, 3))
     places = DotPlaces.of(grid, grid.points(), nothing, np.full(grid.count, 3), freed)
@@ -83,6 +86,6 @@ def test_lengths_from_dots_that_were_not_freed_do_not_count(grid: DotGrid) -> No
 
 def test_dots_of_another_target_are_refused(grid: DotGrid) -> None:
     points = views(grid, 1.0)
-    points.index[4] = (grid.cols, 0)
+    points = edited(points, "index", 4, (grid.cols, 0))
     with pytest.raises(InputError, match=rf"dot \({grid.cols}, 0\)"):
         errors_of_lengths(points, grid)

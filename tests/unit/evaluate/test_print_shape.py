@@ -64,7 +64,7 @@ def test_words(freed: FreedDots) -> None:
     assert "no more than its uncertainty allows" in words
     assert "too few pictures: (4, 3)" in words
     assert "not told" not in words
-    held = print_words(print_shape(replace(freed, held=Constrained.STRETCH | Constrained.HEIGHTS)))
+    held = print_words(print_shape(replace(freed, constrained=Constrained.STRETCH | Constrained.HEIGHTS)))
     assert "stretch, x over y: not determined by these views" in held
     assert "bow along x: not determined by these views" in held
     assert "kept as declared, since the views do not determine them: heights, stretch" in held

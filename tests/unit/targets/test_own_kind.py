@@ -257,12 +257,12 @@ def test_what_is_no_kind_is_refused() -> None:
 
     with pytest.raises(InputTypeError, match=r"it lacks .*extent_mm"):
         register_target(TargetKind("bare", Bare, detect, outlines))
-    with pytest.raises(InputError, match="'charuco' is a kind of labcal's"):
+    with pytest.raises(InputError, match="'charuco' is a name of labcal's already"):
         register_target(TargetKind("charuco", Nameless, detect, outlines))
     with pytest.raises(InputError, match="letters, digits and hyphens"):
         register_target(TargetKind("a b", Nameless, detect, outlines))
     with pytest.raises(InputError, match="names no function"):
-        registry.function_of("labcal.detect.nowhere:detect")
+        registry.run_part(replace(CHESSBOARD, detector="nowhere"), "detector")
     stray = Chessboard(kind="chessboard", name="a", cols=4, rows=3, square_mm=5.0)
     with pytest.raises(InputTypeError, match="Register its kind"):
         detect_dots(np.zeros((50, 50)), stray)

@@ -59,7 +59,7 @@ def exchange_cause(cameras: tuple[str, str], views: tuple[str, ...], where: str,
     return Cause(
         CauseName.SWAPPED_CAMERAS,
         f"pictures of '{cameras[0]}' and '{cameras[1]}' are exchanged in {where}: exchanged back, {left}. "
-        "Say which picture is whose: `cameras` of 'detect'.",
+        "State which camera took which picture: `cameras` of 'detect'.",
         cameras,
         views,
     )

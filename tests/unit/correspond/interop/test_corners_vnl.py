@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from edited import edited
 
 from labcal.bench.solve.mrcal_programs import is_installed
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -41,9 +42,9 @@ def square(grid: DotGrid) -> DotGrid:
 def seen(see: See, pair: dict[str, Camera], square: DotGrid, poses: dict[str, np.ndarray]) -> Detections:
     """Detections of a pair, some of them no measurements, with unlike variances."""
     found = see(pair, square, poses)
-    found.flag[[3, 60]] = "hidden"
-    found.flag[found.image == "pose-2_right.png"] = "cut"
-    found.flag[(found.position < 0.0).any(axis=1)] = "cut"
+    found = edited(found, "flag", [3, 60], "hidden")
+    found = edited(found, "flag", found.image == "pose-2_right.png", "cut")
+    found = edited(found, "flag", (found.position < 0.0).any(axis=1), "cut")
     sigma = np.random.default_rng(3).uniform(0.01, 0.03, len(found))
     return replace(found, covariance=sigma[:, None, None] ** 2 * np.eye(2))
 
@@ -80,7 +81,7 @@ def test_points_stand_row_by_row_with_dashes_for_missing_ones(seen: Detections, 
 
 
 def test_a_negative_pixel_is_left_out_as_mrcal_would(seen: Detections, square: DotGrid) -> None:
-    seen.position[0] = [-0.25, 3.0]
+    seen = edited(seen, "position", 0, [-0.25, 3.0])
     found = corners_text(seen, square)
     assert found.left_out == (~seen.ok).sum() + 1
     assert "-0.25" not in found.text

@@ -1,9 +1,9 @@
 """Datum constraints on what no picture determines: the freedoms of cameras with parallel rays.
 
 Such a camera sees neither how far away it is nor, without distortion, its principal point, which Brown's
-decentring stands in for otherwise. So these are held for each. Where the first camera is one, the whole of
-the rig may slide along its axis: the shift that this changes most in another camera is held, too. A view that
-no two directions see is held along the one that does. What is held has a standard deviation of 0.
+decentring stands in for otherwise. So these are fixed for each. Where the first camera is one, the whole of
+the rig may slide along its axis: the shift that this changes most in another camera is fixed, too. A view
+that no two directions see is fixed along the one that does. What is fixed has a standard deviation of 0.
 """
 
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ from labcal.calibrate.adjustment.state import POSE, Layout
 from labcal.cameras.optics import INTRINSICS
 
 _SAME_AXIS = 1e-6
-"""Sine of the angle between two directions from which on they tell depth."""
+"""Sine of the angle between two directions from which on they determine depth."""
 
 
 @dataclass(frozen=True)
-class Held:
+class DatumConstraints:
     """Constrained parameters and directions of an adjustment."""
 
     shared: Bool[np.ndarray, " shared"]
     """True for the shared parameters that are constrained."""
     along: Float64[np.ndarray, "views 3"]
-    """By view the direction in the world along which it is held; zeros where it is not."""
+    """By view the direction in the world along which it is fixed; zeros where it is not."""
 
     @classmethod
-    def of(cls, layout: Layout, observations: Observations) -> "Held":
-        """Return what observations of a state do not tell."""
+    def of(cls, layout: Layout, observations: Observations) -> "DatumConstraints":
+        """Return the constraints on what the observations of a state do not determine."""
         cameras = layout.state.cameras
         shared = np.zeros(layout.count, dtype=bool)
         along = np.zeros((len(layout.state.T_world_target), 3))
@@ -45,7 +45,7 @@ class Held:
             if pose.stop > pose.start:
                 shared[pose.stop - 1] = True
         if parallel[0]:
-            _hold_slide(shared, layout)
+            _fix_slide(shared, layout)
         for view in range(len(along)):
             seen = {picture.camera for picture in observations.pictures if picture.view == view}
             axes = [cameras[number].T_cam_world[2, :3] for number in sorted(seen)]
@@ -60,7 +60,7 @@ class Held:
         return int(self.shared.sum() + self.along.any(axis=1).sum())
 
     def applied(self, blocks: Blocks) -> Blocks:
-        """Return normal equations whose steps leave alone what is held."""
+        """Return normal equations whose steps leave alone what is constrained."""
         if self.count == 0:
             return blocks
         free = ~self.shared
@@ -72,8 +72,8 @@ class Held:
         return Blocks(shared, blocks.cross * free[:, None], view, gradient)
 
 
-def _hold_slide(shared: Bool[np.ndarray, " shared"], layout: Layout) -> None:
-    """Hold what a slide of all but the first camera along its axis changes most in another camera."""
+def _fix_slide(shared: Bool[np.ndarray, " shared"], layout: Layout) -> None:
+    """Fix what a slide of all but the first camera along its axis changes most in another camera."""
     axis = layout.state.cameras[0].T_cam_world[2, :3]
     slide = np.zeros(layout.count)
     for camera, pose in zip(layout.state.cameras, layout.pose, strict=True):
