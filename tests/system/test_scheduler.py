@@ -67,7 +67,8 @@ def test_without_the_library_the_extra_is_named(
     monkeypatch.setitem(sys.modules, "distributed", None)
     found = labcal("reproduce", "01", "--scheduler", "local", "-o", tmp_path / "out")
     assert found.status == 3
-    assert "pip install 'labcal[cluster]'" in found.document["error"]["message"]
+    assert "the library 'distributed'" in found.document["error"]["message"]
+    assert "extra 'cluster'" in found.document["error"]["message"]
 
 
 def without_seconds(tree: Any) -> Any:  # noqa: ANN401 - the trees of JSON have no type
