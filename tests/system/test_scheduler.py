@@ -42,7 +42,10 @@ def test_what_cannot_be_is_refused_before_anything_is_made(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("words", [("reproduce", "01"), ("bench", "solve", "--only", "limits")])
+@pytest.mark.parametrize(
+    "words",
+    [("reproduce", "01"), ("bench", "solve", "--only", "limits"), ("bench", "distortion", "--quick")],
+)
 def test_a_scheduler_that_does_not_answer_is_named_before_anything_is_made(
     words: tuple[str, ...], labcal: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
