@@ -4,17 +4,18 @@ import logging
 import pickle
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, Future
 from copy import copy
 from dataclasses import dataclass, field
 from functools import partial
 from threading import Event, RLock, Thread
-from typing import Any, ParamSpec, Protocol, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import cloudpickle
 
 from labcal.errors import DeviceError, LabcalError, WorkerError
+from labcal.run.cluster_connection import Connection
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -28,25 +29,6 @@ LOSSES_WITH_OTHERS, LOSSES_ALONE = 3, 2
 CASES_AHEAD = 8
 """Number of cases for each worker that are sent before one is finished, so that none waits."""
 _LOG = logging.getLogger(__name__)
-
-
-class Connection(Protocol):
-    """A connection to a cluster; see `labcal.run.cluster.DaskConnection`."""
-
-    def is_open(self) -> bool:
-        """Tell whether the scheduler is still there."""
-
-    def workers(self) -> frozenset[str]:
-        """Return the addresses of the workers that are there; raise `OSError` where nobody answers."""
-
-    def refusals(self, workers: Sequence[str]) -> dict[str, str | None]:
-        """Return why workers cannot do cases, by address; None for those that can."""
-
-    def submit(self, case: bytes, workers: Sequence[str]) -> Future[bytes]:
-        """Let one of some workers do a pickled case; the future is cancelled when the connection breaks."""
-
-    def close(self) -> None:
-        """Leave the cluster; what was submitted is cancelled."""
 
 
 @dataclass(eq=False)

@@ -120,7 +120,7 @@ def _name(code: type | FunctionType | BuiltinFunctionType) -> bytes:
     module, name = code.__module__ or "", code.__qualname__
     if name.endswith("<lambda>"):
         raise InputTypeError(
-            f"A lambda of the module '{module}' has no name. Define the function with 'def'."
+            f"A lambda of the module '{module}' has no name. Define a function that has one."
         )
     if module == "labcal" or module.startswith("labcal.") or module == "builtins":
         return f"{module}:{name}".encode()

@@ -1,6 +1,7 @@
 """``labcal bench distortion``: every method on every cell of a plan."""
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 
 from labcal.bench.distortion.case import Case
@@ -53,9 +54,12 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
     """
     plan = plan_of(settings)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
-    with unfinished_folder(folder, command, force=settings.force) as working:
+    with (
+        open_executor(min(usable_cores(), plan.case_count), settings.scheduler) as executor,
+        unfinished_folder(folder, command, force=settings.force) as working,
+    ):
         cases = plan.cases(settings.seed)
-        lines = lines_of(cases, _measured(cases, working, settings.scheduler, progress))
+        lines = lines_of(cases, _measured(cases, working, executor, progress))
         write_file(working / "results.csv", results_table(lines), force=True)
         summaries = summarised(lines)
         make_folder(working / "figures")
@@ -104,11 +108,10 @@ def plan_of(settings: BenchSettings) -> Plan:
 
 
 def _measured(
-    cases: Sequence[Case], folder: Path, scheduler: str | None, progress: Progress
+    cases: Sequence[Case], folder: Path, executor: Executor, progress: Progress
 ) -> list[CaseFigures]:
     """Return the figures of all cases, in their order, and write ``timings.csv``."""
-    with open_executor(min(usable_cores(), len(cases)), scheduler) as executor:
-        found = sweep(cases, measured_case, CaseFigures, folder / "cases", executor, progress)
+    found = sweep(cases, measured_case, CaseFigures, folder / "cases", executor, progress)
     seconds = [one.seconds for one in found]
     write_file(folder / "timings.csv", timings_table(cases, seconds), force=True)
     return [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]
