@@ -11,11 +11,12 @@ from markupsafe import Markup
 
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
-from labcal.report import claims_words, figures_text
+from labcal.report import claims_words, explanations_words, figures_text, study_words
 from labcal.report.claims_figure import claim_figure
 from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
 from labcal.report.row_verdict import RowVerdict
+from labcal.report.study_figure import study_figure
 from labcal.report.thumbnail import thumbnail
 from labcal.run.file_kinds import recognised_by
 from labcal.shoot.pictures import read_picture
@@ -84,6 +85,15 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         ratio_words=lambda one: claims_words.ratio_words(one.ratio, one.interval),
         p_words=claims_words.p_words,
         outcome_words=claims_words.outcome_words,
+        goal_words=study_words.goal_words,
+        cause_sentences=explanations_words.cause_sentences,
+        divisor_sentences=explanations_words.divisor_sentences,
+        size_words=explanations_words.size_words,
+        greatest_words=explanations_words.greatest_words,
+        likely_words=explanations_words.likely_words,
+        rows_words=explanations_words.rows_words,
+        length_words=explanations_words.length_words,
+        quotient_words=explanations_words.quotient_words,
     )
     rows: tuple[RowResult | str, ...] = (*result.rows, *result.not_reported)
     return environment.get_template("page.html.jinja").render(
@@ -95,6 +105,8 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         errors=Markup(error_figure(result.rows)),  # noqa: S704 - made by matplotlib from numbers
         epochs=Markup(epoch_figure(result.rows)),  # noqa: S704 - the same
         claims=[(claim, Markup(claim_figure(claim))) for claim in result.claims],  # noqa: S704 - the same
+        study_figure=Markup(study_figure(result.study)) if result.study else "",  # noqa: S704 - the same
+        study_sentences=study_words.study_sentences(result.study),
         pictures=[_embed(picture, folder) for picture in result.pictures],
     )
 
