@@ -28,7 +28,7 @@ def add_parser(commands: CommandGroup) -> None:
         nargs="*",
         metavar="ROW|CLAIM|STUDY",
         help=(
-            "numbers of rows, claims (C1 to C8), 'study' (neurons and layers), 'explanations' (of the figures "
+            "numbers of rows, claims (C1 to C8), 'study' (neurons and layers), 'explanations' (of figures "
             "of rows 17 to 23); all where none is given"
         ),
     )

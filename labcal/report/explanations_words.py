@@ -58,7 +58,7 @@ def _cause_sentence(cause: CauseResult, figure: str, rows: Sequence[ExplainedRow
         return f"{start}no size up to {_number(cause.greatest)} {cause.unit} gives any row."
     sizes = ", ".join(f"{exp} at {_number(row.size)} {cause.unit}" for exp, row in given.items())
     likely = [exp for exp, row in given.items() if row.likely]
-    low, high = (_number(size) for size in cause.likely)
+    low, high = (f"{size:g}" for size in cause.likely)
     words = f"{start}row {sizes}; of a likely size ({low} to {high} {cause.unit}): {_or_none(likely)}"
     most = max(given.values(), key=lambda row: len(row.also_gives))
     shared = f"One size gives at most {len(most.also_gives) + 1} of {len(given) + len(missing)} rows"

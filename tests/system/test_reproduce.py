@@ -85,7 +85,7 @@ def _command() -> str:
 def test_a_row_that_is_not_there_is_named(labcal, tmp_path: Path) -> None:  # noqa: ANN001 - as above
     told = labcal("reproduce", "99", "-o", tmp_path / "x")
     assert told.status == 2
-    assert "no row or claim of the paper named '99'" in told.document["error"]["message"]
+    assert "no row, claim or study of the paper named '99'" in told.document["error"]["message"]
     told = labcal("reproduce", "16", "-o", tmp_path / "x")
     assert "reports no figures" in told.document["error"]["message"]
     assert list(tmp_path.iterdir()) == []
