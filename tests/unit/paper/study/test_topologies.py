@@ -1,14 +1,17 @@
 """The networks of the study, their data, and their medians."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from labcal.estimators.registry import make_estimator
 from labcal.paper.rows import row_named
 from labcal.paper.simulated import NoiseReading, simulate
-from labcal.paper.study.cells import parameters, study_cells
+from labcal.paper.study.cells import parameters, studied, study_cells
 from labcal.paper.study.topologies import (
     NEURONS,
+    STUDIED_ROWS,
     StudyRun,
     shared_equally,
     study_runs,
@@ -16,6 +19,8 @@ from labcal.paper.study.topologies import (
     train_topology,
 )
 from labcal.paper.training_run import TrainingOutcome
+from labcal.run.executor import open_executor
+from labcal.run.progress import NoProgress
 
 
 def test_neurons_are_shared_equally_and_none_is_lost() -> None:
@@ -76,3 +81,11 @@ def test_medians_over_the_seeds_of_each_network() -> None:
     assert (two.network, two.layers, two.rmse_mm, two.reached) == ("3-2-3", 2, 8.0, 0)
     assert (one.reached, one.seeds) == (2, 3)
     assert one.data.endswith("5% noise")
+
+
+def test_the_whole_study_has_a_cell_for_every_network_and_data(tmp_path: Path) -> None:
+    with open_executor(1, None) as executor:
+        cells = studied(tmp_path, range(1), 1, executor, NoProgress())
+    assert len(cells) == 3 * len(topologies())
+    assert {cell.exp for cell in cells} == set(STUDIED_ROWS)
+    assert all(cell.epochs <= 1 for cell in cells)
