@@ -40,7 +40,7 @@ def _sentence(data: str, group: Sequence[StudyCell]) -> str:
     none = f"Without a hidden layer {millimetres(best[0].rmse_mm)} mm RMS. " if 0 in best else ""
     return (
         f"{data[0].upper()}{data[1:]}: {none}Least RMS error with {', '.join(found)}. The fewest neurons "
-        f"within {NEAR - 1:.0%} of the least error: {smallest.neurons} in {_layers(smallest.layers)}."
+        f"within {NEAR - 1:.0%} of the least error: {_size(smallest)}."
     )
 
 
@@ -52,8 +52,10 @@ def _with_network(cell: StudyCell) -> str:
     return f"{millimetres(cell.rmse_mm)} mm (network {cell.network})"
 
 
-def _layers(count: int) -> str:
-    return f"{count} {'layer' if count == 1 else 'layers'}"
+def _size(cell: StudyCell) -> str:
+    if not cell.layers:
+        return "none, that is, no hidden layer"
+    return f"{cell.neurons} in {cell.layers} {'layer' if cell.layers == 1 else 'layers'}"
 
 
 def range_words(median: str, low: str, high: str) -> str:

@@ -38,6 +38,11 @@ def test_sentences_name_the_best_of_each_depth_and_the_smallest_that_is_as_good(
     assert volume.endswith("10 in 1 layer.")
 
 
+def test_with_noise_no_hidden_layer_may_be_as_good() -> None:
+    (noisy,) = study_sentences([cell("3", 12.3), cell("10-3", 11.5)])
+    assert noisy.endswith("The fewest neurons within 25% of the least error: none, that is, no hidden layer.")
+
+
 def test_no_study_has_no_words() -> None:
     assert study_sentences([]) == []
 
