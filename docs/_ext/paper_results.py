@@ -27,6 +27,7 @@ from labcal.report.explanations_words import (
     quotient_words,
     rows_words,
     size_words,
+    summary_sentences,
 )
 from labcal.report.figure_readings import FigureReading
 from labcal.report.figures_text import epochs, goal, millimetres, signed_metres
@@ -154,6 +155,7 @@ class PaperExplanations(_CommittedResults):
         found = result.explanations
         if found is None:
             raise self.error(f"{self.arguments[0]} holds no explanations.")
+        yield from self.parse_text_to_nodes(_listed(summary_sentences(found)))
         for cause in found.causes:
             low, high = cause.likely
             words = f"**{cause.cause}**: {cause.words}; likely {low:g} to {high:g} {cause.unit}.\n"

@@ -15,6 +15,7 @@ from labcal.report.explanations_words import (
     length_words,
     rows_words,
     size_words,
+    summary_sentences,
 )
 from labcal.report.figure_readings import FigureReading
 from labcal.report.figures_text import signed_metres
@@ -28,6 +29,7 @@ _NOTE = (
 def explanations_table(explanations: Explanations) -> RenderableType:
     """Return every cause with its sizes, and the divisors; a terminal of 80 columns holds it."""
     parts: list[RenderableType] = [Text("What would explain rows 17 to 23", style="bold"), Text("")]
+    parts += [*(Text(sentence) for sentence in summary_sentences(explanations)), Text("")]
     for cause in explanations.causes:
         parts += [Text(f"{cause.cause}: {cause.words}"), _sizes(cause)]
         parts += [*(Text(sentence) for sentence in cause_sentences(cause)), Text("")]

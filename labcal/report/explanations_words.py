@@ -37,6 +37,39 @@ def rows_words(rows: Iterable[str]) -> str:
     return ", ".join(rows) or "-"
 
 
+def summary_sentences(explanations: Explanations) -> list[str]:
+    """Return whether one mistake gives all rows, and which rows a mistake of a likely size gives.
+
+    Parameters
+    ----------
+    explanations : Explanations
+    """
+    solved = [(cause, row) for cause in explanations.causes for row in cause.rows if not math.isnan(row.size)]
+    every = sorted({row.exp for cause in explanations.causes for row in cause.rows})
+    if not solved:
+        return ["No mistake of any size that was tried gives any row."]
+    cause, most = max(solved, key=lambda one: len(one[1].also_gives))
+    together = sorted({most.exp, *most.also_gives})
+    at = f"{', '.join(together)} ({cause.cause}, {size_words(most, cause)}, figure read as {most.figure})"
+    if together == every:
+        common = f"One mistake of one size gives all rows: {at}."
+    elif len(together) == 1:
+        common = f"No mistake of one size gives two of the {len(every)} rows."
+    else:
+        common = f"No mistake of one size gives all {len(every)} rows; at most rows {at}."
+    likely: dict[str, dict[str, None]] = {}
+    for cause, row in solved:
+        if row.likely:
+            likely.setdefault(f"{cause.cause}, figure read as {row.figure}", {})[row.exp] = None
+    if not likely:
+        return [common, "No mistake of a likely size gives any row."]
+    given = {exp for rows in likely.values() for exp in rows}
+    missing = [exp for exp in every if exp not in given]
+    words = "; ".join(f"{name}: {rows_words(rows)}" for name, rows in likely.items())
+    none = f" Rows that no likely size gives: {rows_words(missing)}." if missing else ""
+    return [common, f"Rows that a mistake of a likely size gives: {words}.{none}"]
+
+
 def cause_sentences(cause: CauseResult) -> list[str]:
     """Return for every reading of the printed figure which rows a cause gives, and at which sizes.
 

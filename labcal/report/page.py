@@ -86,6 +86,7 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         p_words=claims_words.p_words,
         outcome_words=claims_words.outcome_words,
         goal_words=study_words.goal_words,
+        summary_sentences=explanations_words.summary_sentences,
         cause_sentences=explanations_words.cause_sentences,
         divisor_sentences=explanations_words.divisor_sentences,
         size_words=explanations_words.size_words,

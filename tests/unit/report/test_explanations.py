@@ -14,7 +14,12 @@ from labcal.report.explanations import (
     QuotientRow,
 )
 from labcal.report.explanations_table import explanations_table
-from labcal.report.explanations_words import cause_sentences, divisor_sentences, size_words
+from labcal.report.explanations_words import (
+    cause_sentences,
+    divisor_sentences,
+    size_words,
+    summary_sentences,
+)
 from labcal.report.figure_readings import FigureReading
 from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction
@@ -72,6 +77,33 @@ def test_sentences_say_which_rows_a_cause_gives_and_that_none_is_a_result() -> N
     )
 
 
+def with_rows(*rows: ExplainedRow) -> Explanations:
+    return FOUND.model_copy(update={"causes": (HAND.model_copy(update={"rows": rows}),)})
+
+
+def test_the_summary_says_whether_one_mistake_gives_all_rows() -> None:
+    most, likely = summary_sentences(FOUND)
+    assert most == (
+        "No mistake of one size gives all 3 rows; at most rows 21, 23 (points picked by hand, "
+        "13 px (6.3 to 25), figure read as RMS error of a coordinate)."
+    )
+    assert likely == (
+        "Rows that a mistake of a likely size gives: points picked by hand, figure read as RMS error of a "
+        "coordinate: 22. Rows that no likely size gives: 21, 23."
+    )
+    both = with_rows(row("21", SIGNED, 4.0, also_gives=("22",)), row("22", SIGNED, 5.0))
+    common, likely = summary_sentences(both)
+    assert common.startswith("One mistake of one size gives all rows: 21, 22 (")
+    assert likely.endswith("mean signed error: 21, 22.")
+    apart = with_rows(row("21", SIGNED, 40.0), row("22", SIGNED, 50.0))
+    assert summary_sentences(apart) == [
+        "No mistake of one size gives two of the 2 rows.",
+        "No mistake of a likely size gives any row.",
+    ]
+    none = with_rows(row("21", SIGNED, nan))
+    assert summary_sentences(none) == ["No mistake of any size that was tried gives any row."]
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -107,6 +139,11 @@ def test_results_are_read_back_and_stand_on_the_page(made_up: Reproduction, tmp_
     assert to_json(again) == to_json(result)
     page = reproduction_page(again, tmp_path)
     assert 'id="explanations"' in page
-    for words in (*cause_sentences(HAND), *divisor_sentences(FOUND), "0.670 (0.100 to 1.50)"):
+    for words in (
+        *summary_sentences(FOUND),
+        *cause_sentences(HAND),
+        *divisor_sentences(FOUND),
+        "0.670 (0.100 to 1.50)",
+    ):
         assert words in page
     assert 'id="explanations"' not in reproduction_page(made_up, tmp_path)
