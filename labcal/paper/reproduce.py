@@ -21,8 +21,8 @@ from labcal.paper.summary import least_squares_readings
 from labcal.paper.training_run import TrainingOutcome, run_training
 from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction, ShownPicture
+from labcal.report.reproduction_page import reproduction_page
 from labcal.report.study import StudyCell
 from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor

@@ -29,18 +29,18 @@ class CodeVersion:
 def code_version() -> CodeVersion:
     """Return the version of the code that is running; it is computed once a process."""
     digest = hashlib.sha256()
-    for part in _sources(files("labcal"), "labcal"):
-        digest.update(part)
+    for name, source in _sources(files("labcal"), "labcal"):
+        digest.update(f"{name}\0".encode())
+        digest.update(hashlib.sha256(source).digest())
     return CodeVersion(__version__, digest.hexdigest())
 
 
-def _sources(folder: Traversable, path: str) -> Iterator[bytes]:
-    """Yield the names and the digests of the Python files below a folder, in the order of their names."""
+def _sources(folder: Traversable, path: str) -> Iterator[tuple[str, bytes]]:
+    """Yield the Python files below a folder in the order of their names, each with its content."""
     for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
         name = f"{path}/{entry.name}"
         if entry.name.endswith(".py"):
-            yield f"{name}\0".encode()
-            yield hashlib.sha256(entry.read_bytes()).digest()
+            yield name, entry.read_bytes()
         elif entry.is_dir() and entry.name != "__pycache__":
             yield from _sources(entry, name)
 

@@ -21,7 +21,7 @@ from labcal.report.explanations_words import (
     summary_sentences,
 )
 from labcal.report.figure_readings import FigureReading
-from labcal.report.page import reproduction_page
+from labcal.report.reproduction_page import reproduction_page
 from labcal.report.reproduction import Reproduction
 from labcal.run.json_text import to_json
 
@@ -138,7 +138,7 @@ def test_results_are_read_back_and_stand_on_the_page(made_up: Reproduction, tmp_
     again = Reproduction.model_validate_json(to_json(result))
     assert to_json(again) == to_json(result)
     page = reproduction_page(again, tmp_path)
-    assert 'id="explanations"' in page
+    assert 'id="what-would-explain-rows-17-to-23"' in page
     for words in (
         *summary_sentences(FOUND),
         *cause_sentences(HAND),
@@ -146,4 +146,4 @@ def test_results_are_read_back_and_stand_on_the_page(made_up: Reproduction, tmp_
         "0.670 (0.100 to 1.50)",
     ):
         assert words in page
-    assert 'id="explanations"' not in reproduction_page(made_up, tmp_path)
+    assert 'id="what-would-explain-rows-17-to-23"' not in reproduction_page(made_up, tmp_path)

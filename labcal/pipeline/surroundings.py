@@ -1,0 +1,52 @@
+"""Cameras and target around evaluated points: those of the truth, or of what reconstructed them."""
+
+import os
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labcal.cameras.rig import Rig
+from labcal.estimators.model import Model
+from labcal.evaluate.against_truth import TruthErrors
+from labcal.evaluate.own_lengths import LengthErrors
+from labcal.paths import AnyPath
+from labcal.reconstruct.reconstruction import load_reconstructor
+from labcal.report.evaluation_page import Surroundings
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.truth import read_truth
+
+if TYPE_CHECKING:
+    from labcal.targets.catalogue import AnyTarget
+    from labcal.targets.places import DotPlaces
+
+
+def surroundings(
+    errors: TruthErrors | LengthErrors,
+    shown: "Shoot | AnyTarget | DotPlaces",
+    rig: Rig | Model | Collection[str] | AnyPath | None,
+) -> Surroundings:
+    """Return cameras and places of the target in the world in which errors are drawn.
+
+    Parameters
+    ----------
+    errors : TruthErrors or LengthErrors
+        Against a truth, its world is meant; else that of the points.
+    shown : Shoot, AnyTarget or DotPlaces
+    rig : Rig, Model, path, names of views or None
+        What the points were reconstructed with, where it is known.
+    """
+    if isinstance(errors, TruthErrors) and isinstance(shown, Shoot):
+        truth = read_truth(shown.folder)
+        cameras = {name: record.camera() for name, record in truth.cameras.items()}
+        return Surroundings(
+            cameras, {name: np.array(view.T_world_target) for name, view in truth.views.items()}
+        )
+    used = rig
+    if isinstance(rig, str | os.PathLike):
+        used = load_reconstructor(rig)
+    if isinstance(used, Rig):
+        return Surroundings({name: used.camera(name) for name in used.cameras}, {})
+    if isinstance(used, Model) and used.resected is not None:
+        return Surroundings(dict(zip(used.cameras, used.resected, strict=True)), {})
+    return Surroundings({}, {})
