@@ -1,4 +1,4 @@
-"""What would explain rows 17 to 23, as a section of a page."""
+"""The explanations of rows 17 to 23, as a section of a page."""
 
 from labcal.report import explanations_words
 from labcal.report.explanations import Explanations
@@ -8,8 +8,8 @@ from labcal.report.page.written import Written
 
 _HOW = (
     "The paper prints errors there that are far above those of good pictures. For each mistake that an "
-    "experimenter can make, its size was solved for at which our error has the magnitude of the printed one, on "
-    "the dots that were detected in the rendered pictures: the median of the seeds, with their range. The "
+    "experimenter can make, its size was solved for at which our error has the magnitude of the printed one, "
+    "on the dots that were detected in the rendered pictures: the median of the seeds, with their range. The "
     "printed figure is read in two ways: as the mean signed error, as in all rows, and as the RMS error of a "
     "coordinate, about that of a single point."
 )

@@ -1,4 +1,4 @@
-"""What would explain rows 17 to 23, in a terminal."""
+"""The explanations of rows 17 to 23, in a terminal."""
 
 from collections.abc import Iterator
 

@@ -175,7 +175,7 @@ def _provenance(result: Reproduction, folder: Path) -> Provenance:
     """Return the command that gives these results; ``labcal report`` makes the page of them again."""
     words = {
         "rows": _experiments(result),
-        "seeds": max((one.seeds for one in (*result.rows, *result.study)), default=0),
+        "seeds": max((*(row.seeds for row in result.rows), *(cell.seeds for cell in result.study), 0)),
         "result": result,
     }
     command = str(rendered("reproduction_command.txt.jinja", words)).strip()

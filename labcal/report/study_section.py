@@ -13,8 +13,8 @@ from labcal.report.study_words import goal_words, study_sentences
 from labcal.run.tables import table_text
 
 _HOW = (
-    "The paper tried several numbers of neurons and layers and shows none of it. Neurons are counted over all "
-    "hidden layers, which share them equally. Scored on points that were not trained on."
+    "The paper tried several numbers of neurons and layers and shows none of it. Neurons are counted over "
+    "all hidden layers, which share them equally. Scored on points that were not trained on."
 )
 _CAPTION = "Medians over the seeds; bands are their range."
 _HEADER = (

@@ -21,8 +21,8 @@ from labcal.report.explanations_words import (
     summary_sentences,
 )
 from labcal.report.figure_readings import FigureReading
-from labcal.report.reproduction_page import reproduction_page
 from labcal.report.reproduction import Reproduction
+from labcal.report.reproduction_page import reproduction_page
 from labcal.run.json_text import to_json
 
 SIGNED, COORDINATE = FigureReading

@@ -1,8 +1,12 @@
 """The study of neurons and layers in words, in a terminal, and as a figure."""
 
+from pathlib import Path
+
 import pytest
 from rich.console import Console
 
+from labcal.report.reproduction import Reproduction
+from labcal.report.reproduction_page import reproduction_page
 from labcal.report.study import StudyCell
 from labcal.report.study_figure import study_figure
 from labcal.report.study_table import study_table
@@ -62,6 +66,19 @@ def test_every_network_stands_in_the_terminal(width: int) -> None:
         "Neurons of all",
     ):
         assert words in text
+
+
+def test_the_study_is_a_section_of_the_page_with_its_numbers(made_up: Reproduction, tmp_path: Path) -> None:
+    page = reproduction_page(made_up.model_copy(update={"study": tuple(CELLS)}), tmp_path)
+    for words in (
+        *study_sentences(CELLS),
+        'id="neurons-and-layers"',
+        "study.csv",
+        "20-20-3",
+        " study --quick",
+    ):
+        assert words in page
+    assert 'id="neurons-and-layers"' not in reproduction_page(made_up, tmp_path)
 
 
 def test_the_figure_is_the_same_twice_and_shows_each_depth() -> None:

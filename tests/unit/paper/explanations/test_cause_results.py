@@ -41,15 +41,17 @@ def test_a_method_that_cannot_be_fitted_has_no_size(board: BoardProblem) -> None
     assert found.coordinate == ReachedSize(size=None, greatest_mm=None)
 
 
-def outcome(size: float | None) -> CauseOutcome:
+def outcome(size: float | None, mean_signed: float | None) -> CauseOutcome:
     reached = ReachedSize(size=size, greatest_mm=9.0)
-    return CauseOutcome(mean_signed=ReachedSize(size=None, greatest_mm=4.0), coordinate=reached)
+    return CauseOutcome(mean_signed=ReachedSize(size=mean_signed, greatest_mm=4.0), coordinate=reached)
 
 
 def test_sizes_are_medians_and_shared_where_ranges_hold_them(board: BoardProblem) -> None:
     sizes = {"21": (4.0, 5.0, 6.0), "22": (4.5, None, 9.0), "23": (None, 60.0, None)}
     runs = [CauseRun(row_named(exp), "mlp", HAND, board, seed, 10) for exp in sizes for seed in range(3)]
-    results = cause_results(runs, [outcome(size) for of_row in sizes.values() for size in of_row])
+    signed = {"21": 9.0}  # what row 22 needs under the other reading, which must not count
+    outcomes = [outcome(size, signed.get(exp)) for exp, of_row in sizes.items() for size in of_row]
+    results = cause_results(runs, outcomes)
     assert len(results) == 5
     hand = next(one for one in results if one.cause == HAND)
     assert not next(one for one in results if one.cause == RULER).rows
@@ -60,8 +62,10 @@ def test_sizes_are_medians_and_shared_where_ranges_hold_them(board: BoardProblem
     assert np.isnan(rows["23"].size)
     assert (rows["21"].likely, rows["23"].likely) == (True, False)
     assert rows["21"].greatest_m == pytest.approx(0.009)
-    signed = [row for row in hand.rows if row.figure == FigureReading.MEAN_SIGNED]
-    assert all(np.isnan(row.size) and row.solved == 0 for row in signed)
+    means = {row.exp: row for row in hand.rows if row.figure == FigureReading.MEAN_SIGNED}
+    assert (means["21"].size, means["21"].also_gives) == (9.0, ())
+    assert np.isnan(means["22"].size)
+    assert (means["22"].solved, means["22"].greatest_m) == (0, pytest.approx(0.004))
     assert cause_named(HAND).likely == hand.likely
 
 
