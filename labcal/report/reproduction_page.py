@@ -88,23 +88,28 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         "verdict_class": _verdict_class,
         "verdict_glyph": _verdict_glyph,
     }
-    sections = [
-        Section("At a glance", [Beside((_error_chart(result), _epoch_chart(result)))]),
-        Section("Every row", [Written("reproduction_rows.html.jinja", values)]),
-    ]
+    sections = []
+    if result.rows:
+        sections = [
+            Section("At a glance", [Beside((_error_chart(result), _epoch_chart(result)))]),
+            Section("Every row", [Written("reproduction_rows.html.jinja", values)]),
+        ]
     if result.claims:
         sections.append(Section("The claims", [_claims(result)]))
     if result.study:
         sections.append(study_section(result.study))
     if result.explanations:
         sections.append(explanations_section(result.explanations))
-    sections.append(Section("How a row is read", [Written("reproduction_reading.html.jinja", values)]))
-    if result.not_reported:
+    if result.rows:
+        reading = Written("reproduction_reading.html.jinja", values)
+        sections.append(Section("How a row is read", [reading]))
+    if result.rows and result.not_reported:
         sections.append(Section("Not reported", [Prose((_not_reported(result),))]))
     if result.pictures:
         shown = {"pictures": [_embed(picture, folder) for picture in result.pictures]}
         pictures = Written("reproduction_pictures.html.jinja", shown)
         sections.append(Section("What the cameras saw", [Prose((_CAMERAS,)), pictures]))
+    tally = [Written("reproduction_tally.html.jinja", values)] if result.rows else []
     kind = "Quick reproduction" if result.quick else "Reproduction"
     return Page(
         title=f"{kind} of the paper's tables",
@@ -112,7 +117,7 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         lead=_LEAD,
         sections=sections,
         provenance=_provenance(result, folder),
-        opening=[*_quick_note(result), Written("reproduction_tally.html.jinja", values)],
+        opening=[*_quick_note(result), *tally],
     ).text()
 
 

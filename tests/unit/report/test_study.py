@@ -78,6 +78,10 @@ def test_the_study_is_a_section_of_the_page_with_its_numbers(made_up: Reproducti
         " study --quick",
     ):
         assert words in page
+    alone = reproduction_page(made_up.model_copy(update={"study": tuple(CELLS), "rows": ()}), tmp_path)
+    assert "Every row</h2>" in page
+    assert "Every row</h2>" not in alone
+    assert 'id="neurons-and-layers"' in alone
     assert 'id="neurons-and-layers"' not in reproduction_page(made_up, tmp_path)
 
 
