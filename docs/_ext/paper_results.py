@@ -47,6 +47,8 @@ class _CommittedResults(SphinxDirective):
         """Return what the result file says, and its hash."""
         path = Path(self.env.doc2path(self.env.docname)).parent / self.arguments[0]
         self.env.note_dependency(str(path))
+        if not path.is_file():
+            raise self.error(f"{path.name} is not committed: it is the results.json of 'labcal reproduce'.")
         result = read_document(Reproduction, "result file", path)
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         name = path.relative_to(self.env.srcdir).as_posix()
