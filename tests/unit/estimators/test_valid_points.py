@@ -11,8 +11,9 @@ from labcal.correspond.matching import Matches
 from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model, TrainingBox
-from labcal.estimators.model_file import _like, load_model, save_model
+from labcal.estimators.model_file import load_model, save_model
 from labcal.estimators.registry import make_estimator
+from labcal.estimators.stored_estimator import _like
 from labcal.estimators.valid_points import predicted, within_sense
 
 View = Callable[[np.ndarray], np.ndarray]
