@@ -11,6 +11,7 @@ from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.report import claims_words
 from labcal.report.claims_figure import claim_figure
+from labcal.report.explanations_section import explanations_section
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import PAGE_KIND, Page, Section
@@ -23,6 +24,7 @@ from labcal.report.page.written import Written
 from labcal.report.reproduction import RESULTS, Reproduction, RowResult, ShownPicture
 from labcal.report.reproduction_figures import epoch_figure, error_figure
 from labcal.report.row_verdict import RowVerdict
+from labcal.report.study_section import study_section
 from labcal.report.thumbnail import thumbnail
 from labcal.run.file_kinds import recognised_by
 from labcal.run.tables import table_text
@@ -86,19 +88,28 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         "verdict_class": _verdict_class,
         "verdict_glyph": _verdict_glyph,
     }
-    sections = [
-        Section("At a glance", [Beside((_error_chart(result), _epoch_chart(result)))]),
-        Section("Every row", [Written("reproduction_rows.html.jinja", values)]),
-    ]
+    sections = []
+    if result.rows:
+        sections = [
+            Section("At a glance", [Beside((_error_chart(result), _epoch_chart(result)))]),
+            Section("Every row", [Written("reproduction_rows.html.jinja", values)]),
+        ]
     if result.claims:
         sections.append(Section("The claims", [_claims(result)]))
-    sections.append(Section("How a row is read", [Written("reproduction_reading.html.jinja", values)]))
-    if result.not_reported:
+    if result.study:
+        sections.append(study_section(result.study))
+    if result.explanations:
+        sections.append(explanations_section(result.explanations))
+    if result.rows:
+        reading = Written("reproduction_reading.html.jinja", values)
+        sections.append(Section("How a row is read", [reading]))
+    if result.rows and result.not_reported:
         sections.append(Section("Not reported", [Prose((_not_reported(result),))]))
     if result.pictures:
         shown = {"pictures": [_embed(picture, folder) for picture in result.pictures]}
         pictures = Written("reproduction_pictures.html.jinja", shown)
         sections.append(Section("What the cameras saw", [Prose((_CAMERAS,)), pictures]))
+    tally = [Written("reproduction_tally.html.jinja", values)] if result.rows else []
     kind = "Quick reproduction" if result.quick else "Reproduction"
     return Page(
         title=f"{kind} of the paper's tables",
@@ -106,7 +117,7 @@ def reproduction_page(result: Reproduction, folder: AnyPath) -> str:
         lead=_LEAD,
         sections=sections,
         provenance=_provenance(result, folder),
-        opening=[*_quick_note(result), Written("reproduction_tally.html.jinja", values)],
+        opening=[*_quick_note(result), *tally],
     ).text()
 
 
@@ -167,14 +178,26 @@ def _not_reported(result: Reproduction) -> str:
 
 def _provenance(result: Reproduction, folder: Path) -> Provenance:
     """Return the command that gives these results; ``labcal report`` makes the page of them again."""
-    every = len(result.rows) + len(result.not_reported) == _ROWS
     words = {
-        "rows": [] if every else [row.exp for row in result.rows],
-        "seeds": max((row.seeds for row in result.rows), default=0),
+        "rows": _experiments(result),
+        "seeds": max((*(row.seeds for row in result.rows), *(cell.seeds for cell in result.study), 0)),
         "result": result,
     }
     command = str(rendered("reproduction_command.txt.jinja", words)).strip()
     return Provenance.of(command, [RESULTS], folder)
+
+
+def _experiments(result: Reproduction) -> list[str]:
+    """Return the names of the experiments for the command, none where it was all of them."""
+    every_row = len(result.rows) + len(result.not_reported) == _ROWS
+    if every_row and result.claims and result.study and result.explanations:
+        return []
+    studies = {"study": result.study, "explanations": result.explanations}
+    return [
+        *(row.exp for row in result.rows),
+        *(claim.claim for claim in result.claims),
+        *(name for name, found in studies.items() if found),
+    ]
 
 
 def missing_pictures(result: Reproduction, folder: AnyPath) -> list[str]:
