@@ -41,7 +41,7 @@ def without_times(tree: Any) -> Any:  # noqa: ANN401 -- a JSON document
     if isinstance(tree, list):
         return [without_times(item) for item in tree]
     if isinstance(tree, dict):
-        return {key: without_times(item) for key, item in tree.items() if key != "seconds"}
+        return {key: without_times(item) for key, item in tree.items() if "seconds" not in key}
     return tree
 
 
