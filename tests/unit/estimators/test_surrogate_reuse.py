@@ -12,6 +12,7 @@ from labcal.estimators.surrogate_validation import fit_unless_surrogate, surroga
 SIZES = (SIZE, SIZE)
 
 
+@pytest.mark.slow
 def test_bundle_takes_the_cameras_of_hybrid_with_the_same_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     data = cell_data(Case(Cell("brown", 0.6, 0.05, 40, Layout.PLANES), 0, (), (), 0))
     surrogate = surrogate_of(data.X, data.Y, SIZES)

@@ -40,6 +40,7 @@ def own_method(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, li
     return "my_method:Cubic", command[1].split()
 
 
+@pytest.mark.slow
 def test_a_regressor_of_ones_own_by_one_command_and_by_one_call(
     own_method: tuple[str, list[str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
