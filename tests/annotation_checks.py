@@ -85,7 +85,7 @@ def _resolved(hint: Any, names: dict[str, Any]) -> Any:
         return typing.get_type_hints(
             SimpleNamespace(__annotations__={"hint": hint}), names, include_extras=True
         )["hint"]
-    except (NameError, TypeError):
+    except (AttributeError, NameError, TypeError):
         return Any
 
 

@@ -1,11 +1,13 @@
-"""``{paper-rows}``, ``{paper-claims}``, ``{paper-readings}``: a committed result of ``labcal reproduce``.
+"""A committed result of ``labcal reproduce``, a directive for each of its parts.
+
+They are ``paper-rows``, ``paper-readings``, ``paper-claims``, ``paper-study`` and ``paper-explanations``.
 
 The argument is the file, relative to the page. Its hash stands below each table, so that a table cannot be
 told from its file.
 """
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import ClassVar
 
@@ -16,9 +18,29 @@ from tables import table
 
 from labcal.report.claims_figure import claim_figure
 from labcal.report.claims_words import outcome_words, p_words, ratio_words, statement_words, verdict_words
-from labcal.report.figures_text import epochs, millimetres, signed_metres
+from labcal.report.explanations_words import (
+    cause_sentences,
+    divisor_sentences,
+    given_rows,
+    greatest_words,
+    length_words,
+    quotient_words,
+    rows_words,
+    size_words,
+    summary_sentences,
+)
+from labcal.report.figure_readings import FigureReading
+from labcal.report.figures_text import epochs, goal, millimetres, signed_metres
 from labcal.report.reproduction import Reproduction, RowResult
+from labcal.report.study_figure import study_figure
+from labcal.report.study_words import goal_words, of_each_data, range_words, study_sentences
 from labcal.run.documents import read_document
+
+
+_ABSENT = """:::{note}
+The results of a full run of `labcal reproduce` are not committed yet; the command computes them.
+:::
+"""
 
 
 class _CommittedResults(SphinxDirective):
@@ -31,6 +53,8 @@ class _CommittedResults(SphinxDirective):
         """Return what the result file says, and its hash."""
         path = Path(self.env.doc2path(self.env.docname)).parent / self.arguments[0]
         self.env.note_dependency(str(path))
+        if not path.is_file():
+            return self.parse_text_to_nodes(_ABSENT)
         result = read_document(Reproduction, "result file", path)
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         name = path.relative_to(self.env.srcdir).as_posix()
@@ -101,6 +125,83 @@ class PaperClaims(_CommittedResults):
         yield from self.parse_text_to_nodes(f"Plan: SHA-256 `{result.claims_plan_sha256}`.\n")
 
 
+class PaperStudy(_CommittedResults):
+    """The study of neurons and layers: the best networks in words, the figure, every network."""
+
+    note = "Medians over the seeds, with their range; of points that were not trained on. "
+
+    def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
+        """Yield the sentences, the figure and a table of every kind of data."""
+        yield from self.parse_text_to_nodes(_listed(study_sentences(result.study)))
+        yield nodes.raw("", f'<div class="claim-figure">{study_figure(result.study)}</div>', format="html")
+        for data, cells in of_each_data(result.study).items():
+            yield from self.parse_text_to_nodes(
+                f"**{data}**, {cells[0].points} points, goal {goal(cells[0].goal)}\n"
+            )
+            head = ["network", "weights", "RMS, mm", "epochs", "goal reached", "seconds"]
+            rows = [
+                [
+                    cell.network,
+                    cell.parameters,
+                    range_words(*map(millimetres, (cell.rmse_mm, *cell.rmse_range_mm))),
+                    range_words(*map(epochs, (cell.epochs, *cell.epochs_range))),
+                    goal_words(cell),
+                    f"{cell.seconds:.2g}",
+                ]
+                for cell in cells
+            ]
+            yield from self.parse_text_to_nodes(table(head, rows))
+
+
+class PaperExplanations(_CommittedResults):
+    """The mistakes that would give rows 17 to 23, with their sizes, and the divisors."""
+
+    note = "Sizes are medians over the seeds, with their range. "
+
+    def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
+        """Yield a section of every cause, and one of the divisors."""
+        found = result.explanations
+        if found is None:
+            raise self.error(f"{self.arguments[0]} holds no explanations.")
+        yield from self.parse_text_to_nodes(_listed(summary_sentences(found)))
+        for cause in found.causes:
+            low, high = cause.likely
+            words = f"**{cause.cause}**: {cause.words}; likely {low:g} to {high:g} {cause.unit}.\n"
+            yield from self.parse_text_to_nodes(words)
+            yield from self.parse_text_to_nodes(_listed(cause_sentences(cause)))
+            head = ["row", "method", "printed figure read as", "paper, m", "size", "greatest error met, m",
+                    "gives also"]  # fmt: skip
+            rows = [
+                [row.exp, row.method, row.figure, signed_metres(row.paper_m), size_words(row, cause),
+                 greatest_words(row), rows_words(row.also_gives)]
+                for row in cause.rows
+            ]  # fmt: skip
+            yield from self.parse_text_to_nodes(table(head, rows))
+        yield from self.parse_text_to_nodes("**A unit, or a length that our error was divided by**\n")
+        yield from self.parse_text_to_nodes(_listed(divisor_sentences(found)))
+        divisors = [
+            [
+                one.divisor,
+                length_words(one),
+                *(rows_words(given_rows(one, figure)) for figure in FigureReading),
+            ]
+            for one in found.divisors
+        ]
+        head = ["divisor", "mm", *(f"rows, as {figure}" for figure in FigureReading)]
+        yield from self.parse_text_to_nodes(table(head, divisors))
+        quotients = [
+            [one.exp, one.figure, signed_metres(one.printed), millimetres(one.ours_mm), quotient_words(one)]
+            for one in found.quotients
+        ]
+        head = ["row", "printed figure read as", "printed", "ours, mm", "needed divisor, mm"]
+        yield from self.parse_text_to_nodes(table(head, quotients))
+
+
+def _listed(sentences: Sequence[str]) -> str:
+    """Return sentences as a list in Markdown."""
+    return "".join(f"- {sentence}\n" for sentence in sentences)
+
+
 def _row(row: RowResult) -> list[object]:
     """Return the cells of a row."""
     (low, high), (least, most) = row.mean_signed_range_m, row.rmse_range_mm
@@ -122,4 +223,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("paper-rows", PaperRows)
     app.add_directive("paper-readings", PaperReadings)
     app.add_directive("paper-claims", PaperClaims)
+    app.add_directive("paper-study", PaperStudy)
+    app.add_directive("paper-explanations", PaperExplanations)
     return {"parallel_read_safe": True}

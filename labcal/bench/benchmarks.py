@@ -1,7 +1,11 @@
 """The benchmarks by name."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 from labcal.bench.detect.bench import bench_detect
 from labcal.bench.detect.real import real_home
+from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.render.bench import bench_render
 from labcal.bench.settings import BenchSettings
 from labcal.bench.solve.bench import bench_solve
@@ -11,7 +15,15 @@ from labcal.report.bench import BenchResult
 from labcal.run.claims import FolderOutput, claim_outputs
 from labcal.run.progress import Progress
 
-BENCHMARKS = {"render": bench_render, "detect": bench_detect, "solve": bench_solve}
+Benchmark = Callable[[Path, BenchSettings, Progress], BenchResult]
+BENCHMARKS: dict[str, Benchmark] = {
+    "render": bench_render,
+    "detect": bench_detect,
+    "solve": bench_solve,
+    "distortion": bench_distortion,
+}
+_WITHOUT_GROUPS = ("render", "distortion")
+_OF_METHODS = ("solve", "distortion")
 
 
 def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress: Progress) -> BenchResult:
@@ -19,7 +31,7 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
 
     Parameters
     ----------
-    what : {"render", "detect", "solve"}
+    what : {"render", "detect", "solve", "distortion"}
     folder : str or os.PathLike
     settings : BenchSettings
     progress : Progress
@@ -36,15 +48,27 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     folder = as_path(folder)
     if what not in BENCHMARKS:
         raise UnknownNameError("benchmark", what, BENCHMARKS)
-    if settings.groups and what == "render":
-        raise InputError("`groups` names groups of checks, of which the benchmark 'render' has none.")
-    if settings.methods and what != "solve":
-        raise InputError("`methods` goes with 'bench solve', which measures methods. Leave it out.")
-    if settings.scheduler is not None and what != "solve":
+    if settings.groups and what in _WITHOUT_GROUPS:
+        raise InputError(f"`groups` names groups of checks, of which the benchmark '{what}' has none.")
+    if settings.methods and what not in _OF_METHODS:
         raise InputError(
-            f"`scheduler` goes with 'bench solve', whose cases a cluster can do; '{what}' is measured here. "
-            "Leave it out."
+            "`methods` goes with 'bench solve' and 'bench distortion', which measure methods. Leave it out."
         )
+    if settings.scheduler is not None and what not in _OF_METHODS:
+        raise InputError(
+            "`scheduler` goes with 'bench solve' and 'bench distortion', whose cases a cluster can do; "
+            f"'{what}' is measured here. Leave it out."
+        )
+    if what != "distortion":
+        _refuse_plan(settings)
     photographs = real_home()
     claim_outputs([FolderOutput(folder)], () if photographs is None else (photographs,), force=settings.force)
     return BENCHMARKS[what](folder, settings, progress)
+
+
+def _refuse_plan(settings: BenchSettings) -> None:
+    """Raise where settings of a plan are given to a benchmark that has none."""
+    given = {"plan": settings.plan, "overrides": settings.overrides or None, "seeds": settings.seeds}
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"`{name}` goes with 'bench distortion', which measures a plan. Leave it out.")

@@ -28,6 +28,12 @@ class BenchSettings:
     """Methods to measure besides, of a benchmark of methods: names, or ``package.module:Class``."""
     scheduler: str | None = None
     """Of a Dask cluster that does the cases of a benchmark that has many: an address, or ``"local"``."""
+    plan: str | None = None
+    """Of the benchmark of distortion: ``quick``, ``full``, or the path of a YAML file."""
+    overrides: Sequence[str] = ()
+    """Of the benchmark of distortion: levels in the place of the plan's, each ``factor=level,level``."""
+    seeds: int | None = None
+    """Of the benchmark of distortion: number of seeds in the place of the plan's."""
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -35,7 +41,7 @@ class BenchSettings:
         Raises
         ------
         InputError, InputTypeError
-            One is of a wrong type, or the seed is negative.
+            One is of a wrong type, or a number is too small.
         """
         values = {
             "quick": truth_value(self.quick, "quick"),
@@ -44,5 +50,8 @@ class BenchSettings:
             "groups": texts(self.groups, "groups"),
             "methods": texts(self.methods, "methods"),
             "scheduler": None if self.scheduler is None else one_text(self.scheduler, "scheduler"),
+            "plan": None if self.plan is None else one_text(self.plan, "plan"),
+            "overrides": texts(self.overrides, "overrides"),
+            "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
         }
         set_checked(self, values)

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from labcal.calibrate.freed_dots import FreedDots
+from labcal.geometry.magnification import round_magnification
 
 _LENGTH = 0.4
 """Longest arrow, as a share of the pitch."""
@@ -15,7 +16,7 @@ def displacement_figure(dots: FreedDots) -> Figure:
     p, d = target.points(), dots.displacement
     longest = max(float(np.linalg.norm(d[freed][:, :2], axis=1).max(initial=0.0)), 1e-12)
     pitch = float(np.linalg.norm(p[1] - p[0]))
-    magnified = _magnification(_LENGTH * pitch / longest)
+    magnified = round_magnification(_LENGTH * pitch / longest)
     width, height = np.ptp(p[:, 0]), np.ptp(p[:, 1])
     figure = Figure(figsize=(9.0, 1.5 + 8.0 * height / width), dpi=120, layout="constrained")
     axes = figure.add_subplot(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
@@ -35,9 +36,3 @@ def displacement_figure(dots: FreedDots) -> Figure:
     figure.colorbar(arrows, label="height [µm]", shrink=0.8)
     axes.set_title(f"{target.name}: displacements x {magnified:g}; crosses stay where declared")
     return figure
-
-
-def _magnification(most: float) -> float:
-    """Return the largest of 1, 2, 5, 10 ... that is not beyond `most`."""
-    power = 10.0 ** np.floor(np.log10(most))
-    return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= most * (1 + 1e-9)))

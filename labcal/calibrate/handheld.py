@@ -14,6 +14,7 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreeing_views import SingleCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
+from labcal.calibrate.camera_covariance import CameraCovariance
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
@@ -236,4 +237,5 @@ def _assemble(
         freed=whole.freed,
         reason=adjusted.reason,
         residuals=RigResiduals.of(adjusted, whole.observations),
+        covariance=CameraCovariance.of(adjusted),
     )

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.finding import Disagreement
+from labcal.calibrate.camera_covariance import CameraCovariance
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.one_lens import TwoLenses
@@ -97,6 +98,8 @@ class HandheldCalibration:
     reason: StopReason
     residuals: RigResiduals
     """Of all dots that entered, in the rig."""
+    covariance: CameraCovariance
+    """Of all cameras together."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

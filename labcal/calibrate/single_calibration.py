@@ -68,7 +68,7 @@ class HandheldSettings:
         }
         set_checked(self, values)
         if self.start is None and self.lenses is Lenses.FIXED:
-            raise InputError("`lenses='fixed'` keeps the lenses of a rig. Give it: `start`.")
+            raise InputError("`lenses='fixed'` keeps the lenses of a rig. Give that rig: `start='rig.json'`.")
 
 
 @dataclass(frozen=True)

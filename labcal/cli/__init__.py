@@ -107,7 +107,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except UsageError as error:
         return report_failure(error, Session(sys.stdout, json=json, quiet=quiet))
     with orderly_termination(), result_stream() as stream:
-        session = Session(stream, json=json, quiet=quiet)
+        session = Session(stream, json=json, quiet=quiet, words=words)
         try:
             with logged_as_warnings(session):
                 return int(arguments.run(arguments, session))

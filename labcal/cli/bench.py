@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from labcal.cli.methods import named_methods
-from labcal.cli.options import add_output, add_scheduler, add_seed
+from labcal.cli.options import add_output, add_scheduler, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -19,9 +19,10 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "what",
-        choices=("render", "detect", "solve"),
+        choices=("render", "detect", "solve", "distortion"),
         help="render: the rendered laboratory's own error and cost; detect: accuracy of the detector and "
-        "of the dots that it measures; solve: errors of methods against the physical limit, and their speed",
+        "of the dots that it measures; solve: errors of methods against the physical limit, and their speed; "
+        "distortion: how far each method can be trusted as distortion grows",
     )
     parser.add_argument(
         "--quick", action="store_true", help="fewer pictures; some ten minutes in place of an hour"
@@ -35,24 +36,53 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--method",
         metavar="NAME[,NAME]",
-        help="of solve: methods to measure besides, of 'labcal method list' or package.module:Class of yours",
+        help="of solve and distortion: methods to measure besides, of 'labcal method list' or "
+        "package.module:Class of yours",
     )
+    parser.add_argument(
+        "--plan",
+        metavar="NAME-or-FILE",
+        help="of distortion: quick, full (default), or a YAML file with factors and levels of yours",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="factor=level[,level]",
+        dest="overrides",
+        help="of distortion: levels in the place of the plan's: --set families=water --set strengths=0,0.5,1",
+    )
+    parser.add_argument("--seeds", type=positive_number, metavar="N", help="of distortion: number of seeds")
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
-    add_scheduler(parser, "cases of 'solve' (groups limits and mistakes)")
+    add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits and mistakes),")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
+    from labcal.bench.distortion.bench import plan_of
+    from labcal.bench.distortion.cost import announcement
+    from labcal.bench.distortion.result import DistortionResult, distortion_table
     from labcal.pipeline import BenchSettings, bench
     from labcal.report.bench import bench_table
 
     groups = tuple(arguments.only.split(",")) if arguments.only else ()
     methods = () if arguments.method is None else tuple(named_methods(arguments.method))
     settings = BenchSettings(
-        arguments.quick, arguments.seed, arguments.force, groups, methods, arguments.scheduler
+        quick=arguments.quick,
+        seed=arguments.seed,
+        force=arguments.force,
+        groups=groups,
+        methods=methods,
+        plan=arguments.plan,
+        overrides=tuple(arguments.overrides),
+        seeds=arguments.seeds,
+        scheduler=arguments.scheduler,
     )
+    if arguments.what == "distortion":
+        session.say(announcement(plan_of(settings)))
     with session.progress() as progress:
         result = bench(arguments.what, arguments.output, settings, progress)
-    session.emit(result, bench_table(result))
+    shown = distortion_table(result) if isinstance(result, DistortionResult) else bench_table(result)
+    session.emit(result, shown)
     return ExitStatus.PARTIAL if result.failed else ExitStatus.DONE

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
-from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_workers
+from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_page, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -57,6 +57,7 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="FILE.png",
         help="with --free-dots: arrows from declared to estimated places",
     )
+    add_page(parser)
     add_detector_settings(parser)
     add_workers(parser)
 
@@ -65,6 +66,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
     from labcal.cameras.rig import KIND, write_rig
     from labcal.cli.dots import dots_given, refuse_idle_detection
+    from labcal.cli.page import asked_page
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
@@ -83,6 +85,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     outputs = [FileOutput(arguments.output, KIND)]
     outputs += [FileOutput(_dots_path(arguments.output), DOTS_KIND)] if arguments.free_dots else []
     outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
+    page = asked_page(arguments, session, [arguments.source, arguments.detections, arguments.start])
+    outputs += [] if page is None else [page.file]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
@@ -93,7 +97,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     detections = dots_given(given, target, arguments, session)
     hold_out = arguments.hold_out or ()
     with session.progress() as progress:
-        made = calibrate(given.showing(target), detections, arguments.lens, settings, hold_out, progress)
+        made = calibrate(
+            given.showing(target), detections, arguments.lens, settings, hold_out, progress, page=page
+        )
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:

@@ -3,6 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
+from labcal.cli.options import add_page, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -45,10 +46,13 @@ def add_parser(commands: CommandGroup) -> None:
         help="the model or rig that the points were reconstructed with: views that it was calibrated from, "
         "or fitted to, are not scored, or are marked; RIG-dots.json and a shoot name theirs themselves",
     )
+    add_page(parser)
+    parser.add_argument("--force", action="store_true", help="replace a page that labcal made")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and report."""
+    from labcal.cli.page import asked_page
     from labcal.correspond.points_csv import read_points
     from labcal.pipeline import evaluate
     from labcal.report.error_tables import error_table
@@ -61,13 +65,17 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             "Give the SHOOT that the points are of or, to compare with the target's own lengths, "
             "--target NAME or --dots RIG-dots.json: one of the three."
         )
+    if arguments.page is None:
+        refuse_option(arguments, "force", "replaces a page, and none is asked for")
+    given = [arguments.points, arguments.shoot, arguments.dots, arguments.detections, arguments.rig]
+    page = asked_page(arguments, session, given)
     points = read_points(arguments.points)
     source: Shoot | AnyTarget | DotPlaces
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)
     else:
         source = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
-    errors = evaluate(points, source, arguments.detections, arguments.alignment, arguments.rig)
+    errors = evaluate(points, source, arguments.detections, arguments.alignment, arguments.rig, page=page)
     for warning in errors.warnings:
         session.warn(warning)
     session.emit(errors, error_table(errors))

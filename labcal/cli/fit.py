@@ -10,6 +10,7 @@ from labcal.cli.options import (
     add_detector_settings,
     add_hold_out,
     add_output,
+    add_page,
     add_seed,
     add_workers,
     refuse_option,
@@ -21,6 +22,9 @@ from labcal.cli.status import ExitStatus
 if TYPE_CHECKING:
     from labcal.correspond.dot_source import DotSource
     from labcal.estimators.estimator import PointEstimator
+    from labcal.estimators.fitting import Training
+    from labcal.report.fit_result import FitOutcome
+    from labcal.report.page.output import PageOutput
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -79,6 +83,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_hold_out(parser)
     add_seed(parser)
+    add_page(parser)
     add_detector_settings(parser)
     add_workers(parser)
 
@@ -86,6 +91,7 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Fit each method and write its model."""
     from labcal.cli.dots import dots_given, refuse_idle_detection
+    from labcal.cli.page import asked_page
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
@@ -109,7 +115,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     alone = len(estimators) == 1
     paths = [_path(arguments.output, estimator.method, alone=alone) for estimator in estimators]
     read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.lens])
-    claim_outputs([FileOutput(path, KIND) for path in paths], read, force=arguments.force)
+    page = asked_page(arguments, session, [arguments.source, arguments.detections])
+    outputs = [FileOutput(path, KIND) for path in paths] + ([] if page is None else [page.file])
+    claim_outputs(outputs, read, force=arguments.force)
     refuse_idle_detection(arguments)
     given = open_dots(arguments.source, arguments.detections)
     target = _target(arguments, given)
@@ -134,6 +142,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(warning)
     made = [(path, model) for path, _, model in named if not isinstance(model, InputError)]
     save_models(made, force=arguments.force)
+    _write_page(page, training, outcomes)
     result = fit_result(training, outcomes)
     session.emit(result, fit_table(result, rehearsed=settings.rehearsal))
     if not made:
@@ -158,6 +167,15 @@ def _refuse_idle_seed(arguments: Namespace, estimators: "list[PointEstimator]") 
     """Raise where a seed is given and nothing is random."""
     if arguments.no_rehearsal and not any("random_state" in one.get_params() for one in estimators):
         refuse_option(arguments, "seed", f"means nothing to {arguments.method}, in which nothing is random")
+
+
+def _write_page(page: "PageOutput | None", training: "Training", outcomes: "list[FitOutcome]") -> None:
+    """Write the page, where one is asked for."""
+    if page is not None:
+        from labcal.pipeline.pages import page_maker
+        from labcal.report.fit_page import fit_page
+
+        page.write(fit_page(training, outcomes, page_maker(page, "fit", {})))
 
 
 def _refuse_idle_lens(arguments: Namespace, estimators: "list[PointEstimator]") -> None:

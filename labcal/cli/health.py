@@ -30,6 +30,7 @@ _PACKAGES = {
     "safetensors": "saved models",
     "matplotlib": "figures and targets",
     "Jinja2": "reports",
+    "plotly": "the 3-D view of pages",
     "rich": "the terminal",
     "lazy-loader": "imports",
     "numba": "detection",

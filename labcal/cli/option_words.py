@@ -10,8 +10,8 @@ OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
         "alignment", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots", "hold_out", "lens",
-        "method", "only", "overlay", "quick", "rectify", "rig", "scheduler", "seed", "seeds", "size", "spp",
-        "start", "target", "tone_curve", "unit", "views", "whole", "workers",
+        "method", "only", "plan", "quick", "rectify", "rig", "scheduler", "seed", "seeds", "size",
+        "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",

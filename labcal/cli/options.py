@@ -30,6 +30,17 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_page(parser: argparse.ArgumentParser) -> None:
+    """Add ``--page`` (as ``arguments.page``), which :func:`labcal.cli.page.asked_page` reads."""
+    parser.add_argument(
+        "--page",
+        type=Path,
+        metavar="FILE.html",
+        help="write a page to look at: a verdict in one sentence, figures, a 3-D view; it needs nothing "
+        "beside it and fetches nothing",
+    )
+
+
 def add_detector_settings(parser: argparse.ArgumentParser) -> None:
     """Add ``--set`` (as ``arguments.changes``), which `labcal.detect.settings.detect_settings` reads."""
     parser.add_argument(

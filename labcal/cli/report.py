@@ -34,8 +34,8 @@ class ReportResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Write ``index.html`` beside ``results.json``."""
-    from labcal.report.page import KIND, missing_pictures, reproduction_page
     from labcal.report.reproduction import RESULTS, read_reproduction
+    from labcal.report.reproduction_page import KIND, missing_pictures, reproduction_page
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.made import is_as_made, renew
     from labcal.run.outputs import write_file

@@ -1,4 +1,4 @@
-"""``labcal reproduce``: the paper's rows and claims."""
+"""``labcal reproduce``: the paper's rows and claims, and two studies about them."""
 
 from argparse import Namespace
 
@@ -26,8 +26,11 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "experiments",
         nargs="*",
-        metavar="ROW|CLAIM",
-        help="numbers of rows, and claims (C1 to C8); all where none is given",
+        metavar="ROW|CLAIM|STUDY",
+        help=(
+            "numbers of rows, claims (C1 to C8), 'study' (neurons and layers), 'explanations' (of figures "
+            "of rows 17 to 23); all where none is given"
+        ),
     )
     parser.add_argument(
         "--quick", action="store_true", help="fewer rays a pixel, fewer epochs, one seed; the page states it"
@@ -36,7 +39,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--seeds",
         type=positive_number,
         metavar="N",
-        help="runs of every row, for medians (10, or 1 with --quick); claims have the numbers of their plan",
+        help="runs of rows and studies, for medians (10, or 1 with --quick); claims have those of their plan",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
@@ -50,7 +53,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     from labcal.pipeline import ReproduceSettings, reproduce
     from labcal.report.claims_table import claims_table
+    from labcal.report.explanations_table import explanations_table
     from labcal.report.reproduction_table import reproduction_table
+    from labcal.report.study_table import study_table
 
     if arguments.scheduler not in (None, "local"):
         refuse_option(arguments, "workers", "is for processes of this machine; a cluster has its own workers")
@@ -67,6 +72,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         result = reproduce(arguments.output, settings, progress)
     tables: list[RenderableType] = [reproduction_table(result)] if result.rows else []
     tables += [claims_table(result.claims)] if result.claims else []
+    tables += [study_table(result.study)] if result.study else []
+    tables += [explanations_table(result.explanations)] if result.explanations else []
     session.emit(result, Group(*tables))
     session.say(f"The page: {arguments.output / 'index.html'}")
     return ExitStatus.DONE

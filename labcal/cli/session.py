@@ -1,8 +1,9 @@
 """The output of a command: the result on stdout, everything else on stderr."""
 
 import os
+import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from labcal.cli.option_words import document_in_options, in_options
@@ -21,9 +22,14 @@ class Session:
         The result is one JSON document.
     quiet : bool
         No messages and no progress bar; results, warnings and errors are still written.
+    words : sequence of str
+        The arguments of the command, beginning with its verb.
     """
 
-    def __init__(self, stdout: Stream, *, json: bool = False, quiet: bool = False) -> None:
+    def __init__(
+        self, stdout: Stream, *, json: bool = False, quiet: bool = False, words: Sequence[str] = ()
+    ) -> None:
+        self.command = shlex.join(["labcal", *words])
         self.json = json
         self.quiet = quiet
         self._stdout = stdout

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Int64
 
+from labcal.arrays import Pixels
 from labcal.correspond.detections import Detections
 
 COLUMNS, ROWS = 8, 6
@@ -23,8 +24,21 @@ def coverage(detections: Detections, camera: str, size: tuple[int, int]) -> Int6
     ndarray of int, shape (6, 8)
         From the top-left cell, rows downwards; dots that are measurements of the declared grid.
     """
+    return coverage_of(detections.position[detections.ok & (detections.camera == camera)], size)
+
+
+def coverage_of(q: Pixels, size: tuple[int, int]) -> Int64[np.ndarray, "6 8"]:
+    """Return how many pixels lie in each cell of the same grid.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n, 2)
+        Px.
+    size : tuple of int
+        Width and height of the picture, px.
+    """
     width, height = size
-    x, y = detections.position[detections.ok & (detections.camera == camera)].T
+    x, y = q.T
     # The frame begins half a pixel before the centre of the first pixel.
     edges_x = np.linspace(-0.5, width - 0.5, COLUMNS + 1)
     edges_y = np.linspace(-0.5, height - 0.5, ROWS + 1)

@@ -5,12 +5,13 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.closed_form import ClosedFormEstimator
+from labcal.estimators.estimator import FittedArray
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import refuse_collinear, refuse_few
 
 
-class Affine(PointEstimator):
+class Affine(ClosedFormEstimator):
     """The method ``affine``: every output is a linear function of all image coordinates, and a constant.
 
     Exact for affine cameras. On data that leave a direction undetermined, such as a plane seen by affine

@@ -1,6 +1,9 @@
 """Cameras resected from known points, and optimal triangulation."""
 
+from collections.abc import Sequence
 from typing import ClassVar
+
+from numpy.typing import ArrayLike
 
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.lens_candidates import AUTO
@@ -59,9 +62,29 @@ class Bundle(CameraEstimator):
         self.glass_index = glass_index
         self.glass_thickness_mm = glass_thickness_mm
 
+    def fit_resected(self, X: ArrayLike, Y: ArrayLike, resected: Sequence[ResectedCamera]) -> "Bundle":
+        """Fit as `fit` does, where the cameras have been resected from the same data already.
+
+        Parameters
+        ----------
+        X, Y : array, (n, 2 x cameras) and (n, 3)
+            Px and mm.
+        resected : sequence of ResectedCamera
+            By camera, with the lens and the picture sizes of this estimator.
+
+        Raises
+        ------
+        InputError
+            As of `fit`.
+        """
+        pixels, points = self._training(X, Y)
+        self.single_output_, self.n_outputs_ = False, points.shape[1]
+        self._keep([_known(camera) for camera in resected], points)
+        self.residual_covariance_ = self._residual_covariance(pixels, points)
+        return self
+
     def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
-        found = self._resected(q, p, size)
-        return FittedCamera(found.placed, found.covariance, found.sigma_px)
+        return _known(self._resected(q, p, size))
 
     def _resected(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> ResectedCamera:
         if self.behind_index <= 1.0:
@@ -86,3 +109,8 @@ class Bundle(CameraEstimator):
             for distance in _DISTANCES_MM
             for tilt_x, tilt_y in _TILTS_DEG
         ]
+
+
+def _known(resected: ResectedCamera) -> FittedCamera:
+    """Return a resected camera as one whose lens formula explains all."""
+    return FittedCamera(resected.placed, resected.covariance, resected.sigma_px)

@@ -93,7 +93,10 @@ class CameraEstimator(PointEstimator):
         refuse_other_than_points(self.method, points.shape[1])
         seen = pixels.reshape(len(pixels), count, 2)
         sizes = self._sizes(seen)
-        cameras = [self._fitted(seen[:, i], points, size) for i, size in enumerate(sizes)]
+        self._keep([self._fitted(seen[:, i], points, size) for i, size in enumerate(sizes)], points)
+
+    def _keep(self, cameras: Sequence[FittedCamera], points: Vectors3) -> None:
+        """Store cameras that were estimated from points, mm."""
         arrays = to_arrays(cameras, len(points))
         self.cameras_text_, self.n_trained_ = arrays.text, len(points)
         self.middle_, self.figures_, self.covariances_ = arrays.middle, arrays.figures, arrays.covariance

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.errors import InputError
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.closed_form import ClosedFormEstimator
+from labcal.estimators.estimator import FittedArray
 from labcal.geometry.arrangement import (
     camera_count,
     refuse_collinear,
@@ -23,7 +24,7 @@ CAMERAS = 2
 """Fewer cameras see rays, not points."""
 
 
-class Dlt(PointEstimator):
+class Dlt(ClosedFormEstimator):
     """The method ``dlt``: volumes only, two cameras or more, no lens distortion.
 
     Abdel-Aziz and Karara 1971, with Hartley's normalisation. Points are triangulated linearly: every camera

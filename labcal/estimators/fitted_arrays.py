@@ -19,8 +19,9 @@ from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
 from labcal.run.json_reading import json_content
 
-FIGURES = 9
-"""Of a camera: its noise; of its field amplitude, across, along, noise, gain, and three of its places."""
+FIGURES = 10
+"""Of a camera: its noise; of its field amplitude, across, along, wavenumber, noise, gain, and three of its
+places."""
 _RECORDS = TypeAdapter(tuple[CameraRecord, ...])
 
 
@@ -77,8 +78,8 @@ def to_arrays(cameras: Sequence[FittedCamera], n: int) -> FittedArrays:
             continue
         scale, places = camera.fitted.field.scale, camera.fitted.places
         figures[number, 1:] = [
-            scale.amplitude_px, scale.kernel.across, scale.kernel.along, scale.noise_px, scale.gain,
-            places.width_px, places.farthest, places.span,
+            scale.amplitude_px, scale.kernel.across, scale.kernel.along, scale.kernel.wavenumber,
+            scale.noise_px, scale.gain, places.width_px, places.farthest, places.span,
         ]  # fmt: skip
         inputs[number], residuals[number] = camera.fitted.field.x, camera.fitted.field.residual
     records = [CameraRecord.of(camera.camera).model_dump(mode="json") for camera in cameras]
@@ -100,12 +101,10 @@ def from_arrays(arrays: FittedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[Fi
     found = []
     for number, (record, how) in enumerate(zip(records, asked, strict=True)):
         placed = PlacedCamera(record.camera(), arrays.middle)
-        noise, amplitude, across, along, field_noise, gain, width, farthest, span = arrays.figures[
-            number
-        ].tolist()
+        noise, amplitude, *kernel, field_noise, gain, width, farthest, span = arrays.figures[number].tolist()
         fitted = None
         if how is not None:
-            scale = FieldScale(FieldKernel(across, along), amplitude, field_noise, gain)
+            scale = FieldScale(FieldKernel(*kernel), amplitude, field_noise, gain)
             field = PixelField(scale, arrays.inputs[number], arrays.residuals[number])
             fitted = FittedField(field, Places(width, farthest, span), Asked(how), p)
         own = slice(placed.count)

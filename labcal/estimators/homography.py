@@ -5,7 +5,8 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.closed_form import ClosedFormEstimator
+from labcal.estimators.estimator import FittedArray
 from labcal.geometry.arrangement import (
     camera_count,
     refuse_collinear,
@@ -19,7 +20,7 @@ UNKNOWN_POINTS = 4
 """A homography has eight degrees of freedom and every point gives two equations."""
 
 
-class Homography(PointEstimator):
+class Homography(ClosedFormEstimator):
     """The method ``homography``: planes of constant Z only, any number of cameras.
 
     For each camera the homography from the plane to its image is found by the direct linear transform and

@@ -1,18 +1,23 @@
 """Cameras resected from known points, with a residual field in pixels."""
 
+import itertools
 from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Vectors3
-from labcal.calibrate.lens_candidates import AUTO
+from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
-from labcal.calibrate.resection.resected import resect
+from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.errors import InputError
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.gp_field.fitted_camera import FittedCamera
 from labcal.estimators.gp_field.learning import fitted_camera
+from labcal.estimators.gp_field.leave_one_out import log_predictive_density
 
+_SIMPLER = OF_POINTS[:2]
+"""Lens formulas that are tried below a field, in place of one with more coefficients."""
 MOST_POINTS = 4000
 """The field's covariance is a full matrix of the trained points."""
 
@@ -29,7 +34,8 @@ class Hybrid(CameraEstimator):
     ----------
     lens : str
         The lens formula: a model, the name or file of a prescription, or ``auto``: the simplest model that
-        predicts held-out dots as well as any.
+        predicts held-out dots as well as any; below a field, the one of it and two simpler ones with which
+        dots are predicted best by the others.
     image_sizes : tuple of (int, int), optional
         Width and height, px, of each camera's pictures. Where left out, pictures reach as far as the trained
         pixels.
@@ -40,6 +46,8 @@ class Hybrid(CameraEstimator):
         The lens formulas, in the order of the columns.
     field_px_ : float64 array, (cameras,)
         What the field explains of the trained pixels, root mean square of its length; 0 where there is none.
+    resected_ : tuple of ResectedCamera
+        The cameras before a field was estimated: those of `bundle`. Not kept in a model file.
     """
 
     method: ClassVar[str] = "hybrid"
@@ -60,6 +68,10 @@ class Hybrid(CameraEstimator):
             ]
         )
 
+    def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
+        self.resected_: tuple[ResectedCamera, ...] = ()
+        super()._fit(pixels, points)
+
     def _fitted(self, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         if len(p) > MOST_POINTS:
             raise InputError(
@@ -70,4 +82,22 @@ class Hybrid(CameraEstimator):
             start = chosen_camera(self.method, q, p, size)
         else:
             start = resect(self.method, q, p, camera_of_lens(self.lens, size, None))
-        return fitted_camera(start, q, p)
+        self.resected_ = (*self.resected_, start)
+        found = fitted_camera(start, q, p)
+        if self.lens != AUTO or found.fitted is None:
+            return found
+        return self._simplified(found, q, p, size)
+
+    def _simplified(self, found: FittedCamera, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
+        """Return the likeliest of a camera with a field and those with a simpler lens formula.
+
+        The coefficients that predict held-out dots best without a field may stand in its way.
+        """
+        candidates = [found]
+        for lens in itertools.takewhile(lambda lens: lens != found.camera.lens, _SIMPLER):
+            try:
+                start = resect(self.method, q, p, camera_of_lens(lens, size, None))
+            except InputError:  # too far off to begin with
+                continue
+            candidates.append(fitted_camera(start, q, p))
+        return max(candidates, key=lambda camera: log_predictive_density(camera, q, p))

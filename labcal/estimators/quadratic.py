@@ -5,12 +5,13 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.closed_form import ClosedFormEstimator
+from labcal.estimators.estimator import FittedArray
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import refuse_collinear, refuse_few
 
 
-class Quadratic(PointEstimator):
+class Quadratic(ClosedFormEstimator):
     """The method ``quadratic``: `affine` with all terms of second degree.
 
     On a plane one camera's coordinates follow from the other's, so that the terms are nearly dependent:

@@ -9,6 +9,7 @@ from labcal.arrays import Vectors3
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.cameras.triangulation import refined
 from labcal.errors import InputError
+from labcal.estimators.bundle import Bundle
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.gp_field.fitted_camera import measured_by
@@ -101,15 +102,16 @@ def fit_unless_surrogate(
 ) -> PointEstimator:
     """Return a method fitted to the training data of a surrogate.
 
-    The hybrid method of the surrogate is not fitted again: it is returned if the estimator has the same
-    parameters.
+    What the hybrid method of the surrogate has found is not found again: it is returned itself if the
+    estimator has the same parameters, and `bundle` with the same lens takes its resected cameras.
     """
-    if (
-        surrogate is not None
-        and isinstance(estimator, Hybrid)
-        and estimator.get_params() == surrogate.hybrid.get_params()
-    ):
+    if surrogate is None:
+        return estimator.fit(X, Y)
+    known = surrogate.hybrid.get_params()
+    if isinstance(estimator, Hybrid) and estimator.get_params() == known:
         return surrogate.hybrid
+    if isinstance(estimator, Bundle) and estimator.get_params() == Bundle(**known).get_params():
+        return estimator.fit_resected(X, Y, surrogate.hybrid.resected_)
     return estimator.fit(X, Y)
 
 

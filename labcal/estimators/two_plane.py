@@ -8,7 +8,8 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.held_out import edges
 from labcal.errors import InputError
-from labcal.estimators.estimator import FittedArray, PointEstimator
+from labcal.estimators.closed_form import ClosedFormEstimator
+from labcal.estimators.estimator import FittedArray
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import (
     camera_count,
@@ -27,7 +28,7 @@ _HIGHEST = 9
 _CAMERAS = 2
 
 
-class TwoPlane(PointEstimator):
+class TwoPlane(ClosedFormEstimator):
     """The method ``two-plane``: polynomials from the pixel to where its ray meets two planes.
 
     Martins, Birk and Kelley 1981; Wei and Ma 1993. The planes bound the trained volume, across the cameras'

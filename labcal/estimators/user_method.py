@@ -1,6 +1,7 @@
 """A method of one's own: any regressor with fit and predict, made an estimator of points."""
 
 import inspect
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -9,15 +10,12 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from labcal.bounds import MOST_WEIGHT
-from labcal.errors import InputError
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
+from labcal.estimators.held_out_errors import Predict, held_out_errors
 from labcal.estimators.scikit_learn import clone
-from labcal.rng import generator
 from labcal.run.threads import one_blas_thread
 from labcal.run.user_code import user_code
 
-FOLDS = 5
-"""Parts of the training data, each of which is held out once."""
 Regressor = Any
 """An object with fit and predict, of whatever class a user has."""
 _SEED = "random_state"
@@ -29,7 +27,7 @@ class UserMethod(PointEstimator):
     A regressor that refuses several outputs, and says to scikit-learn that it takes one, is fitted once for
     each of X, Y and Z. A copy is fitted; the regressor that is given stays as it was.
 
-    Covariances are those of errors on dots held out: the training data are split at random into `FOLDS`
+    Covariances are those of errors on dots held out: the training data are split at random into five
     parts, and each is predicted by the method fitted to the others. They are the same for every point. They
     hold the pixels' noise as it was in training, and leave out what pixels that are noisier than that would
     add, and how much more the method may err where there are no trained dots near, between planes say. The
@@ -134,20 +132,14 @@ class UserMethod(PointEstimator):
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]
     ) -> Float64[np.ndarray, "dim dim"]:
         """Return the mean product of errors on dots held out; NaN where there is a part that has none."""
-        errors = np.full_like(points, np.nan)
-        part = generator(0, "user method", "folds").permutation(len(points)) % FOLDS
-        for number in range(FOLDS):
-            out = part == number
-            if not out.any():
-                continue
-            try:
-                errors[out] = self._predicted(self._fitted(pixels[~out], points[~out]), pixels[out])
-            except InputError:
-                break  # too few dots for it, say
-            errors[out] -= points[out]
+        errors = held_out_errors(self._fitted_again, pixels, points)
         covariance = self._mean_product(errors)
         self.has_covariance_ = bool((np.abs(covariance) <= MOST_WEIGHT).all())
         return covariance if self.has_covariance_ else np.full_like(covariance, np.nan)
+
+    def _fitted_again(self, pixels: np.ndarray, points: np.ndarray) -> Predict:
+        """Return the predictions of a copy that is fitted to other points."""
+        return partial(self._predicted, self._fitted(pixels, points))
 
     def _covariance(
         self,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from labcal.arrays import Mask, Vectors3
+from labcal.arrays import Mask, Pose, Vectors3
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
@@ -69,6 +69,13 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     """Predicted minus true of each point that counts, mm; not in the JSON document."""
     points: Points = field(metadata={IN_JSON: InJson.ABSENT})
     """The points that count, as they were reconstructed; not in the JSON document."""
+    T_true_model: Pose = field(default_factory=lambda: np.eye(4), metadata={IN_JSON: InJson.ABSENT})
+    """The rigid motion that brought the points onto the truth, mm; not in the JSON document."""
+
+    @property
+    def true_points(self) -> Vectors3:
+        """The true places of the points that count, (n, 3), mm, in the world of the truth."""
+        return np.asarray(transform(self.T_true_model, self.points.point) - self.error)
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return a table with a line for each point that counts: its view and dot, its error in mm, its flag.
@@ -161,6 +168,7 @@ def errors_against_truth(
     kept, true = points.where(counts), true[counts]
     alignment = alignment or ("none" if shoot.nominal_poses() else "rigid")
     predicted, covariance = kept.point, kept.covariance
+    T_true_model = np.eye(4)
     if alignment == "rigid":
         T_true_model = rigid_alignment(true, predicted)
         R = T_true_model[:3, :3]
@@ -181,6 +189,7 @@ def errors_against_truth(
         scored_views=ScoredPart.of(kept, views),
         error=predicted - true,
         points=kept,
+        T_true_model=T_true_model,
     )
 
 

@@ -1,4 +1,4 @@
-"""The experiments of the paper, all rows or some: shoots, detections, training runs, one document."""
+"""The experiments of the paper, all or some: shoots, detections, training runs, one document."""
 
 import json
 import time
@@ -10,17 +10,20 @@ from labcal.arguments import one_text, set_checked, texts, truth_value, whole_nu
 from labcal.correspond.dot_source import dots_of_shoot
 from labcal.paper.claims.plan import plan_digest
 from labcal.paper.claims.tested import tested_claims
-from labcal.paper.experiments import Experiments, experiments_named
+from labcal.paper.experiments import Experiments, Study, experiments_named
+from labcal.paper.explanations.explained import PICTURED_ROWS, explained, undisturbed_outcomes
 from labcal.paper.pictured import pictured_problems
 from labcal.paper.problem import Problem
-from labcal.paper.rows import NOT_REPORTED, SCENES, Data, PaperRow, Solver
-from labcal.paper.simulated import NoiseReading
-from labcal.paper.summary import figures_of, least_squares_readings, row_result
-from labcal.paper.training_run import TrainingOutcome, TrainingRun, run_training
+from labcal.paper.row_runs import row_results, row_runs
+from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow
+from labcal.paper.study.cells import studied
+from labcal.paper.summary import least_squares_readings
+from labcal.paper.training_run import TrainingOutcome, run_training
 from labcal.paths import AnyPath, as_path
 from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.report.page import reproduction_page
-from labcal.report.reproduction import Reproduction, RowResult, ShownPicture
+from labcal.report.reproduction import Reproduction, ShownPicture
+from labcal.report.reproduction_page import reproduction_page
+from labcal.report.study import StudyCell
 from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
@@ -40,9 +43,6 @@ FULL_SEEDS, QUICK_SEEDS = 10, 1
 QUICK_PAIRS = 2
 """Of a claim in a quick run; too few to decide any."""
 _PACKAGES = ("labcal", "mitsuba", "numpy", "opencv-contrib-python-headless", "torch")
-_PLANE_READINGS = ("affine", "quadratic", "homography")
-_VOLUME_READINGS = ("affine", "quadratic", "dlt")
-_VOLUMES = frozenset({Data.VOLUME, Data.VOLUME_RANDOM, Data.WEBCAM_VOLUME})
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class ReproduceSettings:
     """
 
     experiments: Sequence[str] = ()
-    """Numbers of rows, and claims: ``("01", "C1")``; all of both where empty."""
+    """Numbers of rows, claims, ``"study"`` and ``"explanations"``: ``("01", "C1")``; all where empty."""
     quick: bool = False
     seeds: int | None = None
     """Runs of every reading of a row; 10, or 1 when quick, where not given.
@@ -79,7 +79,7 @@ class ReproduceSettings:
         Raises
         ------
         UnknownNameError
-            The paper has no such row or claim.
+            The paper has no such row or claim, and there is no such study.
         InputError, InputTypeError
             One is of a wrong type, a number is too small, or the paper has no figures of a row.
         """
@@ -97,8 +97,20 @@ class ReproduceSettings:
 
     @property
     def selected(self) -> Experiments:
-        """Rows and claims in the order of the paper."""
+        """Rows, claims and studies in the order of the paper."""
         return experiments_named(self.experiments)
+
+    @property
+    def trained_rows(self) -> tuple[PaperRow, ...]:
+        """The selected rows, and those that a study needs."""
+        selected = self.selected
+        needed = PICTURED_ROWS if Study.EXPLANATIONS in selected.studies else ()
+        return tuple(row for row in ROWS if row in (*selected.rows, *needed))
+
+    @property
+    def seed_range(self) -> range:
+        """The seeds of the runs."""
+        return range(self.seed, self.seed + self.runs)
 
     @property
     def runs(self) -> int:
@@ -128,7 +140,7 @@ class ReproduceSettings:
 
 
 def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) -> Reproduction:
-    """Reproduce rows and claims of the paper into a new folder: results, a page, shoots and cases.
+    """Reproduce rows, claims and studies of the paper into a new folder: results, a page, shoots and cases.
 
     Parameters
     ----------
@@ -152,24 +164,39 @@ def reproduce(folder: AnyPath, settings: ReproduceSettings, progress: Progress) 
         open_executor(settings.workers, settings.scheduler) as executor,
         unfinished_folder(folder, _command(settings), force=settings.force) as working,
     ):
+        selected = settings.selected
         problems, pictures = _pictured(working, settings, progress)
-        cases = [case for row in settings.selected.rows for case in _cases(row, problems, settings)]
+        cases = [
+            case
+            for row in settings.trained_rows
+            for case in row_runs(row, problems, settings.seed_range, settings.max_epochs)
+        ]
         outcomes = run_cases(cases, run_training, TrainingOutcome, working / "cases", executor, progress)
         claims = tested_claims(
-            settings.selected.claims,
+            selected.claims,
             working,
             QUICK_PAIRS if settings.quick else None,
             settings.rendering,
             executor,
             progress,
         )
-        rows = _summarise(cases, outcomes, settings)
+        study: tuple[StudyCell, ...] = ()
+        if Study.STUDY in selected.studies:
+            study = studied(working, settings.seed_range, settings.max_epochs, executor, progress)
+        explanations = None
+        if Study.EXPLANATIONS in selected.studies:
+            undisturbed = undisturbed_outcomes(cases, outcomes)
+            seeds = settings.seed_range
+            explanations = explained(problems, undisturbed, working, seeds, executor, progress)
+        rows = row_results(selected.rows, cases, outcomes, settings.runs)
         result = Reproduction(
             rows=rows,
             least_squares=least_squares_readings(rows),
             not_reported=NOT_REPORTED,
             claims=claims,
             claims_plan_sha256=plan_digest() if claims else None,
+            study=study,
+            explanations=explanations,
             quick=settings.quick,
             restrictions=settings.restrictions,
             pictures=pictures,
@@ -186,7 +213,7 @@ def _pictured(
     """Return the problems of rows from pictures, and one picture of every shoot."""
     problems: dict[Data, dict[str, Problem]] = {}
     pictures = []
-    for data in dict.fromkeys(row.data for row in settings.selected.rows if row.pictured):
+    for data in dict.fromkeys(row.data for row in settings.trained_rows if row.pictured):
         shoot = _shoot(working / "shoots" / SCENES[data], SCENES[data], settings, progress)
         problems[data] = pictured_problems(data, shoot, dots_of_shoot(shoot, settings.workers, progress))
         for camera, file in shoot.views()[0].images.items():
@@ -203,50 +230,13 @@ def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Prog
     return render_shoot(load_scene(scene), folder, settings.rendering, progress)
 
 
-def _cases(
-    row: PaperRow, problems: dict[Data, dict[str, Problem]], settings: ReproduceSettings
-) -> list[TrainingRun]:
-    """Return every training run of a row, reading by reading."""
-    methods: tuple[str, ...] = ("mlp",)
-    if row.solver is Solver.LEAST_SQUARES:
-        methods = _VOLUME_READINGS if row.data in _VOLUMES else _PLANE_READINGS
-    noises = (NoiseReading.SPREAD, NoiseReading.PIXEL) if row.noisy else (NoiseReading.NONE,)
-    variants: dict[str, Problem | None] = {"": None}
-    if row.pictured:
-        variants = {**problems[row.data]}
-    return [
-        TrainingRun(row, method, noise, variant, problem, settings.seed + run, settings.max_epochs)
-        for noise in noises
-        for method in methods
-        for variant, problem in variants.items()
-        for run in range(settings.runs)
-    ]
-
-
-def _summarise(
-    cases: Sequence[TrainingRun], outcomes: Sequence[TrainingOutcome], settings: ReproduceSettings
-) -> tuple[RowResult, ...]:
-    """Return the rows from the outcomes of their runs."""
-    rows = []
-    for row in settings.selected.rows:
-        readings: dict[str, list[TrainingOutcome]] = {}
-        pixel_readings: dict[str, list[TrainingOutcome]] = {}
-        for case, outcome in zip(cases, outcomes, strict=True):
-            if case.row == row:
-                kind = pixel_readings if case.noise is NoiseReading.PIXEL else readings
-                kind.setdefault(case.reading, []).append(outcome)
-        figures = [figures_of(reading, of_reading) for reading, of_reading in readings.items()]
-        pixel_figures = [figures_of(reading, of_reading) for reading, of_reading in pixel_readings.items()]
-        rows.append(row_result(row, figures, pixel_figures, settings.runs))
-    return tuple(rows)
-
-
 def _command(settings: ReproduceSettings) -> str:
     """Return everything that determines the results."""
     return "reproduce " + json.dumps(
         {
             "reproduce": [row.exp for row in settings.selected.rows],
             "claims": settings.selected.claims,
+            "studies": settings.selected.studies,
             "plan": plan_digest() if settings.selected.claims else None,
             "quick": settings.quick,
             "runs": settings.runs,

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.render.shoot import RenderSettings
     from labcal.report.overlays import write_overlays
+    from labcal.report.page.output import PageOutput
 
 __all__ = [
     "BenchSettings",
@@ -40,6 +41,7 @@ __all__ = [
     "DetectSettings",
     "FitSettings",
     "HandheldSettings",
+    "PageOutput",
     "RenderSettings",
     "ReproduceSettings",
     "UndistortSettings",
@@ -71,6 +73,7 @@ _HOMES = {
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "PageOutput": "labcal.report.page.output",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "UndistortSettings": "labcal.correspond.undistortion",

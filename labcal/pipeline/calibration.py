@@ -9,6 +9,7 @@ from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
 from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
@@ -18,15 +19,18 @@ if TYPE_CHECKING:
     from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.estimators.fitting import FitSettings
+    from labcal.report.page.output import PageOutput
 
 
-def calibrate(
+def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of it
     source: Shoot | AnyTarget | AnyPath,
     detections: Detections | AnyPath | None = None,
     lens: str | None = None,
     settings: "HandheldSettings | None" = None,
     hold_out: HoldOut = (),
     progress: Progress | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> "Calibration":
     """Calibrate cameras from views of a hand-held target. The first camera is the rig's world.
 
@@ -43,6 +47,8 @@ def calibrate(
     hold_out : int, str or sequence of str
         Views that do not enter, so that the result can be scored on them: how many, or which.
     progress : Progress, optional
+    page : path, optional
+        A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
     Returns
     -------
@@ -53,6 +59,8 @@ def calibrate(
     ------
     UnknownNameError, InputError
         As of :func:`~labcal.calibrate.calibration.calibrated`; or no dots are given of a target.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -63,17 +71,25 @@ def calibrate(
     from labcal.calibrate.calibration import calibrated
     from labcal.calibrate.handheld import HandheldSettings
 
+    output = claimed_page(page, [source, detections])
     lens = None if lens is None else one_text(lens, "lens")
     settings, progress = settings_of(settings, HandheldSettings), progress_of(progress)
     hold_out = checked_hold_out(hold_out)
     shown = shown_by(source)
     dots = dots_of(detections, shown, progress)
-    if not isinstance(shown, Shoot):
-        return calibrated(dots, shown, lens, settings, hold_out, progress)
-    tested = {view.name for view in shown.views(Role.TEST)}
-    rest = [view for view in dots.views if view not in tested]
-    kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
-    return calibrated(dots, shown.target, lens, settings, kept_back, progress)
+    target, kept_back = shown.target if isinstance(shown, Shoot) else shown, hold_out
+    if isinstance(shown, Shoot):
+        tested = {view.name for view in shown.views(Role.TEST)}
+        rest = [view for view in dots.views if view not in tested]
+        kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
+    made = calibrated(dots, target, lens, settings, kept_back, progress)
+    if output is not None:
+        from labcal.report.calibration_page import calibration_page
+
+        given = {"source": source, "detections": detections, "lens": lens, "hold_out": hold_out}
+        maker = page_maker(output, "calibrate", {**given, "page": output.path})
+        output.write(calibration_page(made, dots, target, maker))
+    return made
 
 
 def fit(
@@ -82,6 +98,8 @@ def fit(
     method: object = "hybrid",
     settings: "FitSettings | None" = None,
     progress: Progress | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> Model:
     """Fit a method to the dots of a target; :func:`fit_methods` fits several to the same :func:`training_of`.
 
@@ -97,6 +115,8 @@ def fit(
         or with fit and predict as those of scikit-learn. What is given stays as it was: a copy learns.
     settings : FitSettings, optional
     progress : Progress, optional
+    page : path, optional
+        A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
     Returns
     -------
@@ -107,6 +127,8 @@ def fit(
     ------
     UnknownNameError, InputError
         There is no such method, it cannot learn from these dots, or no dots are given of a target.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -117,6 +139,7 @@ def fit(
     """
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
 
+    output = claimed_page(page, [source, detections])
     settings, progress = settings_of(settings, FitSettings), progress_of(progress)
     shown = shown_by(source)
     estimators = estimators_of([method], settings)
@@ -124,4 +147,11 @@ def fit(
     (model,) = fit_methods(training, estimators, settings, progress)
     if isinstance(model, InputError):
         raise model
+    if output is not None:
+        from labcal.report.fit_page import fit_page
+        from labcal.report.fit_result import FitOutcome
+
+        given = {"source": source, "detections": detections, "method": method, "page": output.path}
+        outcome = FitOutcome(model.estimator.method, "", model)
+        output.write(fit_page(training, [outcome], page_maker(output, "fit", given)))
     return model

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from labcal.arguments import settings_of
 from labcal.correspond.detections import Detections
 from labcal.paths import AnyPath
+from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, find_tone_curve
 from labcal.targets.catalogue import AnyTarget
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from labcal.correspond.picture_set import AnyPictures
     from labcal.detect.settings import DetectSettings
     from labcal.report.inspection import Inspection
+    from labcal.report.page.output import PageOutput
 
 
 def measure(
@@ -118,6 +120,8 @@ def inspect(
     settings: "DetectSettings | None" = None,
     workers: int = 1,
     progress: Progress | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> "Inspection":
     """Return pictures at a glance: exposure, sharpness and dots of each, and a contact sheet of all.
 
@@ -125,6 +129,8 @@ def inspect(
     ----------
     pictures, target, settings, workers, progress
         As of :func:`measure`.
+    page : path, optional
+        A page to write, ``.html``, with all pictures and figures.
 
     Returns
     -------
@@ -135,6 +141,8 @@ def inspect(
     ------
     InputError
         There are no such pictures, the target is not known, or no picture could be read at all.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -150,6 +158,13 @@ def inspect(
     from labcal.report.inspection import inspection
 
     opened, progress = open_pictures(pictures), progress_of(progress)
+    output = claimed_page(page, opened.given, opened.sources)
     shown = opened.target(target)
     measurements = measure(opened, shown, settings, workers=workers, progress=progress)
-    return inspection(opened, measurements, shown, progress)
+    found = inspection(opened, measurements, shown, progress)
+    if output is not None:
+        from labcal.report.inspection_page import inspection_page
+
+        given = {"pictures": opened.given, "target": target, "page": output.path}
+        output.write(inspection_page(found, page_maker(output, "inspect", given)))
+    return found

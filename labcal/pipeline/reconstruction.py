@@ -14,6 +14,7 @@ from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.reconstruct.reconstruction import Reconstruction
+    from labcal.report.page.output import PageOutput
 
 
 def reconstruct(
@@ -108,6 +110,8 @@ def evaluate(
     detections: Detections | AnyPath | None = None,
     alignment: "Alignment | None" = None,
     rig: Rig | Model | Collection[str] | AnyPath | None = None,
+    *,
+    page: "PageOutput | AnyPath | None" = None,
 ) -> "TruthErrors | LengthErrors":
     """Return the errors of points in mm, against the truth where a shoot has one, else against lengths.
 
@@ -124,6 +128,8 @@ def evaluate(
     rig : Rig, Model, path or collection of str, optional
         What the points were reconstructed with, or the views that it was calibrated from: these are not
         scored, or are said to be.
+    page : path, optional
+        A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
     Returns
     -------
@@ -134,6 +140,8 @@ def evaluate(
     ------
     InputError
         The points are not of that target or shoot, or something is given that needs a truth.
+    OutputError
+        The page may not be written.
 
     Examples
     --------
@@ -142,22 +150,57 @@ def evaluate(
     LengthErrors(n=30624, rms=0.0431 mm, max=0.332 mm, scale=-2.8 ppm)
     """
     from labcal.correspond.points_csv import read_points
-    from labcal.evaluate.against_truth import ALIGNMENTS, errors_against_truth
+    from labcal.evaluate.against_truth import ALIGNMENTS
+
+    output = claimed_page(page, [points, source, detections, rig])
+    if alignment is not None and alignment not in ALIGNMENTS:
+        raise UnknownNameError("alignment", alignment, ALIGNMENTS)
+    shown = source if isinstance(source, DotPlaces) else _scored_by(source)
+    _refuse_without_truth(shown, detections, alignment)
+    found = points if isinstance(points, Points) else read_points(as_path(points))
+    errors = _errors(found, shown, detections, alignment, rig)
+    if output is not None:
+        from labcal.pipeline.surroundings import surroundings
+        from labcal.report.evaluation_page import evaluation_page
+
+        given = {"points": points, "source": source, "detections": detections, "alignment": alignment}
+        maker = page_maker(output, "evaluate", {**given, "rig": rig, "page": output.path})
+        target = shown.target if isinstance(shown, Shoot) else shown
+        around = surroundings(errors, shown, rig, detections)
+        output.write(evaluation_page(errors, found, target, around, maker))
+    return errors
+
+
+def _refuse_without_truth(
+    shown: Shoot | AnyTarget | DotPlaces,
+    detections: Detections | AnyPath | None,
+    alignment: "Alignment | None",
+) -> None:
+    """Raise where something is given that needs a truth, and there is none."""
+    from labcal.shoot.truth import has_truth
+
+    if isinstance(shown, Shoot) and has_truth(shown.folder):
+        return
+    for name, given in (("detections", detections), ("alignment", alignment)):
+        if given is not None:
+            raise InputError(
+                f"`{name}` goes with the truth of a rendered shoot, which is not given here. Leave it out."
+            )
+
+
+def _errors(
+    found: Points,
+    shown: Shoot | AnyTarget | DotPlaces,
+    detections: Detections | AnyPath | None,
+    alignment: "Alignment | None",
+    rig: Rig | Model | Collection[str] | AnyPath | None,
+) -> "TruthErrors | LengthErrors":
+    """Return the errors of points; as :func:`evaluate`."""
+    from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews
     from labcal.shoot.truth import has_truth
 
-    if alignment is not None and alignment not in ALIGNMENTS:
-        raise UnknownNameError("alignment", alignment, ALIGNMENTS)
-    shown = source if isinstance(source, DotPlaces) else _scored_by(source)
-    if not (isinstance(shown, Shoot) and has_truth(shown.folder)):
-        for name, given in (("detections", detections), ("alignment", alignment)):
-            if given is not None:
-                raise InputError(
-                    f"`{name}` goes with the truth of a rendered shoot, which is not given here. "
-                    "Leave it out."
-                )
-    found = points if isinstance(points, Points) else read_points(as_path(points))
     learned = _calibration_views_of(rig)
     if not isinstance(shown, Shoot):
         return errors_of_lengths(found, shown, learned)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def reproduce(
     folder: AnyPath, settings: "ReproduceSettings | None" = None, progress: Progress | None = None
 ) -> "Reproduction":
-    """Reproduce the experiments of the paper, all 22 rows or some, and write the results and a page.
+    """Reproduce the paper, its rows, claims and studies or some of them, and write the results and a page.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def reproduce(
     Returns
     -------
     Reproduction
-        The rows with their verdicts; errors in mm, and in m where the paper prints them.
+        Rows and claims with their verdicts, studies; errors in mm, and in m where the paper prints them.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """A shoot at a glance: exposure, sharpness and dots of every picture, drawn on one contact sheet."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,12 +69,21 @@ class Inspection(PublicObject):
         The contact sheet, RGB.
     warnings : tuple of str
         Files that were left out, for people.
+    name : str
+        Of the shoot, or of the first folder or picture.
+    tiles : tuple of SheetTile
+        What the sheet shows of every picture.
+    coverages : tuple of SheetCoverage
+        What it shows of every camera.
     """
 
     pictures: tuple[InspectedPicture, ...]
     cameras: dict[str, InspectedCamera]
     sheet: np.ndarray
     warnings: tuple[str, ...] = ()
+    name: str = ""
+    tiles: tuple[SheetTile, ...] = field(default=(), compare=False)
+    coverages: tuple[SheetCoverage, ...] = field(default=(), compare=False)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
         """Write the contact sheet.
@@ -94,7 +103,7 @@ class Inspection(PublicObject):
         DeviceError
             pandas is not installed.
         """
-        names = [field.name for field in fields(InspectedPicture)]
+        names = [one.name for one in fields(InspectedPicture)]
         frame: pandas.DataFrame = optional_module("pandas", "data").DataFrame(
             {name: [getattr(picture, name) for picture in self.pictures] for name in names}
         )
@@ -163,7 +172,9 @@ def inspection(
     views = len({found.source.view for found in measurements})
     heading = f"{pictures.name}: {target.name}, {counted(views, 'view')}, {counted(len(tiles), 'picture')}"
     sheet = contact_sheet(heading, layout, tiles, coverages)
-    return Inspection(tuple(inspected), cameras, sheet, pictures.warnings)
+    return Inspection(
+        tuple(inspected), cameras, sheet, pictures.warnings, pictures.name, tuple(tiles), tuple(coverages)
+    )
 
 
 def _inspect(

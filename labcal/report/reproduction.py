@@ -11,7 +11,9 @@ from labcal.extras import optional_module
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.report.claims import ClaimResult
+from labcal.report.explanations import Explanations
 from labcal.report.row_verdict import RowVerdict
+from labcal.report.study import StudyCell
 from labcal.report.values import Measured, Words
 from labcal.run.documents import read_document
 
@@ -135,6 +137,10 @@ class Reproduction(PublicObject, BaseModel):
     claims: Annotated[tuple[ClaimResult, ...], Field(max_length=_MOST)] = ()
     claims_plan_sha256: Words | None = None
     """Of the plan that the claims were tested by; null where none was."""
+    study: Annotated[tuple[StudyCell, ...], Field(max_length=_MOST)] = ()
+    """Networks of other numbers of neurons and layers; empty where the study was not asked for."""
+    explanations: Explanations | None = None
+    """Mistakes that would give what rows 17 to 23 print; null where not asked for."""
     quick: bool
     restrictions: Annotated[tuple[Words, ...], Field(max_length=_MOST)]
     """Description of what ``--quick`` left out; empty for a full run."""

@@ -1,10 +1,12 @@
 """A cluster of Dask, as an executor; the only file that uses Dask."""
 
+import asyncio
 import logging
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future
+from collections.abc import Awaitable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
 from functools import partial
+from threading import Thread
 from typing import Any
 
 from distributed import Client, KilledWorker
@@ -12,12 +14,15 @@ from distributed import Client, KilledWorker
 from labcal.errors import DeviceError, WorkerError
 from labcal.run.cluster_address import LOCAL, require_address
 from labcal.run.cluster_executor import ClusterExecutor
+from labcal.run.cluster_greeting import wait_for_greeting
 from labcal.run.cluster_local import local_cluster
 from labcal.run.cluster_work import Installation, mismatch, perform
 
-ANSWER_S = 8.0
+ANSWER_S = 7.0
 """Time within which a scheduler has to answer."""
 _CLOSE_S = 2.0
+CONNECT_S = 2.0
+"""Time for the rest of the connection."""
 
 
 @contextmanager
@@ -58,14 +63,16 @@ def _connected(address: str) -> Iterator[ClusterExecutor]:
 
 @contextmanager
 def _quiet_dask() -> Iterator[None]:
-    """Silence Dask's own messages: lost connections are dealt with here."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    """Silence Dask's own messages: lost connections and workers are dealt with here."""
+    known = [name for name in logging.Logger.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    levels = {name: logging.getLogger(name).level for name in known}
+    for name in known:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        logger.setLevel(before)
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
 
 
 class DaskConnection:
@@ -84,14 +91,17 @@ class DaskConnection:
     def __init__(self, address: str) -> None:
         self._address = address
         try:
-            self._client = Client(address, timeout=ANSWER_S, set_as_default=False, name="labcal")
+            wait_for_greeting(address, ANSWER_S)
+            self._client = _client(address)
         except Exception as error:
             reason = " ".join(str(error).split()) or type(error).__name__
             raise DeviceError(
                 f"No Dask scheduler answers at {address} within {ANSWER_S:g} s ({reason}). See whether "
                 "it runs ('dask scheduler' starts one) and whether its port can be reached from here."
             ) from error
-        self._executor = self._client.get_executor(pure=False, allow_other_workers=False)
+        if self._client.loop is None:
+            raise RuntimeError("A client that is connected has a loop.")
+        self._loop = self._client.loop
 
     def is_open(self) -> bool:
         """Tell whether the scheduler is still there."""
@@ -105,7 +115,11 @@ class DaskConnection:
         OSError
             The scheduler does not answer.
         """
-        return frozenset(self._client.scheduler_info(n_workers=-1)["workers"])
+        if self._client.scheduler is None:
+            raise ConnectionError("The client has left the scheduler.")
+        # Not `scheduler_info`, which returns the client's last answer, perhaps to a question without workers.
+        identity = self._client.sync(self._client.scheduler.identity, n_workers=-1)
+        return frozenset(identity["workers"])
 
     def refusals(self, workers: Sequence[str]) -> dict[str, str | None]:
         """Return why workers cannot do cases, by address; None for those that can.
@@ -128,22 +142,54 @@ class DaskConnection:
         the connection breaks.
         """
         sent: Future[bytes] = Future()
-        done = self._executor.submit(perform, case, workers=[*workers])
+        task = self._client.submit(perform, case, pure=False, workers=[*workers], allow_other_workers=False)
 
-        def hand_on(done: Future[bytes]) -> None:
-            error = None if done.cancelled() else done.exception()
-            if done.cancelled():
-                sent.cancel()
-            elif isinstance(error, KilledWorker):
-                sent.set_exception(WorkerError(f"at {error.last_worker.address}, whose log may tell more"))
-            elif error is not None:
-                sent.set_exception(error)
-            else:
-                sent.set_result(done.result())
+        def give_up(sent: Future[bytes]) -> None:
+            if sent.cancelled() and not task.done():
+                task.cancel()
 
-        done.add_done_callback(hand_on)
+        sent.add_done_callback(give_up)
+        self._loop.add_callback(_hand_on, task, sent)
         return sent
 
     def close(self) -> None:
         """Leave the cluster; cases that are not begun are cancelled."""
         self._client.close(timeout=_CLOSE_S)
+
+
+def _client(address: str) -> Client:
+    """Return a client, or raise in time, which Dask's own does not for whatever else may listen."""
+    made: Future[Client] = Future()
+
+    def make() -> None:
+        try:
+            made.set_result(Client(address, timeout=CONNECT_S, set_as_default=False, name="labcal"))
+        except Exception as error:  # noqa: BLE001 -- Dask raises much, depending on what answers
+            made.set_exception(error)
+
+    Thread(target=make, name="labcal-cluster-connect", daemon=True).start()
+    return made.result(CONNECT_S + 1.0)
+
+
+async def _hand_on(task: Awaitable[bytes], sent: Future[bytes]) -> None:
+    """Hand the end of a task on, in the loop of the client.
+
+    Dask's own executor leaves a future without an end where a worker is lost after its result and before that
+    was fetched.
+    """
+    result = b""
+    error: Exception | None = None
+    try:
+        result = await task
+    except (asyncio.CancelledError, CancelledError):
+        sent.cancel()
+    except KilledWorker as killed:
+        error = WorkerError(f"at {killed.last_worker.address}, whose log may tell more")
+    except Exception as raised:  # noqa: BLE001 -- whatever the case raises
+        error = raised
+    if not sent.set_running_or_notify_cancel():
+        return
+    if error is None:
+        sent.set_result(result)
+    else:
+        sent.set_exception(error)

@@ -4,17 +4,18 @@ import logging
 import pickle
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, Future
 from copy import copy
 from dataclasses import dataclass, field
 from functools import partial
 from threading import Event, RLock, Thread
-from typing import Any, ParamSpec, Protocol, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import cloudpickle
 
 from labcal.errors import DeviceError, LabcalError, WorkerError
+from labcal.run.cluster_connection import Connection
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -23,28 +24,11 @@ LOOK_S = 0.5
 """Time between two looks at what workers there are."""
 PATIENCE_S = 60.0
 """Time for which a lost scheduler, or a cluster without any worker that can be used, is waited for."""
-CASES_AHEAD = 4
+LOSSES_WITH_OTHERS, LOSSES_ALONE = 3, 2
+"""Times that the workers of a case may go, beside other cases and then alone, before it is given up."""
+CASES_AHEAD = 8
 """Number of cases for each worker that are sent before one is finished, so that none waits."""
 _LOG = logging.getLogger(__name__)
-
-
-class Connection(Protocol):
-    """A connection to a cluster; see `labcal.run.cluster.DaskConnection`."""
-
-    def is_open(self) -> bool:
-        """Tell whether the scheduler is still there."""
-
-    def workers(self) -> frozenset[str]:
-        """Return the addresses of the workers that are there; raise `OSError` where nobody answers."""
-
-    def refusals(self, workers: Sequence[str]) -> dict[str, str | None]:
-        """Return why workers cannot do cases, by address; None for those that can."""
-
-    def submit(self, case: bytes, workers: Sequence[str]) -> Future[bytes]:
-        """Let one of some workers do a pickled case; the future is cancelled when the connection breaks."""
-
-    def close(self) -> None:
-        """Leave the cluster; what was submitted is cancelled."""
 
 
 @dataclass(eq=False)
@@ -56,8 +40,10 @@ class _Case:
     pickled: bytes = b""
     workers: frozenset[str] = field(default_factory=frozenset)
     """Those that it was sent to."""
+    losses: int = 0
+    """Times that all of these workers have gone."""
     suspect: bool = False
-    """True if it was in several workers that ended; it is done when all others are."""
+    """True if it was in several workers that ended; it is done when no other case is there."""
 
 
 class ClusterExecutor(Executor):
@@ -215,14 +201,27 @@ class ClusterExecutor(Executor):
             }
             self._fit = there & (self._fit | (found.keys() - refusals.keys()))
             lost = [sent for sent, case in self._sent.items() if not case.workers & self._fit]
-            for sent in lost:
-                self._put_back(self._sent.pop(sent))
+            cases = [self._sent.pop(sent) for sent in lost]
         for sent in lost:
             sent.cancel()
+        for case in cases:
+            self._lost(case)
         if self._fit:
             self._last_fit = time.monotonic()
         elif time.monotonic() > self._last_fit + PATIENCE_S:
             raise self._no_worker()
+
+    def _lost(self, case: _Case) -> None:
+        """Put back a case whose workers have all gone, or give it up."""
+        case.losses += 1
+        case.suspect = case.suspect or case.losses > LOSSES_WITH_OTHERS
+        if case.losses > LOSSES_WITH_OTHERS + LOSSES_ALONE:
+            case.future.set_exception(
+                WorkerError(f"at {', '.join(sorted(case.workers))}, whose log may tell more")
+            )
+            return
+        with self._lock:
+            self._put_back(case)
 
     def _no_worker(self) -> DeviceError:
         """Return the error for a cluster on which nothing can be done."""

@@ -51,7 +51,7 @@ def local_cluster(workers: int) -> Iterator[str]:
 @contextmanager
 def _program(words: Sequence[str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
     """Start a module as a program, in a session of its own so that Ctrl-C does not reach it, and end it."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path or str(Path.cwd()) for path in sys.path)}
     with log.open("wb") as handle:
         process = subprocess.Popen(  # noqa: S603 -- words of our own
             bound_to_this_process([sys.executable, "-m", *words]),

@@ -2,6 +2,7 @@
 
 import hashlib
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -28,19 +29,20 @@ class CodeVersion:
 def code_version() -> CodeVersion:
     """Return the version of the code that is running; it is computed once a process."""
     digest = hashlib.sha256()
-    _add_sources(files("labcal"), "labcal", digest)
+    for name, source in _sources(files("labcal"), "labcal"):
+        digest.update(f"{name}\0".encode())
+        digest.update(hashlib.sha256(source).digest())
     return CodeVersion(__version__, digest.hexdigest())
 
 
-def _add_sources(folder: Traversable, path: str, digest: "hashlib._Hash") -> None:
-    """Add the Python files below a folder, in the order of their names."""
+def _sources(folder: Traversable, path: str) -> Iterator[tuple[str, bytes]]:
+    """Yield the Python files below a folder in the order of their names, each with its content."""
     for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
         name = f"{path}/{entry.name}"
         if entry.name.endswith(".py"):
-            digest.update(f"{name}\0".encode())
-            digest.update(hashlib.sha256(entry.read_bytes()).digest())
+            yield name, entry.read_bytes()
         elif entry.is_dir() and entry.name != "__pycache__":
-            _add_sources(entry, name, digest)
+            yield from _sources(entry, name)
 
 
 @cache

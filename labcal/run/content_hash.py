@@ -119,7 +119,9 @@ def _name(code: type | FunctionType | BuiltinFunctionType) -> bytes:
     """Return the full name of a class or function, with the digest of its file where that is not labcal's."""
     module, name = code.__module__ or "", code.__qualname__
     if name.endswith("<lambda>"):
-        raise InputTypeError(f"A lambda of the module '{module}' has no name. Define the function by `def`.")
+        raise InputTypeError(
+            f"A lambda of the module '{module}' has no name. Define a function that has one."
+        )
     if module == "labcal" or module.startswith("labcal.") or module == "builtins":
         return f"{module}:{name}".encode()
     return f"{module}:{name}:{module_digest(module)}".encode()

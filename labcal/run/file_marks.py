@@ -121,6 +121,8 @@ PDF_COMMENT = DigestMark(lambda text: b"% " + text + b"\n", lambda content: cont
 """A comment behind everything that the file's cross-reference table points to."""
 XML_COMMENT = DigestMark(lambda text: b"<!-- " + text + b" -->\n", _matched(_XML_DECLARATION))
 """A comment behind the declaration, also in SVG."""
+HTML_COMMENT = DigestMark(lambda text: b"<!-- " + text + b" -->\n", len)
+"""A comment behind the end of a page."""
 LINE_COMMENT = DigestMark(lambda text: b"# " + text + b"\n", _matched(_COMMENTS))
 """A line behind the first comments and directives, in YAML and ``.cameramodel``."""
 TEXT_COMMENT = TextMark()

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from labcal.run.case import Fault
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress
 from labcal.run.sweep import sweep
@@ -31,7 +32,7 @@ def test_the_same_bytes_from_serial_processes_and_a_cluster_one_of_whose_workers
     serial = swept(sums(24), tmp_path / "serial")
     processes = swept(sums(24), tmp_path / "processes", workers=2)
     with open_executor(1, cluster.address) as executor:
-        wait_for(lambda: executor.window == 8 and "left out" in caplog.text)  # all three were looked at
+        wait_for(lambda: executor.window == 16 and "left out" in caplog.text)  # all three were looked at
         cases = sums(24, notes)
         clustered = document(sweep(cases, summed, Figures, tmp_path / "cluster", executor, NoProgress()))
     assert serial == processes == clustered
@@ -105,7 +106,7 @@ def test_a_scheduler_that_is_killed_and_started_again_changes_nothing(
 
     times = same_in_spite_of({10: restart}, cluster, tmp_path, notes)
     assert len(times) == COUNT
-    assert sum(times.values()) - COUNT <= 8  # what had been sent and not come back
+    assert sum(times.values()) - COUNT <= 16  # what had been sent and not come back
 
 
 @pytest.mark.slow
@@ -121,10 +122,22 @@ def test_a_worker_without_labcal_that_joins_in_mid_sweep_does_no_case(
     assert caplog.text.count("left out") == 1
 
 
+@pytest.mark.slow
+def test_a_case_that_ends_every_worker_has_a_reason_and_the_others_results(tmp_path: Path) -> None:
+    cases = [*sums(5), Sum(5, ends_process=True), *sums(20)[6:]]
+    with open_executor(2, "local") as executor:
+        outcomes = sweep(cases, summed, Figures, tmp_path / "cluster", executor, NoProgress())
+    assert [one.key for one in outcomes if one.result is None] == ["sum-5"]
+    assert outcomes[5].fault is Fault.MACHINE
+    expected = swept([case for case in cases if not case.ends_process], tmp_path / "serial")
+    assert document([one for one in outcomes if one.result is not None]) == expected
+
+
 SWEEP = """
 import sys
 from pathlib import Path
 from repro.summing import Figures, document, summed, sums
+from labcal.run.case import Fault
 from labcal.run.executor import open_executor
 from labcal.run.progress import NoProgress
 from labcal.run.sweep import sweep
@@ -175,7 +188,7 @@ def test_a_main_process_that_is_killed_resumes_with_what_is_missing(
     after = done(tmp_path)
     assert {name: after[name] for name in before} == before  # none was done again
     assert len(after) == COUNT
-    assert sum(begun(notes).values()) - COUNT <= 8
+    assert sum(begun(notes).values()) - COUNT <= 16
     assert (tmp_path / "document.json").read_text() == swept(sums(COUNT), tmp_path / "serial")
 
 
@@ -190,7 +203,7 @@ def test_an_interrupt_cancels_what_is_not_begun_and_keeps_what_is_done(
     time.sleep(1.5)  # what was begun comes to its end
     count = sum(begun(notes).values())
     assert len(done(tmp_path)) >= 10
-    assert count <= len(done(tmp_path)) + 6
+    assert count <= len(done(tmp_path)) + 16
     time.sleep(1.0)
     assert sum(begun(notes).values()) == count
 

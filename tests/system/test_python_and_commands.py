@@ -41,7 +41,7 @@ def without_times(tree: Any) -> Any:  # noqa: ANN401 -- a JSON document
     if isinstance(tree, list):
         return [without_times(item) for item in tree]
     if isinstance(tree, dict):
-        return {key: without_times(item) for key, item in tree.items() if key != "seconds"}
+        return {key: without_times(item) for key, item in tree.items() if "seconds" not in key}
     return tree
 
 
@@ -153,3 +153,15 @@ def test_bench(labcal: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert told.document == plain_data(made)
     with pytest.raises(InputError, match="no benchmark named 'detct'"):
         pipeline.bench("detct", tmp_path / "no")
+
+
+def test_bench_distortion(labcal: Run, tmp_path: Path) -> None:
+    small = ("families=brown", "strengths=0", "noise_px=0.1", "points=40", "methods=dlt")
+    settings = pipeline.BenchSettings(quick=True, overrides=small, seeds=1)
+    made = pipeline.bench("distortion", tmp_path / "python", settings)
+    options = [word for change in small for word in ("--set", change)]
+    told = labcal("bench", "distortion", "--quick", *options, "--seeds", 1, "-o", tmp_path / "command")
+    assert told.status == (1 if made.failed else 0)
+    assert told.document == plain_data(made)
+    for file in ("results.csv", "results.json"):
+        assert (tmp_path / "python" / file).read_bytes() == (tmp_path / "command" / file).read_bytes()

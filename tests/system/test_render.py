@@ -182,17 +182,17 @@ def test_the_manifest_tells_nothing_of_the_truth(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("overrides", "settings"),
     [
-        (("cameras.left.dist=[-0.9, 0, 0, 0, 0]",), RenderSettings()),
-        ((), RenderSettings(spp=0)),
-        ((), RenderSettings(views=0)),
-        ((), RenderSettings(workers=0)),
+        (("cameras.left.dist=[-0.9, 0, 0, 0, 0]",), {}),
+        ((), {"spp": 0}),
+        ((), {"views": 0}),
+        ((), {"workers": 0}),
     ],
 )
 def test_what_cannot_be_rendered_leaves_nothing_behind(
-    tmp_path: Path, overrides: tuple[str, ...], settings: RenderSettings
+    tmp_path: Path, overrides: tuple[str, ...], settings: dict[str, int]
 ) -> None:
     with pytest.raises(InputError):
-        render_shoot(small_scene(*overrides), tmp_path / "shoot", settings, NoProgress())
+        render_shoot(small_scene(*overrides), tmp_path / "shoot", RenderSettings(**settings), NoProgress())
     assert list(tmp_path.iterdir()) == []
 
 

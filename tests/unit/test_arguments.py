@@ -125,7 +125,7 @@ def test_names_that_are_misspelt_are_answered_with_the_nearest(home: Path) -> No
         "dlt": lambda: pipeline.estimators_of("dtl"),
         "rigid": lambda: pipeline.evaluate("points.csv", "shoot", alignment="rigit"),
         "webcam-plane": lambda: load_scene("webcam-plan"),
-        "13": lambda: pipeline.ReproduceSettings(rows="133"),
+        "13": lambda: pipeline.ReproduceSettings(experiments="133"),
         "opencv": lambda: pipeline.convert("rig.json", "x.yml", pipeline.ConvertSettings(to_format="opncv")),
     }
     for name, call in offered.items():
@@ -141,9 +141,9 @@ def test_words_are_taken_as_text() -> None:
     assert find_tone_curve("SRGB") is find_tone_curve(Path("srgb")) is ToneCurve.SRGB
     assert pipeline.ConvertSettings(only="left").only == ("left",)
     assert pipeline.BenchSettings(groups="real", methods=["dlt"]).groups == ("real",)
-    assert pipeline.ReproduceSettings(rows=["13", "1"]).rows == ("01", "13")
-    assert pipeline.ReproduceSettings() == pipeline.ReproduceSettings(rows=())
-    assert len(pipeline.ReproduceSettings().paper_rows) == 22
+    assert pipeline.ReproduceSettings(experiments=["c4", "13", "1"]).experiments == ("01", "13", "C4")
+    assert pipeline.ReproduceSettings() == pipeline.ReproduceSettings(experiments=())
+    assert len(pipeline.ReproduceSettings().selected.rows) == 22
 
 
 def test_views_of_a_role_are_asked_for_by_text(home: Path) -> None:
@@ -155,7 +155,7 @@ def test_views_of_a_role_are_asked_for_by_text(home: Path) -> None:
 
 
 def test_lenses_are_kept_only_of_a_rig() -> None:
-    with pytest.raises(InputError, match="Give it: `start`"):
+    with pytest.raises(InputError, match="Give that rig: `start="):
         pipeline.HandheldSettings(lenses="fixed")
 
 
@@ -178,12 +178,12 @@ BAD_SETTINGS: list[tuple[type, str, tuple[object, ...]]] = [
     (pipeline.UndistortSettings, "distance_mm", (-1, 0, "100", float("nan"), True)),
     (pipeline.UndistortSettings, "force", ("no",)),
     (pipeline.ConvertSettings, "to_format", (3, ["opencv"])),
-    (pipeline.ConvertSettings, "size", (3, "640x480", (1, 2, 3), (640.5, 480), (0, 0), (200_000, 1))),
+    (pipeline.ConvertSettings, "size", (3, "640 and 480", (1, 2, 3), (640.5, 480), (0, 0), (200_000, 1))),
     (pipeline.ConvertSettings, "unit", (3, "cm")),
     (pipeline.ConvertSettings, "only", (3, [3], None)),
     (pipeline.BenchSettings, "quick", ("no",)),
     (pipeline.BenchSettings, "groups", (3, None)),
-    (pipeline.ReproduceSettings, "rows", (3, [1], None)),
+    (pipeline.ReproduceSettings, "experiments", (3, [1], None)),
     (pipeline.ReproduceSettings, "seeds", (0, "x")),
     (pipeline.ReproduceSettings, "workers", (0, 1.5)),
 ]

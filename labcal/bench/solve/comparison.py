@@ -39,6 +39,8 @@ class Comparison:
     family: str
     seed: int
     methods: tuple[str, ...]
+    own_code: tuple[str, ...] = ()
+    """Digests of the modules of user methods: a method that was changed is measured again."""
 
     @property
     def key(self) -> str:

@@ -16,6 +16,7 @@ from labcal.bench.solve.comparison import (
 from labcal.bench.solve.families import FAMILIES
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.cases import run_cases
+from labcal.run.code_version import module_digest
 
 SEEDS, QUICK_SEEDS = 5, 1
 SLOW = ("mlp", "mlp-bayes", "ray-net")
@@ -35,7 +36,8 @@ def limit_findings(bench: Bench) -> Findings:
     own = tuple(method for method in METHODS if not (bench.quick and method in SLOW))
     methods = tuple(dict.fromkeys((*own, *bench.methods)))
     seeds = range(bench.seed, bench.seed + (QUICK_SEEDS if bench.quick else SEEDS))
-    comparisons = [Comparison(family.name, seed, methods) for seed in seeds for family in FAMILIES]
+    own_code = tuple(module_digest(method.partition(":")[0]) for method in methods if ":" in method)
+    comparisons = [Comparison(family.name, seed, methods, own_code) for seed in seeds for family in FAMILIES]
     with bench.executor(len(comparisons)) as executor:
         found = run_cases(
             comparisons, compared, ComparisonFigures, bench.folder / "duels", executor, bench.progress

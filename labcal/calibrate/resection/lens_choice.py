@@ -15,6 +15,7 @@ from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION, undistorted_dist
 from labcal.cameras.prescription import load_prescription, prescription_names
 from labcal.cameras.window import FlatWindow
 from labcal.errors import InputError, UnknownNameError
+from labcal.geometry.hull import inside_hull
 from labcal.geometry.poses import transform
 from labcal.optim.whitening import UniformNoise
 
@@ -105,7 +106,13 @@ def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str
 
 
 def _sees_all_between(camera: Camera, q: Pixels) -> bool:
-    """Return whether every pixel of the box around some has a ray."""
+    """Return whether every pixel of the convex hull of some has a ray.
+
+    The corners of the box around them are no measure: in the round picture of a fisheye no dot is there, and
+    a polynomial that ends short of them may be exact for all dots.
+    """
     low, high = q.min(axis=0), q.max(axis=0)
     u, v = np.meshgrid(np.linspace(low[0], high[0], _LATTICE), np.linspace(low[1], high[1], _LATTICE))
-    return bool(camera.rays(np.stack([u, v], axis=-1)).ok.all())
+    lattice = np.stack([u.ravel(), v.ravel(), np.zeros(u.size)], axis=1)
+    between = lattice[inside_hull(lattice, np.column_stack([q, np.zeros(len(q))]), 0.0), :2]
+    return bool(camera.rays(between).ok.all())

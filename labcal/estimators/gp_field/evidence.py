@@ -10,16 +10,20 @@ from scipy.optimize import minimize
 
 from labcal.estimators.gp_field.kernel import FieldKernel
 
-_BOUNDS = np.log([[1e-4, 1e10], [0.02, 30.0], [0.02, 30.0]])
-"""Of the field's variance over the noise's, and of the lengths across and along; the inputs' training range
-is about 1."""
+_BOUNDS = np.log([[1e-4, 1e10], [0.02, 30.0], [0.02, 30.0], [1.0, 200.0]])
+"""Of the field's variance over the noise's, of the lengths across and along, and of the wavenumber, if there
+is one; the inputs' training range is about 1."""
 _RATIOS, _ACROSS, _ALONG = (1.0, 1e2, 1e4, 1e6), (0.06, 0.12, 0.25, 0.5), (0.6, 2.0, 8.0)
 """Of all of these together, the search begins at the likeliest."""
+_PERIODS, _TRAINS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.6), (0.3, 1.0, 3.0)
+"""Of waves, and the lengths over which they decay: here, too, the search begins at the likeliest."""
 _WORTH = 6.0
 """Gain of the logarithm of the likelihood from which on a field is there: by chance, three numbers more gain
 this once in some hundred cases (Wilks 1938: half a chi-square)."""
 _STEPS = {"maxiter": 50, "ftol": 1e-6}
 _NOWHERE = np.array([-np.inf, 0.0, 0.0])
+Logs = Float64[np.ndarray, "_"]
+"""Logarithms of three hyperparameters, or of four where there are waves."""
 
 
 @dataclass(frozen=True)
@@ -83,14 +87,10 @@ def field_scale(
         x, residual, by_camera if seen.all() else np.ascontiguousarray(by_camera[..., seen])
     )
     if near is not None and near.amplitude_px > 0.0:
-        ratio = (near.amplitude_px / near.noise_px) ** 2
-        start = np.log([ratio, near.kernel.across, near.kernel.along])
+        best = likelihood.best_from(_logs(near))
     else:
         start = min((np.log(place) for place in product(_RATIOS, _ACROSS, _ALONG)), key=likelihood.cost)
-    end = minimize(
-        likelihood.cost_and_slopes, start, method="L-BFGS-B", jac=True, bounds=_BOUNDS, options=_STEPS
-    )
-    best = np.asarray(end.x)
+        best = likelihood.best_with_waves(likelihood.best_from(start))
     without, cost = likelihood.cost(_NOWHERE), likelihood.cost(best)
     gain = without - cost
     if gain < _WORTH:
@@ -100,10 +100,17 @@ def field_scale(
     return FieldScale(_kernel(best), amplitude, noise, gain), -cost
 
 
-def _kernel(logs: Float64[np.ndarray, "3"]) -> FieldKernel:
-    """Return the kernel of logarithms: ratio of variances, across, along."""
-    _, across, along = np.exp(logs).tolist()
-    return FieldKernel(across, along)
+def _logs(scale: FieldScale) -> Logs:
+    """Return the logarithms of a field's hyperparameters."""
+    kernel, ratio = scale.kernel, (scale.amplitude_px / scale.noise_px) ** 2
+    waves = [kernel.wavenumber] if kernel.wavenumber > 0.0 else []
+    return np.log([ratio, kernel.across, kernel.along, *waves])
+
+
+def _kernel(logs: Logs) -> FieldKernel:
+    """Return the kernel of logarithms: ratio of variances, across, along, and the wavenumber of waves."""
+    _, across, along, *waves = np.exp(logs).tolist()
+    return FieldKernel(across, along, *waves)
 
 
 @dataclass(frozen=True)
@@ -127,11 +134,33 @@ class _Restricted:
     residual: Float64[np.ndarray, "n 2"]
     by_camera: Float64[np.ndarray, "n 2 free"]
 
-    def cost(self, logs: Float64[np.ndarray, "3"]) -> float:
+    def best_from(self, start: Logs) -> Logs:
+        """Return the hyperparameters with the least cost near some."""
+        end = minimize(
+            self.cost_and_slopes,
+            start,
+            method="L-BFGS-B",
+            jac=True,
+            bounds=_BOUNDS[: len(start)],
+            options=_STEPS,
+        )
+        return np.asarray(end.x)
+
+    def best_with_waves(self, without: Logs) -> Logs:
+        """Return the hyperparameters of a field of waves, or those without if waves gain too little."""
+        cost = self.cost(without)
+        if self.cost(_NOWHERE) - cost < _WORTH:
+            return without
+        ratio, _, along = np.exp(without).tolist()
+        places = product((ratio,), _TRAINS, (along,), (2.0 * np.pi / period for period in _PERIODS))
+        best = self.best_from(min((np.log(place) for place in places), key=self.cost))
+        return best if cost - self.cost(best) >= _WORTH else without
+
+    def cost(self, logs: Logs) -> float:
         """Return it, the noise's variance being the best one."""
         return self._cost(self._parts(self._covariance(logs)))
 
-    def cost_and_slopes(self, logs: Float64[np.ndarray, "3"]) -> tuple[float, Float64[np.ndarray, "3"]]:
+    def cost_and_slopes(self, logs: Logs) -> tuple[float, Logs]:
         """Return it, and its derivatives.
 
         With W' the derivative of W and P what whitens and projects, that of the cost is
@@ -151,9 +180,12 @@ class _Restricted:
         for columns, length in ((slice(2), kernel.across), (slice(2, 3), kernel.along)):
             square = _square(self.x[:, columns]) / length**2
             slopes.append(float((meets * smooth * square).sum()))
+        if kernel.wavenumber > 0.0:
+            ratio = float(np.exp(logs[0]))
+            slopes.append(float((meets * kernel.by_wavenumber(self.x, self.x)).sum()) * ratio)
         return self._cost(parts), np.array(slopes)
 
-    def noise(self, logs: Float64[np.ndarray, "3"]) -> float:
+    def noise(self, logs: Logs) -> float:
         """Return the best standard deviation of the noise, px."""
         return float(np.sqrt(self._variance(self._parts(self._covariance(logs)))))
 
@@ -167,7 +199,7 @@ class _Restricted:
     def _cost(self, parts: _Parts) -> float:
         return 0.5 * self._freedom * float(np.log(self._variance(parts))) + parts.half_determinants
 
-    def _covariance(self, logs: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "n n"]:
+    def _covariance(self, logs: Logs) -> Float64[np.ndarray, "n n"]:
         """Return that of measurements over the noise's variance."""
         ratio = float(np.exp(logs[0]))
         if ratio == 0.0:

@@ -39,7 +39,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "inspect": {
         "cameras": CAMERAS,
         "changes": CHANGES,
-        "output": (Inspection.save, "path"),
+        "output": "page",
         "force": (Inspection.save, "force"),
     },
     "detect": {
@@ -74,7 +74,12 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "output": (labcal.Points.save, "path"),
         "force": (labcal.Points.save, "force"),
     },
-    "evaluate": {"shoot": "source", "target": "source", "dots": (DotPlaces.load, "path")},
+    "evaluate": {
+        "shoot": "source",
+        "target": "source",
+        "dots": (DotPlaces.load, "path"),
+        "force": (pipeline.PageOutput, "force"),
+    },
     "convert": {},
     "undistort": {"cameras": CAMERAS, "output": "folder"},
     "reproduce": {"output": "folder"},

@@ -6,8 +6,8 @@ import pytest
 
 from labcal.cli import main
 from labcal.cli.status import ExitStatus
-from labcal.report.page import reproduction_page
 from labcal.report.reproduction import Reproduction
+from labcal.report.reproduction_page import reproduction_page
 from labcal.run.json_text import to_json
 from labcal.shoot.pictures import write_picture
 

@@ -11,8 +11,9 @@ from labcal.correspond.matching import Matches
 from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.estimators.model import Model, TrainingBox
-from labcal.estimators.model_file import _like, load_model, save_model
+from labcal.estimators.model_file import load_model, save_model
 from labcal.estimators.registry import make_estimator
+from labcal.estimators.stored_estimator import _like
 from labcal.estimators.valid_points import predicted, within_sense
 
 View = Callable[[np.ndarray], np.ndarray]
@@ -31,13 +32,25 @@ def reloaded(model: Model, tmp_path: Path) -> Model:
 
 
 @pytest.mark.parametrize("value", [1e200, -1e308])
-def test_numbers_beyond_sense_are_refused(value: float, model: Model, tmp_path: Path) -> None:
+def test_numbers_beyond_sense_are_refused(
+    value: float, model: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     box = replace(model.box, high_mm=np.array([1.0, 1.0, value]))
     with pytest.raises(InputError, match=r"volume in which the model|holds a number beyond"):
         reloaded(replace(model, box=box), tmp_path)
-    model.estimator.projections_ = np.full((2, 3, 4), value)
+    # As a program without the checks of writing would write it, digest and all.
+    arrays = {"projections_": np.full((2, 3, 4), value)}
+    monkeypatch.setattr("labcal.estimators.model_file.stored_arrays", lambda _: dict(arrays))
     with pytest.raises(InputError, match=r"holds a number beyond 1e\+60"):
         reloaded(model, tmp_path)
+
+
+@pytest.mark.parametrize("value", [1e200, np.nan])
+def test_numbers_beyond_sense_are_not_written(value: float, model: Model, tmp_path: Path) -> None:
+    model.estimator.projections_ = np.full((2, 3, 4), value)
+    with pytest.raises(InputError, match=r"It should be finite float64, up to 1e\+60"):
+        save_model(tmp_path / "n.safetensors", model)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_box_that_is_upside_down_is_refused(model: Model, tmp_path: Path) -> None:

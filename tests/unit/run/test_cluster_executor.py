@@ -181,6 +181,32 @@ def test_workers_that_come_later_are_used_and_what_the_lost_ones_had_is_sent_aga
     assert [workers for _, _, workers in cluster.connections[0].sent] == [("one", "two"), ("three",)]
 
 
+def test_a_case_whose_workers_always_go_is_given_up_and_the_others_are_done(
+    executor: ClusterExecutor, cluster: FakeCluster
+) -> None:
+    cluster.through = False
+    futures = [executor.submit(square, number) for number in (2, 3)]
+    connection = cluster.connections[0]
+    wait_until(connection, 2)
+    count = 2
+    for _ in range(cluster_executor.LOSSES_WITH_OTHERS):
+        cluster.there = {f"worker-{count}": None}
+        wait_until(connection, count + 2)
+        count = len(connection.sent)
+    by_case = {pickle.loads(case).args[0]: (future, case) for future, case, _ in connection.sent[-2:]}  # noqa: S301
+    connection.do(*by_case[3])
+    assert results(futures[1:]) == [9]
+    for _ in range(cluster_executor.LOSSES_ALONE + 1):
+        cluster.there = {f"worker-{count}": None}
+        count += 1
+        deadline = time.monotonic() + 10
+        while len(connection.sent) < count and not futures[0].done():
+            assert time.monotonic() < deadline
+            time.sleep(0.005)
+    with pytest.raises(WorkerError, match="at worker-"):
+        futures[0].result(timeout=10)
+
+
 def test_a_cluster_without_a_worker_that_can_be_used_is_given_up_with_the_reasons(
     executor: ClusterExecutor, cluster: FakeCluster
 ) -> None:

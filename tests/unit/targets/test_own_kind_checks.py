@@ -105,7 +105,7 @@ def unchecked_types(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         ({"detector": outlines}, "'detector' should be a function of .* .too many positional"),
         ({"outlines": returned()}, "'outlines' should be a function of .target. .missing a req"),
     ],
-    ids=str,
+    ids=["capitals", "number", "literal", "model", "no-detector", "wrong-detector", "wrong-outlines"],
 )
 def test_a_kind_that_could_not_be_used_is_refused(changes: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=said):

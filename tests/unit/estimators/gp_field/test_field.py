@@ -13,6 +13,8 @@ RANDOM = np.random.default_rng(4)
 X = RANDOM.uniform(0.0, 1.0, (150, 3))
 ASKED = RANDOM.uniform(0.0, 1.0, (30, 3))
 KERNEL = FieldKernel(across=0.3, along=1.2)
+WAVES = FieldKernel(across=0.9, along=1.2, wavenumber=25.0)
+EITHER = pytest.mark.parametrize("kernel", [KERNEL, WAVES], ids=["smooth", "waves"])
 NOTHING_FREE = np.zeros((150, 2, 0))
 
 
@@ -31,24 +33,52 @@ def test_the_field_is_the_gaussian_process_of_scikit_learn() -> None:
     np.testing.assert_allclose(variance, deviation[:, 0] ** 2, atol=1e-9)
 
 
-def test_slopes_are_those_of_the_field() -> None:
-    field = PixelField(FieldScale(KERNEL, 1.3, 0.1, 0.0), X, wavy(X))
+def test_waves_are_those_of_one_period_in_all_directions() -> None:
+    """The mean over directions of the correlation of a plane wave with itself, summed numerically."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+    apart = ASKED[:, None, :2] - X[None, :, :2]
+    phase = 25.0 * (apart[..., 0, None] * np.cos(angle) + apart[..., 1, None] * np.sin(angle))
+    decay = FieldKernel(0.9, 1.2).between(ASKED, X)
+    np.testing.assert_allclose(WAVES.between(ASKED, X), decay * np.cos(phase).mean(axis=2), atol=1e-9)
+    assert np.linalg.eigvalsh(WAVES.between(X, X))[0] > -1e-9
+
+
+def test_the_period_of_waves_is_found_and_a_smooth_field_has_none() -> None:
+    """Three waves of one period and any direction, as glass has them."""
+    noise = 0.02 * RANDOM.standard_normal((150, 2))
+    directions = 25.0 * np.array([[1.0, 0.0], [-0.6, 0.8], [0.28, 0.96]])
+    phases = X[:, :2] @ directions.T
+    residual = np.stack([np.sin(phases).sum(axis=1), np.cos(phases + 1.0).sum(axis=1)], axis=1) + noise
+    found, likelihood = field_scale(X, residual, NOTHING_FREE)
+    assert found.kernel.wavenumber == pytest.approx(25.0, rel=0.05)
+    assert found.noise_px == pytest.approx(0.02, rel=0.15)
+    again, same = field_scale(X, residual, NOTHING_FREE, found)
+    assert again.kernel.wavenumber == pytest.approx(found.kernel.wavenumber, rel=1e-2)
+    assert same == pytest.approx(likelihood, abs=0.1)
+    smooth, _ = field_scale(X, np.exp(X[:, :2]) + noise, NOTHING_FREE)
+    assert smooth.kernel.wavenumber == 0.0
+
+
+@EITHER
+def test_slopes_are_those_of_the_field(kernel: FieldKernel) -> None:
+    field = PixelField(FieldScale(kernel, 1.3, 0.1, 0.0), X, wavy(X))
     found = field.slopes(ASKED)
     for number in range(3):
         step = np.zeros(3)
         step[number] = 1e-5
         slope = (field.at(ASKED + step) - field.at(ASKED - step)) / 2e-5
-        np.testing.assert_allclose(found[:, :, number], slope, atol=1e-6)
+        np.testing.assert_allclose(found[:, :, number], slope, atol=1e-6 * np.abs(slope).max())
 
 
-def test_slopes_of_the_likelihood_are_those_of_its_cost() -> None:
+@pytest.mark.parametrize("hyperparameters", [[50.0, 0.3, 1.2], [50.0, 0.9, 1.2, 25.0]])
+def test_slopes_of_the_likelihood_are_those_of_its_cost(hyperparameters: list[float]) -> None:
     by_camera = RANDOM.standard_normal((150, 2, 4))
     likelihood = _Restricted(X, wavy(X) + 0.1 * RANDOM.standard_normal((150, 2)), by_camera)
-    logs = np.log([50.0, 0.3, 1.2])
+    logs = np.log(hyperparameters)
     cost, slopes = likelihood.cost_and_slopes(logs)
     assert cost == pytest.approx(likelihood.cost(logs))
-    for number in range(3):
-        step = np.zeros(3)
+    for number in range(len(logs)):
+        step = np.zeros(len(logs))
         step[number] = 1e-5
         slope = (likelihood.cost(logs + step) - likelihood.cost(logs - step)) / 2e-5
         assert slopes[number] == pytest.approx(slope, rel=1e-4)

@@ -1,0 +1,44 @@
+"""Expected time of a plan, stated before it starts."""
+
+from labcal.bench.distortion.plan import Plan
+from labcal.run.machine import usable_cores
+
+_SECONDS = {
+    "hybrid": (2.0, 20.0),
+    "bundle": (0.5, 0.0),
+    "two-plane": (0.5, 0.5),
+    "dlt": (0.1, 0.0),
+    "quadratic": (0.05, 0.0),
+    "affine": (0.05, 0.0),
+    "mlp": (0.3, 30.0),
+    "mlp-bayes": (20.0, 200.0),
+    "ray-net": (30.0, 100.0),
+}
+"""Of one case on one core: what it takes at least, and what a thousand points add, by the square of their
+number. `bundle` takes the cameras of `hybrid`, which is fitted in every case."""
+_OTHER = (1.0, 10.0)
+_MINUTE, _HOUR, _DAY, _YEAR = 60.0, 3600.0, 86400.0, 365.25 * 86400.0
+
+
+def expected_seconds(plan: Plan, workers: int) -> float:
+    """Return how long a plan takes, roughly: within a factor of two or three."""
+    total = 0.0
+    for points in plan.points:
+        share = (points / 1000.0) ** 2
+        total += sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in plan.methods))
+    return total * plan.case_count / len(plan.points) / workers
+
+
+def plain_time(seconds: float) -> str:
+    """Return a duration for people."""
+    for unit, name in ((_YEAR, "years"), (_DAY, "days"), (_HOUR, "hours"), (_MINUTE, "minutes")):
+        if seconds >= 2.0 * unit:
+            return f"{seconds / unit:,.0f} {name}"
+    return f"{seconds:.0f} seconds"
+
+
+def announcement(plan: Plan) -> str:
+    """Return the number of cases and the expected time, for people."""
+    cores = usable_cores()
+    needed = plain_time(expected_seconds(plan, cores))
+    return f"{plan.case_count:,} cases of {len(plan.methods)} methods: about {needed} on {cores} cores"

@@ -1,0 +1,123 @@
+"""Work of one case: fit every method, and measure it on points that were not trained on."""
+
+import numpy as np
+from numpy.linalg import LinAlgError
+
+from labcal.bench.distortion.case import Case, Measured
+from labcal.bench.distortion.cell_data import CellData, RegionPoints, cell_data
+from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
+from labcal.bench.families.cameras import SIZE
+from labcal.errors import LabcalError, UnknownNameError
+from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.method_choice import estimator_of
+from labcal.estimators.model import TrainingBox
+from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
+from labcal.evaluate.statistics import CONFIDENCE
+from labcal.geometry.covariances import positive_definite
+from labcal.geometry.ellipsoids import within_ellipsoids
+from labcal.run.threads import one_blas_thread
+
+_SIZES = (SIZE, SIZE)
+
+
+@one_blas_thread()
+def measured_case(case: Case) -> CaseFigures:
+    """Return the figures of all methods of a case.
+
+    A method that refuses the data has its reason there, and so has a case whose data cannot be drawn.
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such method, or it cannot be made.
+    """
+    estimators = [prepared(case, method) for method in case.methods]
+    try:
+        data = cell_data(case)
+    except LabcalError as error:
+        return CaseFigures(reason=str(error))
+    surrogate = surrogate_of(data.X, data.Y, _SIZES, case.seed)
+    methods = tuple(
+        _measured_method(case, method, estimator, data, surrogate)
+        for method, estimator in zip(case.methods, estimators, strict=True)
+    )
+    return CaseFigures(trained=len(data.Y), beyond_pinhole_px=data.beyond_pinhole_px, methods=methods)
+
+
+def prepared(case: Case, method: str) -> PointEstimator:
+    """Return a new estimator of a method with the settings of the plan, the pictures' sizes and the seed.
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        There is no such method, or it cannot be made.
+    """
+    estimator = estimator_of(method)
+    known = estimator.get_params()
+    given = {"image_sizes": _SIZES, "random_state": case.seed}
+    estimator.set_params(**{name: value for name, value in given.items() if name in known})
+    for name, value in case.settings.get(method, {}).items():
+        if name not in known:
+            raise UnknownNameError(f"setting of {method}", name, known)
+        estimator.set_params(**{name: value})
+    return estimator
+
+
+def _measured_method(
+    case: Case, method: str, estimator: PointEstimator, data: CellData, surrogate: Surrogate | None
+) -> MethodFigures:
+    try:
+        estimator = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
+        regions = tuple(
+            region_figures(estimator, data, region, case.cell.noise_px) for region in case.regions
+        )
+        expected = None if surrogate is None else validate_on(estimator, surrogate)
+    except (LabcalError, LinAlgError) as error:
+        return MethodFigures(method=method, reason=f"{type(error).__name__}: {error}")
+    if expected is None:
+        return MethodFigures(method=method, regions=regions)
+    return MethodFigures(method=method, regions=regions, misfit=expected.misfit, expected_mm=expected.rmse_mm)
+
+
+def region_figures(
+    estimator: PointEstimator, data: CellData, region: Measured, noise_px: float
+) -> RegionFigures:
+    """Return errors and coverage of a fitted method at the points of a region.
+
+    Parameters
+    ----------
+    estimator : PointEstimator
+        Fitted.
+    data : CellData
+    region : Measured
+    noise_px : float
+        Of the pixels, which the method is given as their covariance.
+    """
+    tests = data.tests[region]
+    found, stated = _predicted(estimator, tests, noise_px)
+    error, oracle = found - tests.p, tests.oracle - tests.p
+    known = np.isfinite(error).all(axis=1) & np.isfinite(oracle).all(axis=1)
+    states = positive_definite(stated) & known
+    return RegionFigures(
+        measured=str(region),
+        n=len(tests.p),
+        predicted=int(known.sum()),
+        rmse_mm=_rms(error[known]),
+        oracle_mm=_rms(oracle[known]),
+        stated=int(states.sum()),
+        covered=int(within_ellipsoids(error[states], stated[states], CONFIDENCE).sum()),
+        extrapolated=int((~TrainingBox.of(data.X, data.Y).holds(found[known])).sum()),
+    )
+
+
+def _predicted(
+    estimator: PointEstimator, tests: RegionPoints, noise_px: float
+) -> tuple[np.ndarray, np.ndarray]:
+    n, cameras = tests.q.shape[:2]
+    covariance = np.tile(noise_px**2 * np.eye(2), (n, cameras, 1, 1))
+    return estimator.predict_with_covariance(tests.q.reshape(n, -1), covariance)
+
+
+def _rms(error: np.ndarray) -> float:
+    """Return the root mean square length of 3-D errors; NaN of none."""
+    return float(np.sqrt((error**2).sum(axis=1).mean())) if len(error) else float("nan")

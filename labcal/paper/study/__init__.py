@@ -1,0 +1,1 @@
+"""The study of neurons and layers, which the paper mentions and does not show."""

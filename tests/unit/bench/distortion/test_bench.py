@@ -1,0 +1,89 @@
+"""The whole benchmark on a small plan: its files, its bytes, and a regressor of one's own."""
+
+import csv
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import labcal
+from labcal import pipeline
+from labcal.bench.distortion import bench
+from labcal.bench.distortion.result import DistortionResult, distortion_table
+from labcal.cli import main
+from labcal.cli.console import rendered
+from labcal.run.json_text import plain_data
+
+README = Path(labcal.__file__).parent.parent / "README.md"
+SMALL = ("families=brown", "strengths=0.4", "noise_px=0.1", "points=60", "methods=dlt,two-plane")
+
+
+def lines_of(folder: Path) -> list[dict[str, str]]:
+    with (folder / "results.csv").open(encoding="utf-8") as text:
+        return list(csv.DictReader(text))
+
+
+@pytest.fixture
+def own_method(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, list[str]]:
+    """The regressor of the README in a file, and the words of the README's command after ``bench``."""
+    section = README.read_text(encoding="utf-8").split("## Benchmark a regressor of your own")[1]
+    code = re.search(r"```python\n(.*?)```", section, re.DOTALL)
+    command = re.search(r"labcal bench (distortion .*?) -o", section)
+    assert code is not None
+    assert command is not None
+    assert sum(1 for line in code[1].splitlines() if line.strip()) <= 15
+    (tmp_path / "my_method.py").write_text(code[1], encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    return "my_method:Cubic", command[1].split()
+
+
+@pytest.mark.slow
+def test_a_regressor_of_ones_own_by_one_command_and_by_one_call(
+    own_method: tuple[str, list[str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, words = own_method
+    monkeypatch.setattr(bench, "usable_cores", lambda: 1)
+    few = [word for change in SMALL for word in ("--set", change)]
+    status = main(["bench", *words, *few, "--seeds", "1", "-o", str(tmp_path / "command"), "--quiet"])
+    assert status in {0, 1}
+    settings = pipeline.BenchSettings(quick=True, methods=(name,), overrides=SMALL, seeds=1)
+    made = pipeline.bench("distortion", tmp_path / "python", settings)
+    for file in ("results.csv", "results.json", "figures/error-brown-planes.svg"):
+        assert (tmp_path / "command" / file).read_bytes() == (tmp_path / "python" / file).read_bytes()
+    assert isinstance(made, DistortionResult)
+    assert json.loads((tmp_path / "python" / "results.json").read_text()) == plain_data(made)
+    lines = lines_of(tmp_path / "python")
+    assert [line["method"] for line in lines[::2]] == ["dlt", "two-plane", name]
+    assert {line["measured"] for line in lines} == {"within", "outside"}
+    assert all(float(line["over_oracle"]) > 1.0 and not line["reason"] for line in lines)
+    assert not any(name in check.name for check in made.checks)
+    shown = rendered(distortion_table(made), sys.stdout)
+    assert "two-plane" in shown
+    assert max(map(len, shown.split("labcal bench")[0].splitlines())) <= 80
+
+
+def test_a_case_that_cannot_be_drawn_is_a_line_with_its_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bench, "usable_cores", lambda: 1)
+    monkeypatch.setattr("labcal.bench.distortion.cell_data._seen", lambda _pair, q: q[:, 0, 0] > 1e9)
+    settings = pipeline.BenchSettings(quick=True, overrides=SMALL, seeds=1)
+    made = pipeline.bench("distortion", tmp_path / "out", settings)
+    lines = lines_of(tmp_path / "out")
+    assert {line["reason"] for line in lines} == {
+        "The cameras of 'brown_0.4_0.1_60_planes_0' see none of the 60 training points."
+    }
+    assert made.checks[0].ok
+
+
+@pytest.mark.slow
+def test_two_processes_give_the_bytes_of_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = pipeline.BenchSettings(quick=True, overrides=SMALL, seeds=2)
+    for cores in (1, 2):
+        monkeypatch.setattr(bench, "usable_cores", lambda cores=cores: cores)
+        pipeline.bench("distortion", tmp_path / str(cores), settings)
+    for file in [*(tmp_path / "1").glob("results.*"), *(tmp_path / "1" / "figures").iterdir()]:
+        assert file.read_bytes() == (tmp_path / "2" / file.relative_to(tmp_path / "1")).read_bytes(), file

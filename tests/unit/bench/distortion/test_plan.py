@@ -1,0 +1,82 @@
+"""Plans: those that ship, changes to them, and refusals before anything begins."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from labcal.bench.distortion.bench import bench_distortion, plan_of
+from labcal.bench.distortion.plan import load_plan
+from labcal.bench.settings import BenchSettings
+from labcal.errors import InputError
+from labcal.run.progress import NoProgress
+
+
+def test_the_quick_plan_is_as_wide_as_the_issue_asks() -> None:
+    plan = load_plan("quick")
+    widths = (plan.methods, plan.families, plan.strengths, plan.noise_px, plan.points)
+    assert all(len(levels) >= least for levels, least in zip(widths, (5, 4, 4, 2, 3), strict=True))
+    assert plan.seeds >= 3
+    assert {"mlp", "hybrid", "bundle", "two-plane"} < set(plan.methods)
+    assert plan.case_count == len(plan.cases(0)) == len({case.key for case in plan.cases(0)})
+
+
+def test_levels_methods_and_seeds_are_changed() -> None:
+    plan = load_plan(
+        "quick", ["strengths=0, 0.5", "layout=volume"], ["sklearn.svm:SVR", "dlt", "sklearn.svm:SVR"], seeds=2
+    )
+    assert plan.strengths == (0.0, 0.5)
+    assert plan.layout == ("volume",)
+    assert plan.methods == (*load_plan("quick").methods, "sklearn.svm:SVR")
+    assert {case.seed for case in plan.cases(7)} == {7, 8}
+    assert plan.sha256 != load_plan("quick").sha256 == load_plan("quick").sha256
+    assert set(plan.settings) == {"mlp"}
+    assert load_plan("quick", ["methods=dlt"]).settings == {}
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"plan": "quik"}, "Did you mean 'quick'"),
+        ({"overrides": ("strength=1",)}, "Did you mean 'strengths'"),
+        ({"overrides": ("families=watre",)}, "Did you mean 'water'"),
+        ({"overrides": ("layout=plane",)}, "did you mean 'planes'"),
+        ({"overrides": ("measured=beyond",)}, "none of 'within' or 'outside'"),
+        ({"overrides": ("strengths=0,1.5",)}, "'1.5' should be at most 1"),
+        ({"overrides": ("strengths",)}, "takes a factor and its levels"),
+        ({"overrides": ("points=60,60",)}, "a level stands twice"),
+        ({"overrides": ("methods=hybird",)}, "Did you mean 'hybrid'"),
+        ({"methods": ("no_such_package:Class",)}, "There is no module 'no_such_package'"),
+        ({"seeds": 0}, "`seeds` must be at least 1"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused_at_once(
+    settings: dict[str, object], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=said):
+        bench_distortion(tmp_path / "out", BenchSettings(quick=True, **settings), NoProgress())  # type: ignore[arg-type]
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("settings: {mpl: {max_epochs: 3}}", "settings of 'mpl'"),
+        ("settings: {mlp: {max_epoch: 3}}", "Did you mean 'max_epochs'"),
+        ("familes: [brown]", "the nearest one is 'families'"),
+    ],
+)
+def test_a_plan_of_ones_own_is_checked(text: str, said: str, tmp_path: Path) -> None:
+    plan = load_plan("quick", ["families=brown", "methods=dlt,mlp"])
+    file = tmp_path / "plan.yaml"
+    own = plan.model_dump(mode="json", exclude={"settings", "description"})
+    file.write_text("\n".join(f"{key}: {value}" for key, value in own.items()) + "\n" + text + "\n")
+    with pytest.raises(InputError, match=said):
+        plan_of(BenchSettings(plan=str(file)))
+
+
+def test_a_billion_cases_are_refused_with_the_time_that_they_would_take() -> None:
+    began = time.monotonic()
+    with pytest.raises(InputError, match=r"96,000,000,000 cases of 5 methods: about [\d,]+ years on"):
+        plan_of(BenchSettings(quick=True, seeds=10**9))
+    assert time.monotonic() - began < 1.0
