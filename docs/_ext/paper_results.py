@@ -36,7 +36,6 @@ from labcal.report.study_figure import study_figure
 from labcal.report.study_words import goal_words, of_each_data, range_words, study_sentences
 from labcal.run.documents import read_document
 
-
 _ABSENT = """:::{note}
 The results of a full run of `labcal reproduce` are not committed yet; the command computes them.
 :::
