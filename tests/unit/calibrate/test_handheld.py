@@ -222,7 +222,7 @@ def test_a_start_that_does_not_fit_is_refused(see: See, pair: Cameras, grid: Dot
     wide = {name: replace(camera, size=(800, 600)) for name, camera in pair.items()}
     with pytest.raises(InputError, match="takes pictures of 800 x 600, but these are 640 x 480"):
         calibrate_handheld(exact, grid, "brown5", replace(start, start=Rig.of(wide)))
-    with pytest.raises(InputError, match="Give it: `start`"):
+    with pytest.raises(InputError, match="Give that rig: `start="):
         calibrate_handheld(exact, grid, "brown5", HandheldSettings(lenses=Lenses.FIXED))
     with pytest.raises(InputError, match="nothing in it to calibrate"):
         calibrate_handheld(exact, grid, "prescription")

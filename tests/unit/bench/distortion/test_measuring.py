@@ -55,6 +55,7 @@ def test_too_small_a_covariance_covers_too_little(data: CellData) -> None:
     assert abs(found.coverage95 - 0.4247) < 4.0 * np.sqrt(0.4247 * 0.5753 / found.n)
 
 
+@pytest.mark.slow
 def test_a_refusal_is_a_line_with_its_reason_and_stops_no_other_method() -> None:
     cell = Cell("brown", 0.5, 0.1, 60, Layout.PLANES)
     case = Case(cell, 0, ("two-plane", "dlt"), (Measured.WITHIN,), 50, {"two-plane": {"degree": 9}})

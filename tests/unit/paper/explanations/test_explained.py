@@ -20,6 +20,7 @@ from labcal.run.progress import NoProgress
 Problems = dict[Data, dict[str, Problem]]
 
 
+@pytest.mark.slow
 def test_every_row_has_every_cause_and_a_quotient(
     problems: Problems, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
