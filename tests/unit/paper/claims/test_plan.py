@@ -1,11 +1,16 @@
 """The plan of the claims."""
 
+import json
+from pathlib import Path
+
 import pytest
 
 from labcal.errors import InputError
-from labcal.paper.claims.plan import Arm, ArmData, Claim, Comparison, Plan, claims_plan
+from labcal.paper.claims.plan import Arm, ArmData, Claim, Comparison, Plan, claims_plan, plan_digest
 from labcal.paper.claims.statement import Statement
 from labcal.run.descriptions import parse_yaml, validate_description
+
+DOCS = Path(__file__).parents[4] / "docs"
 
 
 def test_eight_claims_with_enough_pairs() -> None:
@@ -36,3 +41,15 @@ def test_arms_are_known_and_used() -> None:
 def test_a_wrong_key_of_a_plan_is_named() -> None:
     with pytest.raises(InputError, match="amendet"):
         validate_description(Plan, "plan", "x", parse_yaml("{format: 1, amendet: [], claims: {}}", "x"))
+
+
+def test_committed_results_are_of_this_plan() -> None:
+    """A change of the plan after its first run asks for a new run, and for an entry under `amended`."""
+    results = json.loads((DOCS / "results" / "reproduce.json").read_text(encoding="utf-8"))
+    assert results["claims_plan_sha256"] == plan_digest()
+    assert [one["claim"] for one in results["claims"]] == list(claims_plan().claims)
+    for claim in results["claims"]:
+        planned = claims_plan().claims[claim["claim"]]
+        assert [one["pairs"] for one in claim["comparisons"]] == [
+            planned.pairs(comparison, None) for comparison in planned.comparisons
+        ]
