@@ -7,6 +7,7 @@ told from its file.
 """
 
 import hashlib
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import ClassVar
@@ -62,9 +63,9 @@ class _CommittedResults(SphinxDirective):
             *self.parse_text_to_nodes(f"{self.note}From `docs/{name}`, SHA-256 `{digest}`.\n"),
         ]
 
+    @abstractmethod
     def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
         """Yield what is shown."""
-        raise NotImplementedError
 
 
 class PaperRows(_CommittedResults):

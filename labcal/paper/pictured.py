@@ -1,6 +1,7 @@
 """The data of rows 17 to 23: dots detected in rendered pictures instead of the hardware of the paper."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -11,13 +12,31 @@ from labcal.correspond.training import TrainingData, training_data
 from labcal.geometry.hull import inside_hull
 from labcal.paper.problem import Problem
 from labcal.paper.rows import Data
-from labcal.shoot.dataset import Shoot
+from labcal.render.shoot import RenderSettings, render_shoot
+from labcal.run.made import make_folder
+from labcal.run.progress import Progress
+from labcal.scene.catalogue import load_scene
+from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.truth import read_truth
 
 _TOLERANCE_MM = 1e-3
 AT_POSITIONS = "at the trained positions"
 BETWEEN_POSITIONS = "half-way between the trained positions"
+
+
+def kept_shoot(folder: Path, scene: str, settings: RenderSettings, progress: Progress) -> Shoot:
+    """Render a shoot of a shipped scene, unless an earlier run has.
+
+    Raises
+    ------
+    OutputError, DeviceError
+        As of :func:`labcal.render.shoot.render_shoot`.
+    """
+    if is_shoot(folder):
+        return open_shoot(folder)
+    make_folder(folder.parent)
+    return render_shoot(load_scene(scene), folder, settings, progress)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from labcal.paper.claims.plan import plan_digest
 from labcal.paper.claims.tested import tested_claims
 from labcal.paper.experiments import Experiments, Study, experiments_named
 from labcal.paper.explanations.explained import PICTURED_ROWS, explained, undisturbed_outcomes
-from labcal.paper.pictured import pictured_problems
+from labcal.paper.pictured import kept_shoot, pictured_problems
 from labcal.paper.problem import Problem
 from labcal.paper.row_runs import row_results, row_runs
 from labcal.paper.rows import NOT_REPORTED, ROWS, SCENES, Data, PaperRow
@@ -20,7 +20,7 @@ from labcal.paper.study.cells import studied
 from labcal.paper.summary import least_squares_readings
 from labcal.paper.training_run import TrainingOutcome, run_training
 from labcal.paths import AnyPath, as_path
-from labcal.render.shoot import RenderSettings, render_shoot
+from labcal.render.shoot import RenderSettings
 from labcal.report.reproduction import Reproduction, ShownPicture
 from labcal.report.reproduction_page import reproduction_page
 from labcal.report.study import StudyCell
@@ -28,12 +28,10 @@ from labcal.run.cases import run_cases
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import package_version
-from labcal.run.made import PROVENANCE, make_folder, provenance_text
+from labcal.run.made import PROVENANCE, provenance_text
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
 from labcal.run.unfinished import unfinished_folder
-from labcal.scene.catalogue import load_scene
-from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 
 MAX_EPOCHS = 5000
 """The paper's."""
@@ -214,20 +212,13 @@ def _pictured(
     problems: dict[Data, dict[str, Problem]] = {}
     pictures = []
     for data in dict.fromkeys(row.data for row in settings.trained_rows if row.pictured):
-        shoot = _shoot(working / "shoots" / SCENES[data], SCENES[data], settings, progress)
+        scene = SCENES[data]
+        shoot = kept_shoot(working / "shoots" / scene, scene, settings.rendering, progress)
         problems[data] = pictured_problems(data, shoot, dots_of_shoot(shoot, settings.workers, progress))
         for camera, file in shoot.views()[0].images.items():
             path = (shoot.folder / file).relative_to(working).as_posix()
             pictures.append(ShownPicture(scene=SCENES[data], caption=f"{SCENES[data]}, {camera}", file=path))
     return problems, tuple(pictures)
-
-
-def _shoot(folder: Path, scene: str, settings: ReproduceSettings, progress: Progress) -> Shoot:
-    """Render a shoot, unless an earlier run has."""
-    if is_shoot(folder):
-        return open_shoot(folder)
-    make_folder(folder.parent)
-    return render_shoot(load_scene(scene), folder, settings.rendering, progress)
 
 
 def _command(settings: ReproduceSettings) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
+from math import isnan
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
@@ -54,7 +55,7 @@ def coverage_is_wrong(summary: CellSummary) -> bool:
     Seeds that are flagged do not count, nor does a method that states no covariance.
     """
     covered = summary.unflagged_coverage95
-    return covered == covered and not LOW_COVERAGE <= covered <= HIGH_COVERAGE  # noqa: PLR0124 - not NaN
+    return not isnan(covered) and not LOW_COVERAGE <= covered <= HIGH_COVERAGE
 
 
 def failure_notes(summaries: Sequence[CellSummary]) -> list[str]:

@@ -5,6 +5,7 @@ from math import hypot, isfinite
 
 from labcal.evaluate.verdict.amounts import millimetres, percent, pixels
 from labcal.evaluate.verdict.finding import Finding, Rules
+from labcal.evaluate.verdict.shared_doubts import contradiction
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.evaluate.working_distance import WorkingDistance
 from labcal.wording import counted, listed
@@ -98,14 +99,7 @@ def _expectation(evidence: CalibrationEvidence) -> str:
 
 
 def _contradiction(evidence: CalibrationEvidence) -> Finding | None:
-    if not evidence.causes:
-        return None
-    return Finding(
-        Belief.NO,
-        f"the views contradict each other, most likely {evidence.causes[0]}",
-        "this contradiction, not noise",
-        "read the likely causes and take the views that show them anew",
-    )
+    return contradiction(evidence.causes)
 
 
 def _two_lenses(evidence: CalibrationEvidence) -> Finding | None:

@@ -7,6 +7,7 @@ from math import isfinite
 from labcal.estimators.expected_error import ExpectedError
 from labcal.evaluate.verdict.amounts import millimetres, percent
 from labcal.evaluate.verdict.finding import Finding, Rules
+from labcal.evaluate.verdict.shared_doubts import contradiction
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
 
@@ -103,14 +104,7 @@ def _none_fitted(evidence: FitEvidence) -> Finding | None:
 
 
 def _contradiction(evidence: FitEvidence) -> Finding | None:
-    if not evidence.causes:
-        return None
-    return Finding(
-        Belief.NO,
-        f"the views contradict each other, most likely {evidence.causes[0]}",
-        "this contradiction, not noise",
-        "read the likely causes and take the views that show them anew",
-    )
+    return contradiction(evidence.causes)
 
 
 def _not_validated(evidence: FitEvidence) -> Finding | None:

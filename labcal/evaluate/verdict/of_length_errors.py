@@ -8,6 +8,7 @@ import numpy as np
 from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.verdict.amounts import at_distance, millimetres
 from labcal.evaluate.verdict.finding import Finding, Rules
+from labcal.evaluate.verdict.shared_doubts import circular, not_one_ok, unknown_origin
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
 
@@ -54,25 +55,11 @@ class _Lengths:
 
 
 def _not_one_ok(given: _Lengths) -> Finding | None:
-    if given.errors.n_ok:
-        return None
-    return Finding(
-        Belief.NO,
-        "not one of the scored points is flagged 'ok'",
-        "what the flags of the points say",
-        "read the flags, and calibrate or fit again",
-    )
+    return not_one_ok(given.errors.n_ok)
 
 
 def _circular(given: _Lengths) -> Finding | None:
-    if not given.errors.views_calibrated_on:
-        return None
-    return Finding(
-        Belief.NO,
-        "the cameras come from these very views: this shows how well they repeat, not how true they are",
-        "not known from these views",
-        "score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two",
-    )
+    return circular(given.errors.views_calibrated_on)
 
 
 def _few(given: _Lengths) -> Finding | None:
@@ -112,14 +99,7 @@ def _single_points(given: _Lengths) -> Finding | None:
 
 
 def _not_known_from(given: _Lengths) -> Finding | None:
-    if given.errors.views_calibrated_on is not None:
-        return None
-    return Finding(
-        Belief.PARTLY,
-        "it is not known whether the cameras were calibrated from these views",
-        "not known from these views",
-        "state what the points were reconstructed with: `rig`",
-    )
+    return unknown_origin(given.errors.views_calibrated_on)
 
 
 def _sound(given: _Lengths) -> Finding:

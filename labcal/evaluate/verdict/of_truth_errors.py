@@ -8,6 +8,7 @@ from labcal.estimators.expected_error import LEAST_COVERAGE
 from labcal.evaluate.against_truth import TruthErrors
 from labcal.evaluate.verdict.amounts import at_distance, millimetres, percent
 from labcal.evaluate.verdict.finding import Finding, Rules
+from labcal.evaluate.verdict.shared_doubts import circular, not_one_ok, unknown_origin
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.wording import counted
 
@@ -49,25 +50,11 @@ def _expectation(errors: TruthErrors, distance_mm: float | None) -> str:
 
 
 def _not_one_ok(errors: TruthErrors) -> Finding | None:
-    if errors.n_ok:
-        return None
-    return Finding(
-        Belief.NO,
-        "not one of the scored points is flagged 'ok'",
-        "what the flags of the points say",
-        "read the flags, and calibrate or fit again",
-    )
+    return not_one_ok(errors.n_ok)
 
 
 def _circular(errors: TruthErrors) -> Finding | None:
-    if not errors.views_calibrated_on:
-        return None
-    return Finding(
-        Belief.NO,
-        "the cameras come from these very views: this shows how well they repeat, not how true they are",
-        "not known from these views",
-        "score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two",
-    )
+    return circular(errors.views_calibrated_on)
 
 
 def _too_large(errors: TruthErrors) -> Finding | None:
@@ -107,14 +94,7 @@ def _overconfident(errors: TruthErrors) -> Finding | None:
 
 
 def _not_known_from(errors: TruthErrors) -> Finding | None:
-    if errors.views_calibrated_on is not None or "test" in errors.scored:
-        return None
-    return Finding(
-        Belief.PARTLY,
-        "it is not known whether the cameras were calibrated from these views",
-        "not known from these views",
-        "state what the points were reconstructed with: `rig`",
-    )
+    return None if "test" in errors.scored else unknown_origin(errors.views_calibrated_on)
 
 
 def _sound(errors: TruthErrors) -> Finding:

@@ -20,6 +20,7 @@ from labcal.paper.simulated import (
     NOISE,
     PIXEL_MM,
     TESTS,
+    NoiseReading,
     box,
     cameras,
     grid,
@@ -117,11 +118,14 @@ def _focal_lengths(arm: Arm, seed: int) -> ArmProblem:
         _seen_with(f, part)
         for f, part in zip(tested_lengths, np.array_split(points, len(tested_lengths)), strict=True)
     ]
-    (X, Y), (X_test, Y_test) = (
-        (np.concatenate([x for x, _ in parts]), np.concatenate([y for _, y in parts]))
-        for parts in (trained, tested)
-    )
+    (X, Y), (X_test, Y_test) = _joined(trained), _joined(tested)
     return _with_noise(arm, seed, Problem(X, Y, X_test, Y_test), ())
+
+
+def _joined(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return image coordinates and outputs of several parts, one below the other."""
+    X, Y = zip(*parts, strict=True)
+    return np.concatenate(X), np.concatenate(Y)
 
 
 def _seen_with(focal_length_mm: float, p: Vectors3) -> tuple[np.ndarray, np.ndarray]:
@@ -154,10 +158,7 @@ def _positions(arm: Arm, seed: int) -> ArmProblem:
         _at_height(pair, part, z, heights.max())
         for part, z in zip(np.array_split(inside, len(places)), places, strict=True)
     ]
-    (X, Y), (X_test, Y_test) = (
-        (np.concatenate([x for x, _ in parts]), np.concatenate([y for _, y in parts]))
-        for parts in (trained, tested)
-    )
+    (X, Y), (X_test, Y_test) = _joined(trained), _joined(tested)
     return _with_noise(arm, seed, Problem(X, Y, X_test, Y_test), pair)
 
 
@@ -200,7 +201,7 @@ def _with_noise(arm: Arm, seed: int, exact: Problem, pair: tuple[Camera, ...]) -
     """Return the data with noise on trained and tested image coordinates alike."""
     sigma = np.full(exact.X.shape[1], NOISE if arm.noise is ArmNoise.PIXEL else 0.0)
     if arm.noise is ArmNoise.SPREAD:
-        sigma = noise_sigma(exact.X, arm.noise.reading)
+        sigma = noise_sigma(exact.X, NoiseReading.SPREAD)
     X, X_test = (
         values + sigma * _stream(arm, seed, part, "noise").standard_normal(values.shape)
         for part, values in (("trained", exact.X), ("tested", exact.X_test))

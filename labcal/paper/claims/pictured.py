@@ -1,6 +1,7 @@
 """The data of arms from pictures: a rendered shoot for every seed, and the dots detected in it."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +9,11 @@ import numpy as np
 from labcal.correspond.dot_source import dots_of_shoot
 from labcal.paper.claims.arm_data import ArmProblem
 from labcal.paper.claims.plan import ArmData, Claim
-from labcal.paper.pictured import pictured_problems
+from labcal.paper.pictured import kept_shoot, pictured_problems
 from labcal.paper.rows import SCENES, Data
-from labcal.render.shoot import RenderSettings, render_shoot
-from labcal.run.made import make_folder
+from labcal.render.shoot import RenderSettings
 from labcal.run.progress import Progress
 from labcal.scene.catalogue import load_scene
-from labcal.shoot.dataset import is_shoot, open_shoot
 
 _DATA = {ArmData.WEBCAM_PICTURES: Data.WEBCAM_PLANE, ArmData.STILL_PICTURES: Data.STILL_PLANE}
 Pictured = dict[tuple[ArmData, int], ArmProblem]
@@ -60,17 +59,11 @@ def pictured_data(
     OutputError, DeviceError
         As of :func:`labcal.render.shoot.render_shoot`.
     """
-    make_folder(folder)
     problems: Pictured = {}
     for data, seed in needed:
-        scene = load_scene(SCENES[_DATA[data]])
-        place = folder / f"{data}-{seed}"
-        if is_shoot(place):
-            shoot = open_shoot(place)
-        else:
-            own = RenderSettings(spp=settings.spp, seed=seed, workers=settings.workers)
-            shoot = render_shoot(scene, place, own, progress)
+        scene = SCENES[_DATA[data]]
+        shoot = kept_shoot(folder / f"{data}-{seed}", scene, replace(settings, seed=seed), progress)
         found = pictured_problems(_DATA[data], shoot, dots_of_shoot(shoot, settings.workers, progress))
-        cameras = tuple(camera.camera() for camera in scene.cameras.values())
+        cameras = tuple(camera.camera() for camera in load_scene(scene).cameras.values())
         problems[data, seed] = ArmProblem(found[""], cameras, np.zeros(2 * len(cameras)))
     return problems

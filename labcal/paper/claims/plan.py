@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.paper.claims.statement import Statement
-from labcal.paper.simulated import NoiseReading
 from labcal.run.descriptions import parse_yaml, validate_description
 
 ORACLE = "oracle"
@@ -36,11 +35,6 @@ class ArmNoise(StrEnum):
     NONE = "none"
     SPREAD = "spread"
     PIXEL = "pixel"
-
-    @property
-    def reading(self) -> NoiseReading:
-        """The same as the rows of the paper name it."""
-        return NoiseReading[self.name]
 
 
 class Arm(BaseModel):
