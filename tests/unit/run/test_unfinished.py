@@ -105,52 +105,6 @@ def test_what_another_command_left_is_refused_and_discarded_only_with_force(tmp_
     assert entries(target) == [MADE]
 
 
-def begun_by(target: Path, begun: Begun) -> None:
-    """Leave an unfinished folder as other code would."""
-    with pytest.raises(KeyboardInterrupt):
-        work_until_interrupted(target, "render")
-    (target.with_name("shoot.unfinished") / COMMAND).write_text(begun.text())
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"version": "0.0.9"}, "was begun by labcal 0.0.9 "),
-        (
-            {"code_sha256": "ab" * 32},
-            r"begun by labcal .* \(code abababab\), but .*`force=True`",
-        ),
-    ],
-)
-def test_what_other_code_began_is_refused_and_discarded_only_with_force(
-    tmp_path: Path, change: dict[str, str], said: str
-) -> None:
-    target = tmp_path / "shoot"
-    begun_by(target, Begun.now("render").model_copy(update=change))
-    refuse(target, said, force=False)
-    assert (tmp_path / "shoot.unfinished" / "a.txt").exists()
-    with unfinished_folder(target, "render", force=True) as working:
-        assert not (working / "a.txt").exists()
-        write_file(working / "b.txt", "2", force=True)
-    assert entries(target) == [MADE, "b.txt"]
-
-
-def test_what_an_earlier_version_left_is_refused_as_that(tmp_path: Path) -> None:
-    """It wrote the command alone."""
-    target = tmp_path / "shoot"
-    begun_by(target, Begun.now("render"))
-    (tmp_path / "shoot.unfinished" / COMMAND).write_text("render")
-    refuse(target, "was begun by an earlier version of labcal", force=False)
-
-
-def test_what_other_code_has_finished_is_not_taken_up_again(tmp_path: Path) -> None:
-    target = made(tmp_path / "shoot")
-    others = Begun.now("render").model_copy(update={"version": "0.0.9"})
-    (target / COMMAND).write_text(others.text())  # killed when all was done but for removing the mark
-    refuse(target, "exists already", force=False)
-    assert entries(tmp_path) == ["shoot"]
-
-
 @pytest.mark.parametrize("name", ["thesis.txt", ".hidden", "images/thesis.txt", "empty/"])
 def test_an_unfinished_folder_with_anything_else_in_it_is_not_discarded(tmp_path: Path, name: str) -> None:
     target, working = tmp_path / "shoot", tmp_path / "shoot.unfinished"
