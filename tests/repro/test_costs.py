@@ -36,13 +36,14 @@ class Loop:
 
 class Total(BaseModel):
     value: int
+    processor_s: float
 
 
 def total(case: Loop) -> Total:
-    value = case.number
+    began, value = time.thread_time(), case.number
     for _ in range(case.steps):
         value = (value * 1103515245 + 12345) % 2147483648
-    return Total(value=value)
+    return Total(value=value, processor_s=time.thread_time() - began)
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,12 @@ class Cost:
     """The cost of a sweep."""
 
     wall_s: float
-    processor_s: float
-    """Of this process and all that it started."""
+    overhead: float
+    """Processor time of this process and all that it started, over that of the cases, less 1.
+
+    The same loop takes more processor time while others use the machine, and so do the cases in
+    the denominator.
+    """
     at_once: float
     """Cases in progress, on average."""
     others: float
@@ -82,7 +87,8 @@ def cost(executor: Executor, folder: Path) -> Cost:
     assert all(one.result is not None for one in outcomes)
     mine, everyone = processor_seconds() - before, busy_seconds() - all_before
     others = (everyone - mine) / (wall * psutil.cpu_count())
-    return Cost(wall, mine, sum(one.seconds for one in outcomes) / wall, others)
+    cases_s = sum(one.result.processor_s for one in outcomes if one.result is not None)
+    return Cost(wall, mine / cases_s - 1, sum(one.seconds for one in outcomes) / wall, others)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +111,7 @@ def costs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Cost]:
     return {
         name: Cost(
             min(one.wall_s for one in each[1:]),
-            min(one.processor_s for one in each[1:]),
+            min(one.overhead for one in each[1:]),
             max(one.at_once for one in each[1:]),
             max(one.others for one in each[1:]),
         )
@@ -116,14 +122,14 @@ def costs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Cost]:
 def test_two_processes_are_at_work_at_once_and_spend_no_more(costs: dict[str, Cost]) -> None:
     """On a machine that does nothing else they take 1 / 1.7 of the time, then, or less."""
     assert costs["two"].at_once >= 1.7, costs
-    assert costs["two"].processor_s <= 1.1 * costs["one"].processor_s, costs
+    assert costs["two"].overhead <= costs["one"].overhead + 0.1, costs
 
 
 def test_a_cluster_keeps_its_workers_as_busy_as_processes_and_spends_little_more(
     costs: dict[str, Cost],
 ) -> None:
     assert 1.1 * costs["cluster"].at_once >= costs["two"].at_once, costs
-    assert costs["cluster"].processor_s <= 1.1 * costs["two"].processor_s, costs
+    assert costs["cluster"].overhead <= costs["two"].overhead + 0.1, costs
 
 
 def test_that_shows_on_the_clock_of_an_idle_machine(costs: dict[str, Cost]) -> None:
