@@ -62,8 +62,9 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         lines = lines_of(cases, _measured(cases, working, executor, progress))
         write_file(working / "results.csv", results_table(lines), force=True)
         summaries = summarised(lines)
+        usual = [one for one in summaries if one.cell.is_usual]
         make_folder(working / "figures")
-        for name, text in figures_of(summaries).items():
+        for name, text in figures_of(usual).items():
             write_file(working / "figures" / name, text, force=True)
         result = DistortionResult(
             bench="distortion",
@@ -74,9 +75,9 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             plan_sha256=plan.sha256,
             first_seed=settings.seed,
             cases=len(cases),
-            answer=tuple(network_answer(summaries)),
-            families=tuple(family_figures(summaries)),
-            winners=tuple(winners(summaries)),
+            answer=tuple(network_answer(usual)),
+            families=tuple(family_figures(usual)),
+            winners=tuple(winners(usual)),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
     return result

@@ -16,6 +16,17 @@ class Layout(StrEnum):
     """Random places in the volume."""
 
 
+class Source(StrEnum):
+    """The origin of the pixels."""
+
+    SIMULATED = "simulated"
+    """Projected points with normal noise."""
+
+
+NO_FAULT = "none"
+"""The name of what is wrong where nothing is."""
+
+
 class Measured(StrEnum):
     """The region of the points on which a method is measured."""
 
@@ -37,6 +48,9 @@ class Cell:
         Standard deviation of each coordinate of a pixel, in training and in measuring.
     points : int
         Training points that are asked for.
+    source : Source
+    fault : str
+        The fault of the board or of the laboratory that the methods are not told of, or `NO_FAULT`.
     """
 
     family: str
@@ -44,10 +58,17 @@ class Cell:
     noise_px: float
     points: int
     layout: Layout
+    source: Source = Source.SIMULATED
+    fault: str = NO_FAULT
+
+    @property
+    def is_usual(self) -> bool:
+        """Whether its points are simulated, and nothing is wrong: only such figures have limits."""
+        return self.source is Source.SIMULATED and self.fault == NO_FAULT
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The texts that name its random numbers and its files."""
+        """The texts that name its random numbers, which are the same with a fault and without."""
         return (
             self.family,
             f"{self.strength:g}",
@@ -75,4 +96,6 @@ class Case:
     @property
     def key(self) -> str:
         """The name of the result file."""
-        return "_".join((*self.cell.names, str(self.seed)))
+        usual = ((str(self.cell.source), Source.SIMULATED), (self.cell.fault, NO_FAULT))
+        special = [name for name, common in usual if name != common]
+        return "_".join((*self.cell.names, *special, str(self.seed)))

@@ -17,9 +17,11 @@ _MOST_NAMED = 8
 def distortion_checks(summaries: Sequence[CellSummary]) -> list[Check]:
     """Return the checks; a figure of a cell is the median over its seeds, coverage is of all their points.
 
-    Methods of one's own are measured and not checked.
+    Methods of one's own, and cells of pictures or with a fault, are measured and not checked, but for a
+    figure or a reason in every cell.
     """
     checks = [_no_gap(summaries)]
+    summaries = [one for one in summaries if one.cell.is_usual]
     within = [one for one in summaries if one.measured == Measured.WITHIN]
     for family in dict.fromkeys(one.cell.family for one in within):
         judged = [one for one in within if one.cell.family == family and counts_for_hybrid(one)]
@@ -60,6 +62,7 @@ def coverage_is_wrong(summary: CellSummary) -> bool:
 
 def failure_notes(summaries: Sequence[CellSummary]) -> list[str]:
     """Return which cells miss a limit, the worst first, for people."""
+    summaries = [one for one in summaries if one.cell.is_usual]
     far = sorted(filter(hybrid_is_far, summaries), key=lambda one: -one.over_oracle)
     notes = _noted("hybrid above 1.10 of the oracle", far, lambda one: f"{one.over_oracle:.3f}")
     for method in dict.fromkeys(one.method for one in summaries if SEPARATOR not in one.method):

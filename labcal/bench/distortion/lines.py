@@ -9,7 +9,8 @@ from labcal.bench.families.registry import FAMILIES
 from labcal.run.tables import table_text
 
 HEADER = (
-    *("method", "family", "strength", "known_as", "noise_px", "points", "layout", "measured", "seed"),
+    *("method", "family", "strength", "known_as", "noise_px", "points", "layout", "source", "fault"),
+    *("measured", "seed"),
     *("trained", "beyond_pinhole_px", "n", "predicted", "rmse_mm", "oracle_mm", "over_oracle"),
     *("stated", "covered", "coverage95", "model_misfit", "extrapolated", "expected_mm", "reason"),
 )
@@ -88,7 +89,15 @@ def _cells(line: Line) -> list[object]:
     cell, one, nan = line.cell, line.figures, float("nan")
     factors: list[object] = [line.method, cell.family, cell.strength]
     factors += [FAMILIES[cell.family].known_as(cell.strength), cell.noise_px, cell.points]
-    factors += [str(cell.layout), line.measured, line.seed, line.trained, line.beyond_pinhole_px]
+    factors += [
+        str(cell.layout),
+        str(cell.source),
+        cell.fault,
+        line.measured,
+        line.seed,
+        line.trained,
+        line.beyond_pinhole_px,
+    ]
     figures: list[object] = [0, 0, nan, nan, nan, 0, 0, nan]
     if one is not None:
         figures = [one.n, one.predicted, one.rmse_mm, one.oracle_mm, one.over_oracle]
