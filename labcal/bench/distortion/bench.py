@@ -15,6 +15,7 @@ from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
+from labcal.bench.distortion.sensitivity import sensitivities
 from labcal.bench.distortion.winners import winners
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
@@ -78,6 +79,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             answer=tuple(network_answer(usual)),
             families=tuple(family_figures(usual)),
             winners=tuple(winners(usual)),
+            sensitivity=tuple(sensitivities(lines)),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
     return result

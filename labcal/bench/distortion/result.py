@@ -11,6 +11,7 @@ from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import ENOUGH_POINTS
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.sensitivity import Sensitivity
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
@@ -50,6 +51,8 @@ class DistortionResult(BenchResult):
     """To "should I use a network?"."""
     families: tuple[FamilyFigures, ...]
     winners: tuple[Winner, ...]
+    sensitivity: tuple[Sensitivity, ...] = ()
+    """To faults of boards and of shooting."""
 
 
 def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:

@@ -17,7 +17,10 @@ from labcal.cli.console import rendered
 from labcal.run.json_text import plain_data
 
 README = Path(labcal.__file__).parent.parent / "README.md"
-SMALL = ("families=brown", "strengths=0.4", "noise_px=0.1", "points=60", "methods=dlt,two-plane")
+SMALL = (
+    *("families=brown", "strengths=0.4", "noise_px=0.1", "points=60", "methods=dlt,two-plane"),
+    "faults=none",
+)
 
 
 def lines_of(folder: Path) -> list[dict[str, str]]:
