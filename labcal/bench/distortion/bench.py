@@ -16,6 +16,7 @@ from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
 from labcal.bench.distortion.sensitivity import sensitivities
+from labcal.bench.distortion.sensitivity_figures import sensitivity_figures
 from labcal.bench.distortion.winners import winners
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
@@ -65,7 +66,8 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
         make_folder(working / "figures")
-        for name, text in figures_of(usual).items():
+        sensitivity = sensitivities(lines)
+        for name, text in {**figures_of(usual), **sensitivity_figures(sensitivity)}.items():
             write_file(working / "figures" / name, text, force=True)
         result = DistortionResult(
             bench="distortion",
@@ -79,7 +81,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             answer=tuple(network_answer(usual)),
             families=tuple(family_figures(usual)),
             winners=tuple(winners(usual)),
-            sensitivity=tuple(sensitivities(lines)),
+            sensitivity=tuple(sensitivity),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
     return result

@@ -11,7 +11,7 @@ from labcal.bench.distortion.case import Layout, Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import HIGH_COVERAGE, LOW_COVERAGE
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Of Okabe and Ito (2008), which readers with any colour vision tell apart."""
 _STYLES = ("-", "--", ":")
 _PANEL_INCH, _MOST_ACROSS, _MOST_DOWN = 2.6, 4, 6
@@ -30,9 +30,9 @@ def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
                 continue
             title = f"{family}, {layout}"
             ending = f"{family}-{layout}.svg"
-            drawn[f"error-{ending}"] = _svg(error_figure(own, title), title)
-            drawn[f"learning-{ending}"] = _svg(learning_figure(own, title), title)
-            drawn[f"coverage-{ending}"] = _svg(coverage_figure(own, title), title)
+            drawn[f"error-{ending}"] = svg_text(error_figure(own, title), title)
+            drawn[f"learning-{ending}"] = svg_text(learning_figure(own, title), title)
+            drawn[f"coverage-{ending}"] = svg_text(coverage_figure(own, title), title)
     return drawn
 
 
@@ -109,8 +109,8 @@ def _lines(
         own = sorted((one for one in cells if one.method == method), key=place)
         x = [place(one) for one in own]
         middle, low, high = zip(*(figures(one) for one in own), strict=True)
-        colour = _COLOURS[number % len(_COLOURS)]
-        style = _STYLES[number // len(_COLOURS) % len(_STYLES)]
+        colour = COLOURS[number % len(COLOURS)]
+        style = _STYLES[number // len(COLOURS) % len(_STYLES)]
         axes.plot(x, middle, style, color=colour, linewidth=1.3, label=method)
         axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         for one, at in zip(own, middle, strict=True):
@@ -134,7 +134,7 @@ def _finished(figure: Figure, xlabel: str) -> Figure:
     return figure
 
 
-def _svg(figure: Figure, name: str) -> str:
+def svg_text(figure: Figure, name: str) -> str:
     """Return a figure as SVG; the same figure gives the same text."""
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):

@@ -12,6 +12,7 @@ from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import ENOUGH_POINTS
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.sensitivity import Sensitivity
+from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
@@ -101,7 +102,8 @@ def distortion_table(result: DistortionResult) -> Group:
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    return Group(table, *result.answer, bench_table(result))
+    faults = [sensitivity_table(result.sensitivity)] if result.sensitivity else []
+    return Group(table, *faults, *result.answer, bench_table(result))
 
 
 def _shown(strengths: list[float]) -> list[float]:

@@ -112,10 +112,15 @@ def _sensitivity(group: Sequence[Pair]) -> Sensitivity:
         expected_mm=_median([line.expected_mm for line in lines]),
         misfit=sum(line.misfit is True for line in lines),
         usual_misfit=sum(line.misfit is True for line in usual),
-        refused=sum(line.figures is None for line, other in group if other.figures is not None),
+        refused=sum(_is_refused(line) for line, other in group if other.figures is not None),
         seeds=len(pairs),
         reasons=tuple(dict.fromkeys(line.reason for pair in group for line in pair if line.reason)),
     )
+
+
+def _is_refused(line: Line) -> bool:
+    """Return whether a method has no figures of data that could be drawn."""
+    return line.figures is None and line.trained > 0
 
 
 def _error(line: Line) -> float:

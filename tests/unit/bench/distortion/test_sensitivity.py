@@ -103,6 +103,13 @@ def test_a_refusal_is_noticed_and_has_its_reason() -> None:
     assert found.rmse_mm != found.rmse_mm
 
 
+def test_data_that_could_not_be_drawn_are_no_refusal() -> None:
+    found = sensitivity(
+        line(0, 1.0, fault="none"), replace(line(0, 1.0), figures=None, trained=0, reason="no")
+    )
+    assert (found.refused, found.is_noticed, found.reasons) == (0, False, ("no",))
+
+
 def test_points_outside_and_cells_without_a_fault_have_no_sensitivity() -> None:
     outside = [replace(line(0, 1.0, fault=fault), measured="outside") for fault in ("none", "bend-2")]
     assert sensitivities([line(0, 1.0, fault="none"), *outside]) == []
