@@ -10,8 +10,9 @@ from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.figures import CaseFigures
-from labcal.bench.distortion.lines import lines_of, results_table, timings_table
+from labcal.bench.distortion.lines import lines_of, results_table
 from labcal.bench.distortion.measuring import measured_case, prepared
+from labcal.bench.distortion.method_seconds import timings_table
 from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
@@ -117,6 +118,7 @@ def _measured(
 ) -> list[CaseFigures]:
     """Return the figures of all cases, in their order, and write ``timings.csv``."""
     found = sweep(cases, measured_case, CaseFigures, folder / "cases", executor, progress)
+    figures = [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]
     seconds = [one.seconds for one in found]
-    write_file(folder / "timings.csv", timings_table(cases, seconds), force=True)
-    return [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]
+    write_file(folder / "timings.csv", timings_table(cases, figures, seconds), force=True)
+    return figures

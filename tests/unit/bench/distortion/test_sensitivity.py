@@ -1,5 +1,6 @@
 """Sensitivity to faults: a known answer from the data to the figures, pairs, flags and refusals."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,9 @@ from labcal.bench.distortion.figures import RegionFigures
 from labcal.bench.distortion.lines import Line
 from labcal.bench.distortion.measuring import region_figures
 from labcal.bench.distortion.sensitivity import Sensitivity, sensitivities
+from labcal.bench.distortion.sensitivity_figures import sensitivity_figure, sensitivity_figures
+from labcal.bench.distortion.sensitivity_table import sensitivity_table
+from labcal.cli.console import rendered
 from labcal.errors import InputError
 from labcal.estimators.dlt import Dlt
 
@@ -113,3 +117,24 @@ def test_data_that_could_not_be_drawn_are_no_refusal() -> None:
 def test_points_outside_and_cells_without_a_fault_have_no_sensitivity() -> None:
     outside = [replace(line(0, 1.0, fault=fault), measured="outside") for fault in ("none", "bend-2")]
     assert sensitivities([line(0, 1.0, fault="none"), *outside]) == []
+
+
+def test_table_and_figure_show_what_is_noticed_refused_and_not_measured() -> None:
+    usual = line(0, 1.0, fault="none")
+    noticed = line(0, 4.0, misfit=True)
+    unnoticed = line(0, 5.0, fault="pitch-0.001")
+    refused = replace(line(0, 1.0, fault="board-turned"), figures=None, reason="why")
+    undrawn = replace(refused, cell=replace(CELL, fault="out-of-focus-1"), trained=0)
+    found = sensitivities([usual, noticed, unnoticed, refused, undrawn])
+    rows = [text.split("│")[1:3] for text in rendered(sensitivity_table(found), sys.stdout).splitlines()]
+    assert [[cell.strip() for cell in row] for row in rows if len(row) == 2] == [
+        ["bend-2", "4*"], ["pitch-0.001", "5"], ["board-turned", "refused*"], ["out-of-focus-1", "-"]
+    ]  # fmt: skip
+    (axes,) = sensitivity_figure(found, "title").axes
+    marks = {tuple(mark.get_xydata()[0]): mark for mark in axes.lines if len(mark.get_xydata()) == 1}
+    assert [(place, mark.get_markerfacecolor() == "white") for place, mark in marks.items()] == [
+        ((4.0, 0.0), False), ((5.0, 1.0), True), ((0.985, 2.0), False)
+    ]  # fmt: skip
+    assert list(sensitivity_figures(found)) == ["sensitivity-brown.svg"]
+    assert sensitivity_figures(found) == sensitivity_figures(found)
+    assert sensitivity_figures([]) == {}
