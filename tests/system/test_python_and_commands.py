@@ -156,7 +156,7 @@ def test_bench(labcal: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_bench_distortion(labcal: Run, tmp_path: Path) -> None:
-    small = ("families=brown", "strengths=0", "noise_px=0.1", "points=40", "methods=dlt")
+    small = ("families=brown", "strengths=0", "noise_px=0.1", "points=40", "methods=dlt", "faults=none")
     settings = pipeline.BenchSettings(quick=True, overrides=small, seeds=1)
     made = pipeline.bench("distortion", tmp_path / "python", settings)
     options = [word for change in small for word in ("--set", change)]

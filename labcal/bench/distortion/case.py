@@ -50,7 +50,7 @@ class Cell:
         Training points that are asked for.
     source : Source
     fault : str
-        The fault of the board or of the laboratory that the methods are not told of, or `NO_FAULT`.
+        The fault of the board or of the laboratory that the methods do not know of, or `NO_FAULT`.
     """
 
     family: str
@@ -63,7 +63,7 @@ class Cell:
 
     @property
     def is_usual(self) -> bool:
-        """Whether its points are simulated, and nothing is wrong: only such figures have limits."""
+        """True if its points are simulated and nothing is wrong: only such figures have limits."""
         return self.source is Source.SIMULATED and self.fault == NO_FAULT
 
     @property

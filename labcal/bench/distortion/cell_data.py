@@ -69,7 +69,7 @@ def cell_data(case: Case) -> CellData:
 
     Cameras, points and noise are drawn by the cell and the seed and not by the methods, so that these are
     compared in pairs. A fault changes the exact pixels of training alone: with it and without, the
-    methods are told the same places, and the noise and the points to measure are the same.
+    methods know the same declared places, and the noise and the points to measure are the same.
 
     Raises
     ------
@@ -83,16 +83,16 @@ def cell_data(case: Case) -> CellData:
     family = family_by_name(cell.family)
     pair, volume = family.pair(cell.strength, case.seed), family.volume(cell.strength)
     random = generator(case.seed, _STREAM, *cell.names, "training")
-    told = _layout(cell, volume, random)
-    exact = _images(pair, told)
+    declared = _layout(cell, volume, random)
+    exact = _images(pair, declared)
     seen = _seen(pair, exact)
     if not seen.any():
-        raise InputError(f"The cameras of '{case.key}' see none of the {len(told)} training points.")
-    Y, exact = told[seen], exact[seen]
+        raise InputError(f"The cameras of '{case.key}' see none of the {len(declared)} training points.")
+    Y, exact = declared[seen], exact[seen]
     noise = cell.noise_px * random.standard_normal(exact.shape)
     tests = {region: _test_points(case, pair, volume, Y, region) for region in case.regions}
     if cell.fault != NO_FAULT:
-        exact = _faulty_images(case, pair, told)[seen]
+        exact = _faulty_images(case, pair, declared)[seen]
         still_seen = _seen(pair, exact)
         if not still_seen.any():
             raise InputError(f"The cameras of '{case.key}' see none of the training points with this fault.")
@@ -114,13 +114,13 @@ def _layout(cell: Cell, volume: Volume, random: np.random.Generator) -> Vectors3
 
 
 def _faulty_images(
-    case: Case, pair: tuple[Camera, Camera], told: Vectors3
+    case: Case, pair: tuple[Camera, Camera], declared: Vectors3
 ) -> Float64[np.ndarray, "n cameras 2"]:
     """Return the exact pixels of training points with the fault of a case; NaN where there is no image."""
     if case.cell.layout is not Layout.PLANES:
         raise InputError(f"The fault '{case.cell.fault}' is one of a board, which takes the layout 'planes'.")
     fault = fault_named(case.cell.fault)
-    return fault.kind.images(PlannedPlanes.of(told, pair, case.seed), fault.size)
+    return fault.kind.images(PlannedPlanes.of(declared, pair, case.seed), fault.size)
 
 
 def _test_points(

@@ -27,7 +27,7 @@ def _without_none(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class FaultSection(BaseModel):
-    """Faults that the methods are not told of, and reference cells, which are cells of the plan.
+    """Faults that the methods do not know of, and reference cells, which are cells of the plan.
 
     In YAML and on the command line a list of names alone is a section, too.
 
@@ -90,9 +90,8 @@ _NARROWED = ("families", "strengths", "noise_px", "points")
 def strange_level(section: FaultSection, levels: Mapping[str, Sequence[Any]]) -> str | None:
     """Return a reason why a plan with these levels has no such reference cells; None if it has."""
     if section.kinds and Layout.PLANES not in levels["layout"]:
-        return (
-            f"faults are those of a board on planes, but `layout` is {', '.join(map(str, levels['layout']))}"
-        )
+        given = ", ".join(map(str, levels["layout"]))
+        return f"faults are those of a board on planes, but the layout is {given}"
     for factor in _NARROWED:
         own = [level for level in getattr(section, factor) if level not in levels[factor]]
         if own:

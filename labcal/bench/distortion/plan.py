@@ -79,7 +79,7 @@ class Plan(BaseModel):
     settings: Mapping[str, Mapping[str, Setting]] = Field(default_factory=dict)
     """Constructor arguments by method that differ from its defaults."""
     faults: FaultSection = FaultSection()
-    """Faults that the methods are not told of, in some of the cells."""
+    """Faults that the methods do not know of, in some of the cells."""
 
     @model_validator(mode="after")
     def _has_the_reference_cells(self) -> "Plan":

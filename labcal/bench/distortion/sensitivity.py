@@ -1,4 +1,4 @@
-"""Sensitivity of methods to faults that they are not told of, in pairs with data without the fault."""
+"""Sensitivity of methods to faults that they do not know of, in pairs with data without the fault."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -62,11 +62,11 @@ class Sensitivity(BaseModel):
     seeds: int
     """Seeds with figures with the fault and without."""
     reasons: tuple[str, ...]
-    """Why seeds have no figures, each once."""
+    """The reasons why seeds have no figures, each once."""
 
     @property
     def is_noticed(self) -> bool:
-        """Whether a seed is refused, or more seeds are flagged `model-misfit` than without the fault."""
+        """True if a seed is refused, or more seeds are flagged `model-misfit` than without the fault."""
         return self.refused > 0 or self.misfit > self.usual_misfit
 
 

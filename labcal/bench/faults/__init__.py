@@ -1,1 +1,1 @@
-"""Faults of boards and of shooting that methods are not told of, as they act on exact pixels."""
+"""Faults of boards and of shooting that methods do not know of, as they act on exact pixels."""

@@ -11,7 +11,7 @@ from labcal.targets.grid import DotGrid
 
 
 def faulty_scene(scene: Scene, fault: Fault) -> Scene:
-    """Return a scene as it is with a fault; what methods are told of it stays the same.
+    """Return a scene as it is with a fault; what methods know of it stays the same.
 
     The fault acts on every view of the scene, those to measure on included.
 

@@ -30,8 +30,8 @@ def mistaken(mistake: Mistake, planes: PlannedPlanes, size: float) -> ExactPixel
     """
     if mistake in ON_PICTURES_ONLY:
         raise InputError(
-            f"'{mistake}' acts on pictures only: simulated points do not show it. It is measured with "
-            "pictures, by `rendered=True`."
+            f"'{mistake}' acts on pictures only: simulated points do not show it. It can be "
+            "measured only with rendered pictures."
         )
     if mistake is Mistake.WRONG_PITCH:
         return other_pitch(planes, size * (PITCH_FACTOR - 1.0))

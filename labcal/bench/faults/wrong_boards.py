@@ -1,4 +1,4 @@
-"""Boards and stages that are not what the methods are told: other places of the dots, exact cameras."""
+"""Boards and stages that are not as declared: other places of the dots, exact cameras."""
 
 from dataclasses import replace
 

@@ -73,7 +73,7 @@ def test_levels_methods_and_seeds_are_changed() -> None:
         ({"overrides": ("faults=pich-0.01",)}, "Did you mean 'pitch'"),
         ({"overrides": ("faults=pitch-2",)}, "above 0 and at most 0.5"),
         ({"overrides": ("faults=pitch,pitch-1e-3",)}, "a fault stands twice"),
-        ({"overrides": ("layout=volume", "faults=bend-1")}, "of a board on planes, but `layout` is volume"),
+        ({"overrides": ("layout=volume", "faults=bend-1")}, "of a board on planes, but the layout is volume"),
         ({"methods": ("no_such_package:Class",)}, "There is no module 'no_such_package'"),
         ({"seeds": 0}, "`seeds` must be at least 1"),
     ],

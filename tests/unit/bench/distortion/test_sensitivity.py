@@ -30,7 +30,7 @@ def data_with(fault: str, **changes: object) -> CellData:
 def test_a_pitch_costs_an_exact_method_its_share_of_the_distance_from_dot_0_0(excess: float) -> None:
     """Told places are an affine map of the true ones, and what a linear camera sees of those is linear.
 
-    So DLT fits without an error, and gives the told place of every point: short by e / (1 + e) of its
+    So DLT fits without an error, and gives the declared place of every point: short by e / (1 + e) of its
     distance from dot (0, 0) along the board.
     """
     data = data_with(f"pitch-{excess}")

@@ -31,9 +31,9 @@ def simulated(name: str) -> np.ndarray:
     """Return the pixels of the benchmark's fault, given the same cameras and places."""
     fault = fault_named(name)
     views = planned_views(SCENE, SEED)[:VIEWS]
-    told = np.concatenate([transform(view.T_world_target, SCENE.target.points()) for view in views])
+    declared = np.concatenate([transform(view.T_world_target, SCENE.target.points()) for view in views])
     first, second = SCENE.true_cameras().values()
-    return fault.kind.images(PlannedPlanes.of(told, (first, second), SEED), fault.size)
+    return fault.kind.images(PlannedPlanes.of(declared, (first, second), SEED), fault.size)
 
 
 @pytest.mark.parametrize(

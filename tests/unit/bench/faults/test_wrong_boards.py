@@ -14,9 +14,9 @@ from labcal.scene.print import TruePrint
 from labcal.targets.grid import DotGrid
 
 COLS, ROWS, SEED = 13, 10, 4
-TOLD = TABLE.planes(COLS, ROWS)
+DECLARED = TABLE.planes(COLS, ROWS)
 PAIR = family_by_name("brown").pair(0.6, SEED)
-PLANES = PlannedPlanes.of(TOLD, PAIR, SEED)
+PLANES = PlannedPlanes.of(DECLARED, PAIR, SEED)
 BOARD = DotGrid(
     name="board",
     cols=COLS,
@@ -29,11 +29,11 @@ BOARD = DotGrid(
 
 
 def found(name: str) -> np.ndarray:
-    """Return the places at which exact cameras see the dots, relative to the told ones, (planes, dots, 3)."""
+    """Return where exact cameras see the dots beside the declared places, (planes, dots, 3)."""
     fault = fault_named(name)
     q = fault.kind.images(PLANES, fault.size)
     weights = np.tile(np.eye(2), (len(q), 2, 1, 1))
-    return np.asarray((triangulate(PAIR, q, weights).point - TOLD).reshape(4, -1, 3))
+    return np.asarray((triangulate(PAIR, q, weights).point - DECLARED).reshape(4, -1, 3))
 
 
 def of_print(board: Board) -> np.ndarray:
@@ -42,15 +42,15 @@ def of_print(board: Board) -> np.ndarray:
     return np.asarray(TruePrint.of(target, board, SEED).centres - BOARD.points())
 
 
-def test_without_a_fault_the_plan_is_as_told() -> None:
+def test_without_a_fault_the_plan_is_as_declared() -> None:
     q = PLANES.images(PLANES.dots, PLANES.takes)
     for number, camera in enumerate(PAIR):
-        assert np.abs(q[:, number] - camera.project(TOLD).q).max() < 1e-9
+        assert np.abs(q[:, number] - camera.project(DECLARED).q).max() < 1e-9
 
 
 def test_a_pitch_scales_each_plane_from_dot_0_0_and_leaves_the_heights() -> None:
     off = found("pitch-0.01")
-    expected = 0.01 * (TOLD - TOLD.min(axis=0)) * [1.0, 1.0, 0.0]
+    expected = 0.01 * (DECLARED - DECLARED.min(axis=0)) * [1.0, 1.0, 0.0]
     assert np.abs(off.reshape(-1, 3) - expected).max() < 1e-6
     assert np.abs(found("wrong-pitch-0.5") - found("pitch-0.015")).max() < 1e-9
 
