@@ -64,7 +64,8 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
     ):
         cases = plan.cases(settings.seed)
         lines = lines_of(cases, _measured(cases, working, executor, progress))
-        write_file(working / "results.csv", results_table(lines), force=True)
+        table = results_table(lines)
+        write_file(working / "results.csv", table, force=True)
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
         make_folder(working / "figures")
@@ -85,7 +86,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             outside=tuple(family_figures(usual, Measured.OUTSIDE)),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
-        page = distortion_page(Findings(result, summaries, command_line(settings)))
+        page = distortion_page(Findings(result, summaries, command_line(settings), table))
         PageOutput(working / "page.html", force=True).write(page)
     return result
 

@@ -16,7 +16,7 @@ from labcal.report.inline_svg import LINE
 from labcal.report.page_axes import plain_axes
 
 _PANEL_INCH, _MOST_ACROSS, _MOST_DOWN = 2.6, 4, 6
-_INCH_A_NAME = 1.3
+_INCH_A_NAME = 1.1
 """Of the legend."""
 
 
@@ -113,12 +113,13 @@ def _panels(
 
 def _finished(figure: Figure, xlabel: str, ylabel: str, finish: Callable[[Axes], None]) -> Figure:
     """Return a figure with its axes finished, when all is drawn that they share, and its legend."""
-    figure.supxlabel(xlabel, fontsize=8.5)
     figure.supylabel(ylabel, fontsize=8.5)
     for axes in figure.axes:
         finish(axes)
         axes.title.set_fontsize(8.5)
         axes.tick_params(length=0, labelsize=8)
+        axes.set_xlabel(xlabel, fontsize=8.5)
+        axes.label_outer()
     drawn = {
         label: line
         for axes in figure.axes

@@ -10,8 +10,8 @@ from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.report.inline_svg import GROUND, QUIET, TEXT
 from labcal.report.page_axes import plain_axes
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#c4699a", TEXT.drawn)
-"""Four of Okabe and Ito (2008), which readers with any colour vision tell apart, dark and light enough for
+_COLOURS = ("#1f83cc", "#d55e00", "#009e73", "#c4699a", TEXT.drawn)
+"""Near four of Okabe and Ito (2008), which readers with any colour vision tell apart, with contrast enough in
 both themes of a page; and the page's ink."""
 _STYLES = (("-", "o"), ("--", "s"), (":", "^"))
 _BAND = 0.18

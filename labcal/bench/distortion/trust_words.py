@@ -91,7 +91,7 @@ def _worst_words(figures: Sequence[FamilyFigures]) -> str:
     worst = _worst(figures)
     if worst is None:
         return ""
-    return f"{ratio_words(worst.worst)} times ({worst.family} at strength {worst.strength:g})"
+    return f"{worst.worst:.4g} times ({worst.family} at strength {worst.strength:g})"
 
 
 def _coverage_words(within: Sequence[FamilyFigures]) -> Iterable[str]:

@@ -7,10 +7,7 @@ from labcal.bench.distortion.trust_words import ratio_words
 from labcal.report.page.download import table_download
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 
-_CAPTION = (
-    "RMS error over the oracle's by strength: median of the cells, and the greatest of them in brackets. "
-    "*: flagged model-misfit in every cell."
-)
+_CAPTION = "Median of the cells, the greatest in brackets; *: flagged model-misfit in all"
 
 
 def family_table(name: str, figures: Sequence[FamilyFigures], strengths: Sequence[float]) -> PageTable:

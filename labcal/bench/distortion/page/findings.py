@@ -26,11 +26,14 @@ class Findings:
         Of all cells, those with a fault or of other pixels, too.
     command : str
         The command line that measures the same again.
+    results_csv : str
+        The text of ``results.csv``.
     """
 
     result: DistortionResult
     summaries: Sequence[CellSummary]
     command: str
+    results_csv: str = ""
 
     @property
     def usual(self) -> list[CellSummary]:

@@ -11,17 +11,18 @@ from labcal.report.page.table import MISSING, Column, PageTable, Side
 WINNER_COLUMNS = (
     Column("family, strength", Side.LEFT),
     Column("known as", Side.LEFT),
-    Column("best in cells", Side.LEFT),
+    Column("best in cells", Side.WIDE),
     Column("error over the oracle's"),
     Column("second over best"),
     Column("clearly", meaning="The second errs by more than 5% more, and every seed agrees."),
 )
-_CAPTION = (
+WINNER_WORDS = (
     "Over all noises, numbers of points and layouts. Best in cells: how many cells each method wins. Error: "
-    "of the best method, over the oracle's; second behind: error of the second over the best; both as the "
-    "median of the cells, and their range. Clearly: cells in which the second errs by more than 5% more, and "
-    "every seed agrees."
+    "of the best method, over the oracle's. Second over best: the second method's error over the best one's, "
+    "seed by seed. Both are medians of the cells, with their range. Clearly: cells in which the second errs "
+    "by more than 5% more, and every seed agrees."
 )
+_CAPTION = "The best methods by family and strength"
 
 
 def winner_table(name: str, winners: Sequence[Winner], region: str) -> PageTable:

@@ -2,8 +2,9 @@
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.page.findings import Findings
-from labcal.bench.distortion.page.winner_table import winner_table
+from labcal.bench.distortion.page.winner_table import WINNER_WORDS, winner_table
 from labcal.report.page.document import Section
+from labcal.report.page.prose import Prose
 
 
 def winners_section(findings: Findings) -> Section | None:
@@ -16,4 +17,5 @@ def winners_section(findings: Findings) -> Section | None:
     winners = findings.result.winners
     if not any(one.measured == Measured.WITHIN for one in winners):
         return None
-    return Section("Which method wins, and by how much", [winner_table("winners", winners, Measured.WITHIN)])
+    table = winner_table("winners", winners, Measured.WITHIN)
+    return Section("Which method wins, and by how much", [Prose((WINNER_WORDS,)), table])
