@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-from labcal.bench.distortion.case import Case
+from labcal.bench.distortion.case import Case, Measured
 from labcal.bench.distortion.cell_summary import summarised
 from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
@@ -13,11 +13,15 @@ from labcal.bench.distortion.figures import CaseFigures
 from labcal.bench.distortion.lines import lines_of, results_table, timings_table
 from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.network_answer import network_answer
+from labcal.bench.distortion.page.command import command_line
+from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.page.page import distortion_page
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
 from labcal.bench.distortion.winners import winners
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
+from labcal.report.page.output import PageOutput
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import usable_cores
@@ -32,7 +36,7 @@ MOST_CASES = 200_000
 
 
 def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) -> DistortionResult:
-    """Measure every case of a plan, and write ``results.csv``, ``results.json``, ``timings.csv`` and figures.
+    """Measure every case of a plan, and write ``results.csv``, ``results.json``, figures and ``page.html``.
 
     Parameters
     ----------
@@ -60,7 +64,8 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
     ):
         cases = plan.cases(settings.seed)
         lines = lines_of(cases, _measured(cases, working, executor, progress))
-        write_file(working / "results.csv", results_table(lines), force=True)
+        table = results_table(lines)
+        write_file(working / "results.csv", table, force=True)
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
         make_folder(working / "figures")
@@ -78,8 +83,11 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             answer=tuple(network_answer(usual)),
             families=tuple(family_figures(usual)),
             winners=tuple(winners(usual)),
+            outside=tuple(family_figures(usual, Measured.OUTSIDE)),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
+        page = distortion_page(Findings(result, summaries, command_line(settings), table))
+        PageOutput(working / "page.html", force=True).write(page)
     return result
 
 

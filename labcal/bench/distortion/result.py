@@ -9,18 +9,22 @@ from rich.table import Table
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
-from labcal.bench.distortion.checks import ENOUGH_POINTS
+from labcal.bench.distortion.checks import coverage_is_wrong
+from labcal.bench.distortion.enough_points import with_enough_points
+from labcal.bench.distortion.levels import spread_levels
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
 from labcal.report.values import Measured as Figure
 
+FAR = 2.0
+"""Times the oracle's error, beyond which a method is far from it."""
 _MOST_COLUMNS = 5
 
 
 class FamilyFigures(BaseModel):
-    """One method on one family and strength: medians over all its cells, within the trained volume."""
+    """One method on one family and strength in one region: medians over all its cells."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -37,6 +41,10 @@ class FamilyFigures(BaseModel):
     flagged: int
     """Cells in which every seed is flagged `model-misfit`."""
     cells: int
+    miscovered: int = 0
+    """Cells with neither a coverage of 0.93 to 0.97 nor a flag."""
+    silent: int = 0
+    """Cells with more than `FAR` times the oracle's error in which a seed is not flagged `model-misfit`."""
 
 
 class DistortionResult(BenchResult):
@@ -49,16 +57,18 @@ class DistortionResult(BenchResult):
     answer: tuple[str, ...]
     """To "should I use a network?"."""
     families: tuple[FamilyFigures, ...]
+    """Within the trained volume."""
     winners: tuple[Winner, ...]
+    outside: tuple[FamilyFigures, ...] = ()
+    """Outside the trained volume, as far as the plan measures there."""
 
 
-def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
-    """Return the figures by family, method and strength."""
-    within = [one for one in summaries if one.measured == Measured.WITHIN]
-    most = max((one.cell.points for one in within), default=0)
-    enough = [one for one in within if one.cell.points >= min(ENOUGH_POINTS, most)]
+def family_figures(
+    summaries: Sequence[CellSummary], region: Measured = Measured.WITHIN
+) -> list[FamilyFigures]:
+    """Return the figures of a region by family, method and strength."""
     groups: dict[tuple[str, str, float], list[CellSummary]] = {}
-    for one in enough:
+    for one in with_enough_points([one for one in summaries if one.measured == region]):
         groups.setdefault((one.cell.family, one.method, one.cell.strength), []).append(one)
     return [
         FamilyFigures(
@@ -71,6 +81,8 @@ def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
             coverage95=_median([one.coverage95 for one in group]),
             flagged=sum(one.flagged_misfit for one in group),
             cells=len(group),
+            miscovered=sum(map(coverage_is_wrong, group)),
+            silent=sum(one.over_oracle > FAR and not one.flagged_misfit for one in group),
         )
         for (family, method, strength), group in groups.items()
     ]
@@ -83,7 +95,7 @@ def _median(values: Sequence[float]) -> float:
 
 def distortion_table(result: DistortionResult) -> Group:
     """Return errors by family and method over the strength, the answer, and the checks, for people."""
-    strengths = _shown(sorted({one.strength for one in result.families}))
+    strengths = spread_levels([one.strength for one in result.families], _MOST_COLUMNS)
     table = Table(title="RMS error over the oracle's, median, within the trained volume")
     table.add_column("family")
     table.add_column("method", overflow="fold")
@@ -99,14 +111,6 @@ def distortion_table(result: DistortionResult) -> Group:
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
     return Group(table, *result.answer, bench_table(result))
-
-
-def _shown(strengths: list[float]) -> list[float]:
-    """Return as many strengths as fit into a line, the least and the greatest among them."""
-    if len(strengths) <= _MOST_COLUMNS:
-        return strengths
-    places = np.linspace(0, len(strengths) - 1, _MOST_COLUMNS).round().astype(int)
-    return [strengths[place] for place in places]
 
 
 def _cell(one: FamilyFigures | None) -> str:
