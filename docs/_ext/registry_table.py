@@ -1,4 +1,4 @@
-"""``{registry} NAME``: lens models, methods, formats, targets and scenes, from their registries."""
+"""``{registry} NAME``: lens models, methods, formats, targets, scenes and faults, from their registries."""
 
 from collections.abc import Callable
 
@@ -7,6 +7,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from tables import code, table
 
+from labcal.bench.faults.registry import FAULT_KINDS
 from labcal.cameras.interop.held_lenses import held_lenses, holding_formats
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.lens import LENSES
@@ -82,12 +83,24 @@ def scenes() -> str:
     return table(["scene", "target", "placement", "description"], rows)
 
 
+def faults() -> str:
+    """Return the faults that `bench distortion` can make, with the meaning and the bounds of their sizes."""
+    rows = [
+        [code(name), kind.size, f"{kind.usual:g}", f"{kind.most:g}"]
+        if kind.has_size
+        else [code(name), "none", "", ""]
+        for name, kind in FAULT_KINDS.items()
+    ]
+    return table(["fault", "size", "where left out", "at most"], rows)
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "lenses": lenses,
     "methods": methods,
     "formats": formats,
     "targets": targets,
     "scenes": scenes,
+    "faults": faults,
 }
 
 

@@ -60,8 +60,11 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
+    from rich.console import Group
+
     from labcal.bench.distortion.bench import plan_of
     from labcal.bench.distortion.cost import announcement
+    from labcal.bench.distortion.method_seconds import seconds_table
     from labcal.bench.distortion.result import DistortionResult, distortion_table
     from labcal.pipeline import BenchSettings, bench
     from labcal.report.bench import bench_table
@@ -83,6 +86,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.say(announcement(plan_of(settings)))
     with session.progress() as progress:
         result = bench(arguments.what, arguments.output, settings, progress)
-    shown = distortion_table(result) if isinstance(result, DistortionResult) else bench_table(result)
+    if isinstance(result, DistortionResult):
+        shown = Group(distortion_table(result), seconds_table(arguments.output / "timings.csv"))
+    else:
+        shown = Group(bench_table(result))
     session.emit(result, shown)
     return ExitStatus.PARTIAL if result.failed else ExitStatus.DONE

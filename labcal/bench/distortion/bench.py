@@ -10,14 +10,17 @@ from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.figures import CaseFigures
-from labcal.bench.distortion.lines import lines_of, results_table, timings_table
+from labcal.bench.distortion.lines import lines_of, results_table
 from labcal.bench.distortion.measuring import measured_case, prepared
+from labcal.bench.distortion.method_seconds import timings_table
 from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.page.command import command_line
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.page.page import distortion_page
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
+from labcal.bench.distortion.sensitivity import sensitivities
+from labcal.bench.distortion.sensitivity_figures import sensitivity_figures
 from labcal.bench.distortion.winners import winners
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
@@ -69,7 +72,8 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
         make_folder(working / "figures")
-        for name, text in figures_of(usual).items():
+        sensitivity = sensitivities(lines)
+        for name, text in {**figures_of(usual), **sensitivity_figures(sensitivity)}.items():
             write_file(working / "figures" / name, text, force=True)
         result = DistortionResult(
             bench="distortion",
@@ -84,6 +88,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             families=tuple(family_figures(usual)),
             winners=tuple(winners(usual)),
             outside=tuple(family_figures(usual, Measured.OUTSIDE)),
+            sensitivity=tuple(sensitivity),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
         page = distortion_page(Findings(result, summaries, command_line(settings), table))
@@ -121,6 +126,7 @@ def _measured(
 ) -> list[CaseFigures]:
     """Return the figures of all cases, in their order, and write ``timings.csv``."""
     found = sweep(cases, measured_case, CaseFigures, folder / "cases", executor, progress)
+    figures = [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]
     seconds = [one.seconds for one in found]
-    write_file(folder / "timings.csv", timings_table(cases, seconds), force=True)
-    return [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]
+    write_file(folder / "timings.csv", timings_table(cases, figures, seconds), force=True)
+    return figures

@@ -7,9 +7,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
-from labcal.bench.distortion.case import Case, Cell, Layout, Measured
+from labcal.bench.distortion.case import NO_FAULT, Case, Cell, Layout, Measured
 from labcal.bench.families.registry import family_by_name
 from labcal.bench.families.volume import COLS, PLANES, ROWS, Volume
+from labcal.bench.faults.planned_planes import PlannedPlanes
+from labcal.bench.faults.registry import fault_named
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
@@ -66,28 +68,36 @@ def cell_data(case: Case) -> CellData:
     """Draw the data of a case; points that a camera does not see are left out.
 
     Cameras, points and noise are drawn by the cell and the seed and not by the methods, so that these are
-    compared in pairs.
+    compared in pairs. A fault changes the exact pixels of training alone: with it and without, the
+    methods are told the same places, and the noise and the points to measure are the same.
 
     Raises
     ------
     UnknownNameError
         There is no such family.
     InputError
-        The cameras see no training points, or none of a region.
+        The cameras see no training points, or none of a region; or a fault acts on pictures only, or on a
+        board where there is none.
     """
     cell = case.cell
     family = family_by_name(cell.family)
     pair, volume = family.pair(cell.strength, case.seed), family.volume(cell.strength)
     random = generator(case.seed, _STREAM, *cell.names, "training")
-    Y = _layout(cell, volume, random)
-    exact = _images(pair, Y)
+    told = _layout(cell, volume, random)
+    exact = _images(pair, told)
     seen = _seen(pair, exact)
     if not seen.any():
-        raise InputError(f"The cameras of '{case.key}' see none of the {len(Y)} training points.")
-    Y, exact = Y[seen], exact[seen]
-    noisy = exact + cell.noise_px * random.standard_normal(exact.shape)
+        raise InputError(f"The cameras of '{case.key}' see none of the {len(told)} training points.")
+    Y, exact = told[seen], exact[seen]
+    noise = cell.noise_px * random.standard_normal(exact.shape)
     tests = {region: _test_points(case, pair, volume, Y, region) for region in case.regions}
-    return CellData(noisy.reshape(len(Y), -1), Y, tests, _beyond_pinhole(Y, exact))
+    if cell.fault != NO_FAULT:
+        exact = _faulty_images(case, pair, told)[seen]
+        still_seen = _seen(pair, exact)
+        if not still_seen.any():
+            raise InputError(f"The cameras of '{case.key}' see none of the training points with this fault.")
+        Y, exact, noise = Y[still_seen], exact[still_seen], noise[still_seen]
+    return CellData((exact + noise).reshape(len(Y), -1), Y, tests, _beyond_pinhole(Y, exact))
 
 
 def lattice(points: int) -> tuple[int, int]:
@@ -101,6 +111,16 @@ def _layout(cell: Cell, volume: Volume, random: np.random.Generator) -> Vectors3
     if cell.layout is Layout.PLANES:
         return volume.planes(*lattice(cell.points))
     return volume.points(cell.points, random)
+
+
+def _faulty_images(
+    case: Case, pair: tuple[Camera, Camera], told: Vectors3
+) -> Float64[np.ndarray, "n cameras 2"]:
+    """Return the exact pixels of training points with the fault of a case; NaN where there is no image."""
+    if case.cell.layout is not Layout.PLANES:
+        raise InputError(f"The fault '{case.cell.fault}' is one of a board, which takes the layout 'planes'.")
+    fault = fault_named(case.cell.fault)
+    return fault.kind.images(PlannedPlanes.of(told, pair, case.seed), fault.size)
 
 
 def _test_points(

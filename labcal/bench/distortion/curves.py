@@ -30,13 +30,13 @@ def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
             title, ending = f"{family}, {layout}", f"{family}-{layout}.svg"
             within = with_figures(own, Measured.WITHIN)
             if within:
-                drawn[f"error-{ending}"] = _svg(error_figure(within, title), title)
-                drawn[f"learning-{ending}"] = _svg(learning_figure(within, title), title)
-                drawn[f"coverage-{ending}"] = _svg(coverage_figure(within, title), title)
+                drawn[f"error-{ending}"] = svg_text(error_figure(within, title), title)
+                drawn[f"learning-{ending}"] = svg_text(learning_figure(within, title), title)
+                drawn[f"coverage-{ending}"] = svg_text(coverage_figure(within, title), title)
             outside = with_figures(own, Measured.OUTSIDE)
             if outside:
                 title = f"{title}, outside the trained volume"
-                drawn[f"outside-{ending}"] = _svg(error_figure(outside, title), title)
+                drawn[f"outside-{ending}"] = svg_text(error_figure(outside, title), title)
     return drawn
 
 
@@ -132,7 +132,7 @@ def _finished(figure: Figure, xlabel: str, ylabel: str, finish: Callable[[Axes],
     return figure
 
 
-def _svg(figure: Figure, name: str) -> str:
+def svg_text(figure: Figure, name: str) -> str:
     """Return a figure as SVG; the same figure gives the same text."""
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):

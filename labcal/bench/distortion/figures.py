@@ -25,6 +25,8 @@ class RegionFigures(BaseModel):
     """Errors within their 95% ellipsoids."""
     extrapolated: int
     """Points that are flagged as outside the trained volume."""
+    predict_seconds: float = 0.0
+    """Duration of the prediction of these points with their covariances."""
 
     @property
     def over_oracle(self) -> float:
@@ -50,6 +52,10 @@ class MethodFigures(BaseModel):
     """Expected RMS error within the trained volume, from training data alone."""
     reason: str | None = None
     """The reason why there are no figures."""
+    fit_seconds: Figure = float("nan")
+    """Duration of the fit, without `shared_seconds`."""
+    shared_seconds: Figure = float("nan")
+    """Duration of the fit of `hybrid`, made once in a case, where the method takes from it; else 0."""
 
 
 class CaseFigures(BaseModel):

@@ -105,15 +105,3 @@ def _cells(line: Line) -> list[object]:
     misfit = "" if line.misfit is None else int(line.misfit)
     rest = [misfit, 0 if one is None else one.extrapolated, line.expected_mm, line.reason or ""]
     return [*factors, *figures, *rest]
-
-
-def timings_table(cases: Sequence[Case], seconds: Sequence[float]) -> str:
-    """Return the text of ``timings.csv``: seconds of each case, all its methods together."""
-    header = ("family", "strength", "noise_px", "points", "layout", "seed", "seconds")
-    lines = []
-    for case, one in zip(cases, seconds, strict=True):
-        cell = case.cell
-        lines.append(
-            (cell.family, cell.strength, cell.noise_px, cell.points, str(cell.layout), case.seed, one)
-        )
-    return table_text(header, lines)

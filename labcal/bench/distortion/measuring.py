@@ -1,5 +1,7 @@
 """Work of one case: fit every method, and measure it on points that were not trained on."""
 
+import time
+
 import numpy as np
 from numpy.linalg import LinAlgError
 
@@ -11,7 +13,13 @@ from labcal.errors import LabcalError, UnknownNameError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import TrainingBox
-from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
+from labcal.estimators.surrogate_validation import (
+    Surrogate,
+    fit_unless_surrogate,
+    surrogate_of,
+    takes_from,
+    validate_on,
+)
 from labcal.evaluate.statistics import CONFIDENCE
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.ellipsoids import within_ellipsoids
@@ -66,17 +74,23 @@ def prepared(case: Case, method: str) -> PointEstimator:
 def _measured_method(
     case: Case, method: str, estimator: PointEstimator, data: CellData, surrogate: Surrogate | None
 ) -> MethodFigures:
+    shared = 0.0
+    if surrogate is not None and takes_from(surrogate, estimator):
+        shared = surrogate.hybrid_seconds
     try:
+        began = time.perf_counter()
         estimator = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
+        own = time.perf_counter() - began
         regions = tuple(
             region_figures(estimator, data, region, case.cell.noise_px) for region in case.regions
         )
         expected = None if surrogate is None else validate_on(estimator, surrogate)
     except (LabcalError, LinAlgError) as error:
         return MethodFigures(method=method, reason=f"{type(error).__name__}: {error}")
+    found = MethodFigures(method=method, regions=regions, fit_seconds=own, shared_seconds=shared)
     if expected is None:
-        return MethodFigures(method=method, regions=regions)
-    return MethodFigures(method=method, regions=regions, misfit=expected.misfit, expected_mm=expected.rmse_mm)
+        return found
+    return found.model_copy(update={"misfit": expected.misfit, "expected_mm": expected.rmse_mm})
 
 
 def region_figures(
@@ -94,7 +108,9 @@ def region_figures(
         Of the pixels, which the method is given as their covariance.
     """
     tests = data.tests[region]
+    began = time.perf_counter()
     found, stated = _predicted(estimator, tests, noise_px)
+    seconds = time.perf_counter() - began
     error, oracle = found - tests.p, tests.oracle - tests.p
     known = np.isfinite(error).all(axis=1) & np.isfinite(oracle).all(axis=1)
     states = positive_definite(stated) & known
@@ -107,6 +123,7 @@ def region_figures(
         stated=int(states.sum()),
         covered=int(within_ellipsoids(error[states], stated[states], CONFIDENCE).sum()),
         extrapolated=int((~TrainingBox.of(data.X, data.Y).holds(found[known])).sum()),
+        predict_seconds=seconds,
     )
 
 

@@ -4,11 +4,12 @@ import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
+from labcal.bench.distortion.fault_section import SECTION, FaultSection, fitted_section, strange_level
 from labcal.bench.families.registry import family_by_name
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.code_version import module_digest
@@ -77,6 +78,14 @@ class Plan(BaseModel):
     """Points to measure in each region."""
     settings: Mapping[str, Mapping[str, Setting]] = Field(default_factory=dict)
     """Constructor arguments by method that differ from its defaults."""
+    faults: FaultSection = FaultSection()
+    """Faults that the methods are not told of, in some of the cells."""
+
+    @model_validator(mode="after")
+    def _has_the_reference_cells(self) -> "Plan":
+        if reason := strange_level(self.faults, self._levels):
+            raise ValueError(reason)
+        return self
 
     @property
     def cell_count(self) -> int:
@@ -85,8 +94,13 @@ class Plan(BaseModel):
 
     @property
     def case_count(self) -> int:
-        """Number of cases."""
-        return self.cell_count * self.seeds
+        """Number of cases, those with a fault included."""
+        return self.cell_count * self.seeds + self.faults.count(self._levels) * self.fault_seeds
+
+    @property
+    def fault_seeds(self) -> int:
+        """Number of seeds with which faults are measured: the first ones."""
+        return min(self.faults.seeds or self.seeds, self.seeds)
 
     @property
     def sha256(self) -> str:
@@ -99,18 +113,28 @@ class Plan(BaseModel):
         for family, strength, noise_px, points, layout in product(*factors):
             yield Cell(family, strength, noise_px, points, layout)
 
+    def fault_cells(self) -> Iterator[Cell]:
+        """Yield the cells with a fault."""
+        return self.faults.cells(self._levels)
+
+    @property
+    def _levels(self) -> dict[str, tuple[Any, ...]]:
+        """Levels by factor."""
+        return {factor: getattr(self, factor) for factor in FACTORS if factor != SECTION}
+
     def cases(self, first_seed: int) -> list[Case]:
-        """Return all cases, the seeds of a cell together."""
+        """Return all cases, the seeds of a cell together, those with a fault last."""
         own = [method for method in self.methods if SEPARATOR in method]
         sources = tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
         return [
             Case(cell, first_seed + number, self.methods, self.measured, self.tests, self.settings, sources)
-            for cell in self.cells()
-            for number in range(self.seeds)
+            for cells, seeds in ((self.cells(), self.seeds), (self.fault_cells(), self.fault_seeds))
+            for cell in cells
+            for number in range(seeds)
         ]
 
 
-FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured")
+FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured", SECTION)
 
 
 def load_plan(
@@ -136,7 +160,7 @@ def load_plan(
     InputError
         The file cannot be read, or a level is not allowed.
     """
-    content = description_content("plan", FOLDER, name)
+    content, changed = description_content("plan", FOLDER, name), []
     for change in changes:
         factor, equals, levels = change.partition("=")
         if factor not in FACTORS:
@@ -145,12 +169,22 @@ def load_plan(
             raise InputError(
                 f"`overrides` takes a factor and its levels, as in strengths=0,0.5,1, but is '{change}'."
             )
-        content[factor] = [level.strip() for level in levels.split(",")]
+        _replace(content, factor, [level.strip() for level in levels.split(",")])
+        changed.append(factor)
         if factor == "methods" and isinstance(content.get("settings"), dict):
             content["settings"] = {
                 method: own for method, own in content["settings"].items() if method in content[factor]
             }
     if seeds is not None:
         content["seeds"] = seeds
-    plan = validate_description(Plan, "plan", name, content)
+    plan = validate_description(Plan, "plan", name, fitted_section(content, changed))
     return plan.model_copy(update={"methods": tuple(dict.fromkeys((*plan.methods, *methods)))})
+
+
+def _replace(content: dict[str, Any], factor: str, levels: list[str]) -> None:
+    """Replace the levels of a factor in the raw content of a plan; the faults keep their reference cells."""
+    section = content.get(SECTION)
+    if factor == SECTION and isinstance(section, dict):
+        content[SECTION] = {**section, "kinds": levels}
+    else:
+        content[factor] = levels

@@ -13,6 +13,8 @@ from labcal.bench.distortion.checks import coverage_is_wrong
 from labcal.bench.distortion.enough_points import with_enough_points
 from labcal.bench.distortion.levels import spread_levels
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.sensitivity import Sensitivity
+from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
@@ -61,6 +63,8 @@ class DistortionResult(BenchResult):
     winners: tuple[Winner, ...]
     outside: tuple[FamilyFigures, ...] = ()
     """Outside the trained volume, as far as the plan measures there."""
+    sensitivity: tuple[Sensitivity, ...] = ()
+    """To faults of boards and of shooting."""
 
 
 def family_figures(
@@ -110,7 +114,8 @@ def distortion_table(result: DistortionResult) -> Group:
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    return Group(table, *result.answer, bench_table(result))
+    faults = [sensitivity_table(result.sensitivity)] if result.sensitivity else []
+    return Group(table, *faults, *result.answer, bench_table(result))
 
 
 def _cell(one: FamilyFigures | None) -> str:

@@ -7,6 +7,7 @@ from labcal.bench.distortion.page.findings import MakeSection
 from labcal.bench.distortion.page.learning_section import learning_section
 from labcal.bench.distortion.page.outside_section import outside_section
 from labcal.bench.distortion.page.plan_section import plan_section
+from labcal.bench.distortion.page.sensitivity_section import sensitivity_section
 from labcal.bench.distortion.page.trust_section import trust_section
 from labcal.bench.distortion.page.winners_section import winners_section
 
@@ -17,6 +18,7 @@ SECTIONS: tuple[MakeSection, ...] = (
     learning_section,
     coverage_section,
     outside_section,
+    sensitivity_section,
     checks_section,
     plan_section,
 )

@@ -17,7 +17,10 @@ from labcal.cli.console import rendered
 from labcal.run.json_text import plain_data
 
 README = Path(labcal.__file__).parent.parent / "README.md"
-SMALL = ("families=brown", "strengths=0.4", "noise_px=0.1", "points=60", "methods=dlt,two-plane")
+SMALL = (
+    *("families=brown", "strengths=0.4", "noise_px=0.1", "points=60", "methods=dlt,two-plane"),
+    "faults=none",
+)
 
 
 def lines_of(folder: Path) -> list[dict[str, str]]:
@@ -84,7 +87,8 @@ def test_a_case_that_cannot_be_drawn_is_a_line_with_its_reason(
 
 @pytest.mark.slow
 def test_two_processes_give_the_bytes_of_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    settings = pipeline.BenchSettings(quick=True, overrides=SMALL, seeds=2)
+    overrides = (*SMALL[:-1], "faults=bend-1")
+    settings = pipeline.BenchSettings(quick=True, overrides=overrides, seeds=2)
     for cores in (1, 2):
         monkeypatch.setattr(bench, "usable_cores", lambda cores=cores: cores)
         pipeline.bench("distortion", tmp_path / str(cores), settings)

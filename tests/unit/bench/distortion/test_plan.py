@@ -1,6 +1,7 @@
 """Plans: those that ship, changes to them, and refusals before anything begins."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,29 @@ def test_the_quick_plan_is_as_wide_as_the_issue_asks() -> None:
     assert plan.seeds >= 3
     assert {"mlp", "hybrid", "bundle", "two-plane"} < set(plan.methods)
     assert plan.case_count == len(plan.cases(0)) == len({case.key for case in plan.cases(0)})
+
+
+def test_faults_are_measured_in_reference_cells_of_the_plan_and_after_all_others() -> None:
+    plan = load_plan("quick", ["faults=pitch,bend-2"])
+    faulty = [case for case in plan.cases(5) if case.cell.fault != "none"]
+    assert [case.cell.fault for case in faulty] == ["pitch-0.001", "bend-2"]
+    assert {case.seed for case in faulty} == {5}
+    assert plan.cases(5)[-2:] == faulty
+    reference = {replace(case.cell, fault="none") for case in faulty}
+    assert reference < set(plan.cells())
+    assert (faulty[0].cell.noise_px, faulty[0].cell.points) == (min(plan.noise_px), max(plan.points))
+    assert len({case.key for case in plan.cases(5)}) == plan.case_count
+    assert load_plan("quick", ["faults=none"]).case_count == plan.case_count - 2
+
+
+def test_reference_cells_follow_changes_of_the_levels() -> None:
+    """Quick measures faults in one family; where that is not measured, in those that are."""
+    water = load_plan("quick", ["families=water,wavy-pane", "strengths=1,0.3,0.5"], seeds=1)
+    cells = list(water.fault_cells())
+    assert [cell.family for cell in cells[:: len(water.faults.kinds)]] == ["water", "wavy-pane"]
+    assert {cell.strength for cell in cells} == {0.5}
+    assert load_plan("quick", ["families=water,brown"]).faults.families == ("brown",)
+    assert list(load_plan("quick", ["layout=volume"]).fault_cells()) == []
 
 
 def test_levels_methods_and_seeds_are_changed() -> None:
@@ -46,6 +70,10 @@ def test_levels_methods_and_seeds_are_changed() -> None:
         ({"overrides": ("strengths",)}, "takes a factor and its levels"),
         ({"overrides": ("points=60,60",)}, "a level stands twice"),
         ({"overrides": ("methods=hybird",)}, "Did you mean 'hybrid'"),
+        ({"overrides": ("faults=pich-0.01",)}, "Did you mean 'pitch'"),
+        ({"overrides": ("faults=pitch-2",)}, "above 0 and at most 0.5"),
+        ({"overrides": ("faults=pitch,pitch-1e-3",)}, "a fault stands twice"),
+        ({"overrides": ("layout=volume", "faults=bend-1")}, "of a board on planes, but `layout` is volume"),
         ({"methods": ("no_such_package:Class",)}, "There is no module 'no_such_package'"),
         ({"seeds": 0}, "`seeds` must be at least 1"),
     ],
@@ -64,12 +92,15 @@ def test_what_cannot_be_measured_is_refused_at_once(
         ("settings: {mpl: {max_epochs: 3}}", "settings of 'mpl'"),
         ("settings: {mlp: {max_epoch: 3}}", "Did you mean 'max_epochs'"),
         ("familes: [brown]", "the nearest one is 'families'"),
+        ("faults: {kinds: [bend-1], strengths: [0.5]}", r"names 0.5 of `strengths`, which the plan does not"),
+        ("faults: {kinds: [bend-1], familes: [brown]}", "the nearest one is 'families'"),
+        ("faults: [bent-1]", "Did you mean 'bend'"),
     ],
 )
 def test_a_plan_of_ones_own_is_checked(text: str, said: str, tmp_path: Path) -> None:
     plan = load_plan("quick", ["families=brown", "methods=dlt,mlp"])
     file = tmp_path / "plan.yaml"
-    own = plan.model_dump(mode="json", exclude={"settings", "description"})
+    own = plan.model_dump(mode="json", exclude={"settings", "description", "faults"})
     file.write_text("\n".join(f"{key}: {value}" for key, value in own.items()) + "\n" + text + "\n")
     with pytest.raises(InputError, match=said):
         plan_of(BenchSettings(plan=str(file)))
@@ -77,6 +108,6 @@ def test_a_plan_of_ones_own_is_checked(text: str, said: str, tmp_path: Path) -> 
 
 def test_a_billion_cases_are_refused_with_the_time_that_they_would_take() -> None:
     began = time.monotonic()
-    with pytest.raises(InputError, match=r"96,000,000,000 cases of 5 methods: about [\d,]+ years on"):
+    with pytest.raises(InputError, match=r"96,000,000,004 cases of 5 methods: about [\d,]+ years on"):
         plan_of(BenchSettings(quick=True, seeds=10**9))
     assert time.monotonic() - began < 1.0
