@@ -34,12 +34,15 @@ class RegionPoints:
     q : float64 array, (n, cameras, 2)
         Px.
     oracle : float64 array, (n, 3)
-        Triangulated from `q` with the true cameras and optimal weights, mm.
+        Triangulated from the same pixels with the true cameras and optimal weights, mm.
+    covariance : float64 array, (n, cameras, 2, 2)
+        Of `q`, which methods are given, px squared.
     """
 
     p: Vectors3
     q: Float64[np.ndarray, "n cameras 2"]
     oracle: Vectors3
+    covariance: Float64[np.ndarray, "n cameras 2 2"]
 
 
 @dataclass(frozen=True)
@@ -54,12 +57,15 @@ class CellData:
         Training points, mm.
     beyond_pinhole_px : float
         RMS length of what the best linear projection leaves of the training pixels without noise.
+    pixel_error_px : float
+        Of detected pixels, the RMS of each coordinate beside the exact one; NaN of simulated ones.
     """
 
     X: Float64[np.ndarray, "n inputs"]
     Y: Vectors3
     tests: Mapping[Measured, RegionPoints]
     beyond_pinhole_px: float
+    pixel_error_px: float = float("nan")
 
 
 def cell_data(case: Case) -> CellData:
@@ -87,7 +93,7 @@ def cell_data(case: Case) -> CellData:
     Y, exact = Y[seen], exact[seen]
     noisy = exact + cell.noise_px * random.standard_normal(exact.shape)
     tests = {region: _test_points(case, pair, volume, Y, region) for region in case.regions}
-    return CellData(noisy.reshape(len(Y), -1), Y, tests, _beyond_pinhole(Y, exact))
+    return CellData(noisy.reshape(len(Y), -1), Y, tests, beyond_pinhole(Y, exact))
 
 
 def lattice(points: int) -> tuple[int, int]:
@@ -122,7 +128,7 @@ def _test_points(
     exact = _images(pair, p)
     q = exact + case.cell.noise_px * random.standard_normal(exact.shape)
     weights = np.tile(case.cell.noise_px**2 * np.eye(2), (len(p), len(pair), 1, 1))
-    return RegionPoints(p, q, triangulate(pair, q, weights).point)
+    return RegionPoints(p, q, triangulate(pair, q, weights).point, weights)
 
 
 def _images(pair: tuple[Camera, Camera], p: Vectors3) -> Float64[np.ndarray, "n cameras 2"]:
@@ -134,7 +140,7 @@ def _seen(pair: tuple[Camera, Camera], q: Float64[np.ndarray, "n cameras 2"]) ->
     return np.asarray(np.stack(seen, axis=1).all(axis=1))
 
 
-def _beyond_pinhole(Y: Vectors3, exact: Float64[np.ndarray, "n cameras 2"]) -> float:
+def beyond_pinhole(Y: Vectors3, exact: Float64[np.ndarray, "n cameras 2"]) -> float:
     """Return the RMS length of what linear projections leave, over both cameras; NaN where there is none."""
     squares = []
     for i in range(exact.shape[1]):

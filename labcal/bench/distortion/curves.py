@@ -4,6 +4,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -30,9 +31,9 @@ def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
                 continue
             title = f"{family}, {layout}"
             ending = f"{family}-{layout}.svg"
-            drawn[f"error-{ending}"] = _svg(error_figure(own, title), title)
-            drawn[f"learning-{ending}"] = _svg(learning_figure(own, title), title)
-            drawn[f"coverage-{ending}"] = _svg(coverage_figure(own, title), title)
+            drawn[f"error-{ending}"] = svg_text(error_figure(own, title), title)
+            drawn[f"learning-{ending}"] = svg_text(learning_figure(own, title), title)
+            drawn[f"coverage-{ending}"] = svg_text(coverage_figure(own, title), title)
     return drawn
 
 
@@ -42,7 +43,7 @@ def error_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     for (points, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
         _lines(axes, own, lambda one: one.cell.strength, _error)
-        axes.set_title(f"{points:g} points, {noise:g} px")
+        axes.set_title(f"{points:g} points, {_noise(own)}")
         _ratio_axis(axes)
     return _finished(figure, "strength")
 
@@ -71,6 +72,12 @@ def coverage_figure(cells: Sequence[CellSummary], title: str) -> Figure:
         axes.set_title(f"{points:g} points, {noise:g} px")
         axes.set_ylim(0.0, 1.03)
     return _finished(figure, "strength")
+
+
+def _noise(cells: Sequence[CellSummary]) -> str:
+    """Return the noise of cells that have the same, for people."""
+    noise = cells[0].cell.stated_noise_px if cells else float("nan")
+    return f"{noise:g} px" if np.isfinite(noise) else "noise of the sensor"
 
 
 def _error(one: CellSummary) -> tuple[float, float, float]:
@@ -134,7 +141,7 @@ def _finished(figure: Figure, xlabel: str) -> Figure:
     return figure
 
 
-def _svg(figure: Figure, name: str) -> str:
+def svg_text(figure: Figure, name: str) -> str:
     """Return a figure as SVG; the same figure gives the same text."""
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):

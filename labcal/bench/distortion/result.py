@@ -50,6 +50,8 @@ class DistortionResult(BenchResult):
     """To "should I use a network?"."""
     families: tuple[FamilyFigures, ...]
     winners: tuple[Winner, ...]
+    rendered: tuple[FamilyFigures, ...] = ()
+    """As `families`, of the cells that are measured through pictures."""
 
 
 def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
@@ -83,22 +85,30 @@ def _median(values: Sequence[float]) -> float:
 
 def distortion_table(result: DistortionResult) -> Group:
     """Return errors by family and method over the strength, the answer, and the checks, for people."""
-    strengths = _shown(sorted({one.strength for one in result.families}))
-    table = Table(title="RMS error over the oracle's, median, within the trained volume")
+    title = "RMS error over the oracle's, median, within the trained volume"
+    tables = [_errors_table(result.families, title)]
+    if result.rendered:
+        tables.append(_errors_table(result.rendered, f"{title}, through pictures"))
+    return Group(*tables, *result.answer, bench_table(result))
+
+
+def _errors_table(families: Sequence[FamilyFigures], title: str) -> Table:
+    strengths = _shown(sorted({one.strength for one in families}))
+    table = Table(title=title)
     table.add_column("family")
     table.add_column("method", overflow="fold")
     for strength in strengths:
         table.add_column(f"{strength:g}", justify="right")
-    figures = {(one.family, one.method, one.strength): one for one in result.families}
+    figures = {(one.family, one.method, one.strength): one for one in families}
     before = None
-    for family, method in dict.fromkeys((one.family, one.method) for one in result.families):
+    for family, method in dict.fromkeys((one.family, one.method) for one in families):
         cells = [_cell(figures.get((family, method, strength))) for strength in strengths]
         if before not in {None, family}:
             table.add_section()
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    return Group(table, *result.answer, bench_table(result))
+    return table
 
 
 def _shown(strengths: list[float]) -> list[float]:
