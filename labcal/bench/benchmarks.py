@@ -68,7 +68,12 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
 
 def _refuse_plan(settings: BenchSettings) -> None:
     """Raise where settings of a plan are given to a benchmark that has none."""
-    given = {"plan": settings.plan, "overrides": settings.overrides or None, "seeds": settings.seeds}
+    given = {
+        "plan": settings.plan,
+        "overrides": settings.overrides or None,
+        "seeds": settings.seeds,
+        "rendered": settings.rendered or None,
+    }
     for name, value in given.items():
         if value is not None:
             raise InputError(f"`{name}` goes with 'bench distortion', which measures a plan. Leave it out.")

@@ -34,6 +34,8 @@ class BenchSettings:
     """Of the benchmark of distortion: levels in the place of the plan's, each ``factor=level,level``."""
     seeds: int | None = None
     """Of the benchmark of distortion: number of seeds in the place of the plan's."""
+    rendered: bool = False
+    """Of the benchmark of distortion: measure cases through rendered pictures, too."""
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -53,5 +55,6 @@ class BenchSettings:
             "plan": None if self.plan is None else one_text(self.plan, "plan"),
             "overrides": texts(self.overrides, "overrides"),
             "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
+            "rendered": truth_value(self.rendered, "rendered"),
         }
         set_checked(self, values)

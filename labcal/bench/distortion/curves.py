@@ -4,6 +4,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
@@ -53,7 +54,7 @@ def error_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     for (points, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
         draw_methods(axes, own, looks, _strength, over_oracle)
-        axes.set_title(f"{points:g} points, {noise:g} px")
+        axes.set_title(f"{points:g} points, {_noise(own)}")
     return _finished(figure, "strength of the distortion", "error over the oracle's", ratio_axis)
 
 
@@ -88,6 +89,12 @@ def coverage_figure(cells: Sequence[CellSummary], title: str) -> Figure:
 
 def _strength(one: CellSummary) -> float:
     return one.cell.strength
+
+
+def _noise(cells: Sequence[CellSummary]) -> str:
+    """Return the noise of cells that have the same, for people."""
+    noise = cells[0].cell.stated_noise_px if cells else float("nan")
+    return f"{noise:g} px" if np.isfinite(noise) else "noise of the sensor"
 
 
 def _by_noise(one: CellSummary) -> tuple[float, float]:

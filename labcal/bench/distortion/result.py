@@ -65,6 +65,8 @@ class DistortionResult(BenchResult):
     """Outside the trained volume, as far as the plan measures there."""
     sensitivity: tuple[Sensitivity, ...] = ()
     """To faults of boards and of shooting."""
+    rendered: tuple[FamilyFigures, ...] = ()
+    """As `families`, of the cells that are measured through pictures."""
 
 
 def family_figures(
@@ -99,23 +101,32 @@ def _median(values: Sequence[float]) -> float:
 
 def distortion_table(result: DistortionResult) -> Group:
     """Return errors by family and method over the strength, the answer, and the checks, for people."""
-    strengths = spread_levels([one.strength for one in result.families], _MOST_COLUMNS)
-    table = Table(title="RMS error over the oracle's, median, within the trained volume")
+    title = "RMS error over the oracle's, median, within the trained volume"
+    tables = [_errors_table(result.families, title)]
+    if result.rendered:
+        tables.append(_errors_table(result.rendered, f"{title}, through pictures"))
+    if result.sensitivity:
+        tables.append(sensitivity_table(result.sensitivity))
+    return Group(*tables, *result.answer, bench_table(result))
+
+
+def _errors_table(families: Sequence[FamilyFigures], title: str) -> Table:
+    strengths = spread_levels([one.strength for one in families], _MOST_COLUMNS)
+    table = Table(title=title)
     table.add_column("family")
     table.add_column("method", overflow="fold")
     for strength in strengths:
         table.add_column(f"{strength:g}", justify="right")
-    figures = {(one.family, one.method, one.strength): one for one in result.families}
+    figures = {(one.family, one.method, one.strength): one for one in families}
     before = None
-    for family, method in dict.fromkeys((one.family, one.method) for one in result.families):
+    for family, method in dict.fromkeys((one.family, one.method) for one in families):
         cells = [_cell(figures.get((family, method, strength))) for strength in strengths]
         if before not in {None, family}:
             table.add_section()
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    faults = [sensitivity_table(result.sensitivity)] if result.sensitivity else []
-    return Group(table, *faults, *result.answer, bench_table(result))
+    return table
 
 
 def _cell(one: FamilyFigures | None) -> str:
