@@ -14,6 +14,7 @@ from labcal.bench.distortion.lines import lines_of, results_table, timings_table
 from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
+from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.result import DistortionResult, family_figures
 from labcal.bench.distortion.winners import winners
 from labcal.bench.settings import BenchSettings
@@ -78,6 +79,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             answer=tuple(network_answer(usual)),
             families=tuple(family_figures(usual)),
             winners=tuple(winners(usual)),
+            protocols=measured_protocols(plan, settings.seed, working, executor, progress),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
     return result

@@ -9,6 +9,7 @@ from typing import Annotated, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
+from labcal.bench.distortion.protocols.registry import protocol_by_name
 from labcal.bench.families.registry import family_by_name
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.code_version import module_digest
@@ -32,11 +33,16 @@ def _known_family(name: str) -> str:
     return family_by_name(name).name
 
 
+def _known_protocol(name: str) -> str:
+    return protocol_by_name(name).name
+
+
 Levels = Annotated[
     tuple[Level, ...], Field(min_length=1, max_length=_MOST_LEVELS), AfterValidator(_each_once)
 ]
 """The levels of a factor."""
 FamilyName = Annotated[str, AfterValidator(_known_family)]
+ProtocolName = Annotated[str, AfterValidator(_known_protocol)]
 MethodName = Annotated[str, Field(min_length=1, max_length=200)]
 Strength = Annotated[float, Field(ge=0.0, le=1.0)]
 Noise = Annotated[float, Field(ge=1e-4, le=20.0)]
@@ -77,6 +83,8 @@ class Plan(BaseModel):
     """Points to measure in each region."""
     settings: Mapping[str, Mapping[str, Setting]] = Field(default_factory=dict)
     """Constructor arguments by method that differ from its defaults."""
+    protocols: Annotated[tuple[ProtocolName, ...], AfterValidator(_each_once)] = ()
+    """Protocols of others by which all methods are measured besides, once a seed."""
 
     @property
     def cell_count(self) -> int:
@@ -93,6 +101,12 @@ class Plan(BaseModel):
         """The hash of all that the plan says."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Digests of the files of methods of one's own."""
+        own = [method for method in self.methods if SEPARATOR in method]
+        return tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
+
     def cells(self) -> Iterator[Cell]:
         """Yield the cells, the first factor changing least often."""
         factors = (self.families, self.strengths, self.noise_px, self.points, self.layout)
@@ -101,8 +115,7 @@ class Plan(BaseModel):
 
     def cases(self, first_seed: int) -> list[Case]:
         """Return all cases, the seeds of a cell together."""
-        own = [method for method in self.methods if SEPARATOR in method]
-        sources = tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
+        sources = self.sources
         return [
             Case(cell, first_seed + number, self.methods, self.measured, self.tests, self.settings, sources)
             for cell in self.cells()
@@ -110,7 +123,7 @@ class Plan(BaseModel):
         ]
 
 
-FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured")
+FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured", "protocols")
 
 
 def load_plan(

@@ -11,6 +11,8 @@ from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import ENOUGH_POINTS
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.protocols.result import ProtocolResult
+from labcal.bench.distortion.protocols.tables import protocol_table
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
@@ -50,6 +52,8 @@ class DistortionResult(BenchResult):
     """To "should I use a network?"."""
     families: tuple[FamilyFigures, ...]
     winners: tuple[Winner, ...]
+    protocols: tuple[ProtocolResult, ...] = ()
+    """Protocols of others, with what their authors published."""
 
 
 def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
@@ -98,7 +102,7 @@ def distortion_table(result: DistortionResult) -> Group:
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    return Group(table, *result.answer, bench_table(result))
+    return Group(table, *result.answer, *map(protocol_table, result.protocols), bench_table(result))
 
 
 def _shown(strengths: list[float]) -> list[float]:
