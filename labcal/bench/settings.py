@@ -35,6 +35,9 @@ class BenchSettings:
     seeds: int | None = None
     """Of the benchmark of distortion: number of seeds in the place of the plan's."""
 
+    detections: Sequence[str] = ()
+    """Of the benchmark of distortion: folders of shoots on a stage, or tables of their dots."""
+
     def __post_init__(self) -> None:
         """Check the settings.
 
@@ -52,6 +55,7 @@ class BenchSettings:
             "scheduler": None if self.scheduler is None else one_text(self.scheduler, "scheduler"),
             "plan": None if self.plan is None else one_text(self.plan, "plan"),
             "overrides": texts(self.overrides, "overrides"),
+            "detections": texts(self.detections, "detections"),
             "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
         }
         set_checked(self, values)

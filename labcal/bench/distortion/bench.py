@@ -10,9 +10,12 @@ from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.figures import CaseFigures
-from labcal.bench.distortion.lines import lines_of, results_table, timings_table
+from labcal.bench.distortion.lines import HEADER, lines_of, results_table, timings_table
 from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.network_answer import network_answer
+from labcal.bench.distortion.own_detections.given import own_detections
+from labcal.bench.distortion.own_detections.result import own_lines
+from labcal.bench.distortion.own_detections.run import measured_detections
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.result import DistortionResult, family_figures
@@ -54,14 +57,18 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         The scheduler does not answer.
     """
     plan = plan_of(settings)
+    given = own_detections(settings.detections)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
+    command += "".join(f" {one.name}" for one in given)
     with (
         open_executor(min(usable_cores(), plan.case_count), settings.scheduler) as executor,
         unfinished_folder(folder, command, force=settings.force) as working,
     ):
+        own = measured_detections(given, plan, settings.seed, working, executor, progress)
         cases = plan.cases(settings.seed)
         lines = lines_of(cases, _measured(cases, working, executor, progress))
-        write_file(working / "results.csv", results_table(lines), force=True)
+        further = own_lines(own, HEADER, settings.seed)
+        write_file(working / "results.csv", results_table(lines, further), force=True)
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
         make_folder(working / "figures")
@@ -79,6 +86,7 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             answer=tuple(network_answer(usual)),
             families=tuple(family_figures(usual)),
             winners=tuple(winners(usual)),
+            detections=tuple(own),
             protocols=measured_protocols(plan, settings.seed, working, executor, progress),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)

@@ -21,6 +21,8 @@ class Source(StrEnum):
 
     SIMULATED = "simulated"
     """Projected points with normal noise."""
+    DETECTIONS = "detections"
+    """Detections of one's own, of a target on a stage."""
 
 
 NO_FAULT = "none"

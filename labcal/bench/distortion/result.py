@@ -10,6 +10,7 @@ from rich.table import Table
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import ENOUGH_POINTS
+from labcal.bench.distortion.own_detections.result import OwnResult, own_table
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.protocols.result import ProtocolResult
 from labcal.bench.distortion.protocols.tables import protocol_table
@@ -54,6 +55,8 @@ class DistortionResult(BenchResult):
     winners: tuple[Winner, ...]
     protocols: tuple[ProtocolResult, ...] = ()
     """Protocols of others, with what their authors published."""
+    detections: tuple[OwnResult, ...] = ()
+    """Methods on detections of one's own."""
 
 
 def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
@@ -102,7 +105,8 @@ def distortion_table(result: DistortionResult) -> Group:
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    return Group(table, *result.answer, *map(protocol_table, result.protocols), bench_table(result))
+    others = [*map(own_table, result.detections), *map(protocol_table, result.protocols)]
+    return Group(table, *result.answer, *others, bench_table(result))
 
 
 def _shown(strengths: list[float]) -> list[float]:
