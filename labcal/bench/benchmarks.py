@@ -62,7 +62,8 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     if what != "distortion":
         _refuse_plan(settings)
     photographs = real_home()
-    claim_outputs([FolderOutput(folder)], () if photographs is None else (photographs,), force=settings.force)
+    read = [*map(as_path, settings.detections), *([] if photographs is None else [photographs])]
+    claim_outputs([FolderOutput(folder)], read, force=settings.force)
     return BENCHMARKS[what](folder, settings, progress)
 
 
@@ -73,6 +74,7 @@ def _refuse_plan(settings: BenchSettings) -> None:
         "overrides": settings.overrides or None,
         "seeds": settings.seeds,
         "rendered": settings.rendered or None,
+        "detections": settings.detections or None,
     }
     for name, value in given.items():
         if value is not None:

@@ -52,6 +52,12 @@ def add_parser(commands: CommandGroup) -> None:
         dest="overrides",
         help="of distortion: levels in the place of the plan's: --set families=water --set strengths=0,0.5,1",
     )
+    parser.add_argument(
+        "--detections",
+        metavar="SHOOT-or-FILE[,...]",
+        help="of distortion: measure the methods also on views of yours of a target on a stage: folders of "
+        "shoots, or detections.csv or corners.vnl beside their shoot.json",
+    )
     parser.add_argument("--seeds", type=positive_number, metavar="N", help="of distortion: number of seeds")
     parser.add_argument(
         "--rendered",
@@ -88,6 +94,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         seeds=arguments.seeds,
         rendered=arguments.rendered,
         scheduler=arguments.scheduler,
+        detections=tuple(arguments.detections.split(",")) if arguments.detections else (),
     )
     if arguments.what == "distortion":
         session.say(announcement(plan_of(settings)))

@@ -10,14 +10,18 @@ from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.figures import CaseFigures
-from labcal.bench.distortion.lines import lines_of, results_table
+from labcal.bench.distortion.lines import HEADER, lines_of, results_table
 from labcal.bench.distortion.measuring import measured_case, prepared
 from labcal.bench.distortion.method_seconds import timings_table
 from labcal.bench.distortion.network_answer import network_answer
+from labcal.bench.distortion.own_detections.given import own_detections
+from labcal.bench.distortion.own_detections.result import own_lines
+from labcal.bench.distortion.own_detections.run import measured_detections
 from labcal.bench.distortion.page.command import command_line
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.page.page import distortion_page
 from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
+from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.rendered_curves import rendered_figures, rendered_notes
 from labcal.bench.distortion.rendered_plan import RenderedPlan, is_rendered_change
 from labcal.bench.distortion.result import DistortionResult, family_figures
@@ -63,14 +67,17 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         The scheduler does not answer, or there is no LLVM library for the renderer.
     """
     plan = plan_of(settings)
+    given = own_detections(settings.detections)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
+    command += "".join(f" {one.name}" for one in given)
     with (
         open_executor(min(usable_cores(), plan.case_count), settings.scheduler) as executor,
         unfinished_folder(folder, command, force=settings.force) as working,
     ):
+        own = measured_detections(given, plan, settings.seed, working, executor, progress)
         cases = plan.cases(settings.seed)
         lines = lines_of(cases, _measured(cases, working, executor, progress))
-        table = results_table(lines)
+        table = results_table(lines, own_lines(own, HEADER, settings.seed))
         write_file(working / "results.csv", table, force=True)
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
@@ -95,6 +102,8 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
             outside=tuple(family_figures(usual, Measured.OUTSIDE)),
             sensitivity=tuple(sensitivity),
             rendered=tuple(family_figures(rendered)),
+            detections=tuple(own),
+            protocols=measured_protocols(plan, settings.seed, working, executor, progress),
         )
         write_file(working / "results.json", to_json(result) + "\n", force=True)
         page = distortion_page(Findings(result, summaries, command_line(settings), table))

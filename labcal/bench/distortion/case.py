@@ -23,6 +23,8 @@ class Source(StrEnum):
     """Projected points with normal noise."""
     RENDERED = "rendered"
     """Dots that are detected in rendered pictures."""
+    DETECTIONS = "detections"
+    """Detections of one's own, of a target on a stage."""
 
 
 NO_FAULT = "none"

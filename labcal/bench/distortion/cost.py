@@ -1,6 +1,7 @@
 """Expected time of a plan, stated before it starts."""
 
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.protocols.registry import PROTOCOLS
 from labcal.run.machine import usable_cores
 
 _SECONDS = {
@@ -26,6 +27,7 @@ def expected_seconds(plan: Plan, workers: int) -> float:
     """Return how long a plan takes, roughly: within a factor of two or three."""
     simulated = sum(_fitting_seconds(plan, points) for points in plan.points)
     simulated *= plan.cell_count * plan.seeds / len(plan.points)
+    simulated += plan.seeds * sum(_fitting_seconds(plan, PROTOCOLS[name].trained) for name in plan.protocols)
     if plan.rendered is None:
         return simulated / workers
     pictured = plan.rendered.picture_count * (_PICTURE + _RAYS * plan.rendered.spp)
@@ -34,7 +36,7 @@ def expected_seconds(plan: Plan, workers: int) -> float:
 
 
 def _fitting_seconds(plan: Plan, points: int) -> float:
-    """Return how long all methods take with a number of training points."""
+    """Return how long all methods take on one core for a number of training points."""
     share = (points / 1000.0) ** 2
     return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in plan.methods))
 
@@ -51,4 +53,5 @@ def announcement(plan: Plan) -> str:
     """Return the number of cases and the expected time, for people."""
     cores = usable_cores()
     needed = plain_time(expected_seconds(plan, cores))
-    return f"{plan.case_count:,} cases of {len(plan.methods)} methods: about {needed} on {cores} cores"
+    count = plan.case_count + plan.seeds * len(plan.protocols)
+    return f"{count:,} cases of {len(plan.methods)} methods: about {needed} on {cores} cores"

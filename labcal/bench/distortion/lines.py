@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from labcal.bench.distortion.case import Case, Cell
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
@@ -91,9 +92,12 @@ def _of_method(case: Case, found: CaseFigures, one: MethodFigures) -> Iterator[L
         )
 
 
-def results_table(lines: Sequence[Line]) -> str:
-    """Return the text of ``results.csv``; what is missing is nan, flags are 0 and 1."""
-    return table_text(HEADER, map(_cells, lines))
+def results_table(lines: Sequence[Line], further: Iterable[Sequence[object]] = ()) -> str:
+    """Return the text of ``results.csv``; what is missing is nan, flags are 0 and 1.
+
+    Further lines, which are not of a cell, come last.
+    """
+    return table_text(HEADER, chain(map(_cells, lines), further))
 
 
 def _cells(line: Line) -> list[object]:

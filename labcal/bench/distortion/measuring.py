@@ -8,11 +8,11 @@ from numpy.linalg import LinAlgError
 from labcal.bench.distortion.case import Case, Measured
 from labcal.bench.distortion.cell_data import CellData, cell_data
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
+from labcal.bench.distortion.preparation import prepared_method
 from labcal.bench.distortion.rendered_data import rendered_data
 from labcal.bench.families.cameras import SIZE
-from labcal.errors import DeviceError, LabcalError, UnknownNameError
+from labcal.errors import DeviceError, LabcalError
 from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import TrainingBox
 from labcal.estimators.surrogate_validation import (
     Surrogate,
@@ -68,15 +68,7 @@ def prepared(case: Case, method: str) -> PointEstimator:
     UnknownNameError, InputError
         There is no such method, or it cannot be made.
     """
-    estimator = estimator_of(method)
-    known = estimator.get_params()
-    given = {"image_sizes": _SIZES, "random_state": case.seed}
-    estimator.set_params(**{name: value for name, value in given.items() if name in known})
-    for name, value in case.settings.get(method, {}).items():
-        if name not in known:
-            raise UnknownNameError(f"setting of {method}", name, known)
-        estimator.set_params(**{name: value})
-    return estimator
+    return prepared_method(method, case.settings.get(method, {}), case.seed, _SIZES)
 
 
 def _measured_method(

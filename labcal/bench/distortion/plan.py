@@ -6,10 +6,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
-from labcal.bench.distortion.factor_levels import FamilyName, Levels, MethodName, Noise, Points, Strength
+from labcal.bench.distortion.factor_levels import (
+    FamilyName,
+    Levels,
+    MethodName,
+    Noise,
+    Points,
+    ProtocolName,
+    Strength,
+    each_once,
+)
 from labcal.bench.distortion.fault_section import SECTION, FaultSection, fitted_section, strange_level
 from labcal.bench.distortion.rendered_plan import RENDERED_FACTORS, RenderedPlan, with_rendered_change
 from labcal.errors import InputError, UnknownNameError
@@ -59,6 +68,8 @@ class Plan(BaseModel):
     """Faults that the methods are not told of, in some of the cells."""
     rendered: RenderedPlan | None = None
     """Cases that are measured through pictures, with the same methods; the usual ones where left out."""
+    protocols: Annotated[tuple[ProtocolName, ...], AfterValidator(each_once)] = ()
+    """Protocols of others by which all methods are measured besides, once a seed."""
 
     @model_validator(mode="after")
     def _has_the_reference_cells(self) -> "Plan":
@@ -87,6 +98,12 @@ class Plan(BaseModel):
         """The hash of all that the plan says."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Digests of the files of methods of one's own."""
+        own = [method for method in self.methods if SEPARATOR in method]
+        return tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
+
     def cells(self) -> Iterator[Cell]:
         """Yield the simulated cells, the first factor changing least often."""
         factors = (self.families, self.strengths, self.noise_px, self.points, self.layout)
@@ -100,12 +117,11 @@ class Plan(BaseModel):
     @property
     def _levels(self) -> dict[str, tuple[Any, ...]]:
         """Levels by factor."""
-        return {factor: getattr(self, factor) for factor in FACTORS if factor != SECTION}
+        return {factor: getattr(self, factor) for factor in _CELL_FACTORS}
 
     def cases(self, first_seed: int) -> list[Case]:
         """Return all cases, the seeds of a cell together, then those with a fault, those of pictures last."""
-        own = [method for method in self.methods if SEPARATOR in method]
-        sources = tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
+        sources = self.sources
         cases = [
             Case(cell, first_seed + number, self.methods, self.measured, self.tests, self.settings, sources)
             for cells, seeds in ((self.cells(), self.seeds), (self.fault_cells(), self.fault_seeds))
@@ -115,7 +131,8 @@ class Plan(BaseModel):
         return cases if self.rendered is None else [*cases, *self.rendered.cases(cases[0])]
 
 
-FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured", SECTION)
+_CELL_FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured")
+FACTORS = (*_CELL_FACTORS, SECTION, "protocols")
 
 
 def load_plan(

@@ -12,7 +12,10 @@ from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import coverage_is_wrong
 from labcal.bench.distortion.enough_points import with_enough_points
 from labcal.bench.distortion.levels import spread_levels
+from labcal.bench.distortion.own_detections.result import OwnResult, own_table
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.protocols.result import ProtocolResult
+from labcal.bench.distortion.protocols.tables import protocol_table
 from labcal.bench.distortion.sensitivity import Sensitivity
 from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.distortion.winners import Winner
@@ -67,6 +70,10 @@ class DistortionResult(BenchResult):
     """To faults of boards and of shooting."""
     rendered: tuple[FamilyFigures, ...] = ()
     """As `families`, of the cells that are measured through pictures."""
+    protocols: tuple[ProtocolResult, ...] = ()
+    """Protocols of others, with what their authors published."""
+    detections: tuple[OwnResult, ...] = ()
+    """Methods on detections of one's own."""
 
 
 def family_figures(
@@ -107,6 +114,7 @@ def distortion_table(result: DistortionResult) -> Group:
         tables.append(_errors_table(result.rendered, f"{title}, through pictures"))
     if result.sensitivity:
         tables.append(sensitivity_table(result.sensitivity))
+    tables += [*map(own_table, result.detections), *map(protocol_table, result.protocols)]
     return Group(*tables, *result.answer, bench_table(result))
 
 
