@@ -25,6 +25,10 @@ def command_line(settings: BenchSettings) -> str:
         words += ["--plan", settings.plan]
     for change in settings.overrides:
         words += ["--set", change]
+    if settings.rendered:
+        words.append("--rendered")
+    if settings.detections:
+        words += ["--detections", ",".join(settings.detections)]
     if settings.methods:
         words += ["--method", ",".join(settings.methods)]
     if settings.seeds is not None:
