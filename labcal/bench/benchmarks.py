@@ -62,13 +62,20 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     if what != "distortion":
         _refuse_plan(settings)
     photographs = real_home()
-    claim_outputs([FolderOutput(folder)], () if photographs is None else (photographs,), force=settings.force)
+    read = [*map(as_path, settings.detections), *([] if photographs is None else [photographs])]
+    claim_outputs([FolderOutput(folder)], read, force=settings.force)
     return BENCHMARKS[what](folder, settings, progress)
 
 
 def _refuse_plan(settings: BenchSettings) -> None:
     """Raise where settings of a plan are given to a benchmark that has none."""
-    given = {"plan": settings.plan, "overrides": settings.overrides or None, "seeds": settings.seeds}
+    given = {
+        "plan": settings.plan,
+        "overrides": settings.overrides or None,
+        "seeds": settings.seeds,
+        "rendered": settings.rendered or None,
+        "detections": settings.detections or None,
+    }
     for name, value in given.items():
         if value is not None:
             raise InputError(f"`{name}` goes with 'bench distortion', which measures a plan. Leave it out.")

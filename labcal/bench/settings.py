@@ -34,6 +34,11 @@ class BenchSettings:
     """Of the benchmark of distortion: levels in the place of the plan's, each ``factor=level,level``."""
     seeds: int | None = None
     """Of the benchmark of distortion: number of seeds in the place of the plan's."""
+    rendered: bool = False
+    """Of the benchmark of distortion: measure cases through rendered pictures, too."""
+
+    detections: Sequence[str] = ()
+    """Of the benchmark of distortion: folders of shoots on a stage, or tables of their dots."""
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -52,6 +57,8 @@ class BenchSettings:
             "scheduler": None if self.scheduler is None else one_text(self.scheduler, "scheduler"),
             "plan": None if self.plan is None else one_text(self.plan, "plan"),
             "overrides": texts(self.overrides, "overrides"),
+            "detections": texts(self.detections, "detections"),
             "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
+            "rendered": truth_value(self.rendered, "rendered"),
         }
         set_checked(self, values)

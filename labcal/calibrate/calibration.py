@@ -199,10 +199,10 @@ def calibrated(
         choice = choose_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     found = calibrate_handheld(entering, target, lens, settings)
-    kept = settings.start if settings.lenses is Lenses.FIXED else None
+    kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
     learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
     tested = None if held_out else warning_of_test_views(entering)
-    notes = parallel_notes(found.rig, started=settings.start is not None)
+    notes = parallel_notes(found.rig, started=settings.start_rig is not None)
     warnings = (
         *(() if tested is None else (tested,)),
         *calibration_warnings(found, lens, target.name),
@@ -228,19 +228,19 @@ def refuse_contradictory(lens: str | None, settings: HandheldSettings) -> None:
         The lens has nothing to calibrate, a rig to start from is given with ``auto``, or lenses are to be
         kept that no rig gives.
     """
-    if lens == AUTO and settings.start is not None:
+    if lens == AUTO and settings.start_rig is not None:
         raise InputError(f"`lens='{AUTO}'` tries lens models from the beginning. Leave `start` out.")
     if lens not in (None, AUTO):
         require_adjustable(lens)
-    if settings.lenses is Lenses.FIXED and settings.start is None:
+    if settings.lenses is Lenses.FIXED and settings.start_rig is None:
         raise InputError("The lenses of a rig can be kept only where there is one. Add `start='rig.json'`.")
 
 
 def _lens_of(settings: HandheldSettings) -> str:
     """Return the lens model where none is named: that of the rig to start from, if all are alike."""
-    if settings.start is None:
+    if settings.start_rig is None:
         return DEFAULT_LENS
-    lenses = {record.lens for record in settings.start.cameras.values()}
+    lenses = {record.lens for record in settings.start_rig.cameras.values()}
     return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS
 
 

@@ -124,7 +124,7 @@ def _whole(
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
     start = rig_start(
-        with_determined_poses([camera.single for camera in found], settings.start), target.points()
+        with_determined_poses([camera.single for camera in found], settings.start_rig), target.points()
     )
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)

@@ -1,6 +1,7 @@
 """Single-camera calibration from all views of a hand-held target."""
 
 from dataclasses import dataclass, replace
+from os import PathLike
 
 import numpy as np
 
@@ -20,9 +21,10 @@ from labcal.calibrate.lens_start import (
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_views import refuse_parallel_views
 from labcal.calibrate.rig_start import SingleCamera
-from labcal.cameras.rig import Rig
+from labcal.cameras.rig import Rig, read_rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
+from labcal.paths import AnyPath
 from labcal.targets.catalogue import AnyTarget
 from labcal.wording import counted
 
@@ -43,8 +45,8 @@ class HandheldSettings:
 
     lenses: Lenses | str = Lenses.FREE
     """Lenses are estimated (``"free"``), or kept as in `start` (``"fixed"``)."""
-    start: Rig | None = None
-    """Initial values; OpenCV gives them if this is None."""
+    start: Rig | AnyPath | None = None
+    """Rig of the initial values, or the path of its file; OpenCV gives them if this is None."""
     free_dots: bool = False
     """True to estimate the places of dots on the print."""
     eccentricity_rounds: int = ROUNDS
@@ -58,17 +60,28 @@ class HandheldSettings:
         UnknownNameError, InputTypeError
             One is of a wrong type, or no word for the treatment of lenses.
         InputError
-            The lenses of no rig are to be kept, or a number is negative.
+            The lenses of no rig are to be kept, a number is negative, or there is no rig in a file.
         """
         values = {
             "lenses": choice_of(self.lenses, Lenses, "lenses"),
-            "start": None if self.start is None else object_of(self.start, Rig, "start"),
+            "start": None if self.start is None else _rig_of(self.start),
             "free_dots": truth_value(self.free_dots, "free_dots"),
             "eccentricity_rounds": whole_number(self.eccentricity_rounds, "eccentricity_rounds", 0),
         }
         set_checked(self, values)
         if self.start is None and self.lenses is Lenses.FIXED:
             raise InputError("`lenses='fixed'` keeps the lenses of a rig. Give that rig: `start='rig.json'`.")
+
+    @property
+    def start_rig(self) -> Rig | None:
+        """The rig of the initial values, read where a path was given."""
+        return self.start if isinstance(self.start, Rig) else None
+
+
+def _rig_of(given: Rig | AnyPath) -> Rig:
+    if isinstance(given, str | PathLike):
+        return read_rig(given)
+    return object_of(given, Rig, "start")
 
 
 @dataclass(frozen=True)
@@ -137,11 +150,11 @@ def _lens_start(
         )
     pictures = dots.by_view()
     size = dots.picture_size(name)
-    if settings.start is None:
+    if settings.start_rig is None:
         start = start_from_pictures(pictures, target, lens)
         refuse_parallel_views(pictures, target, start.camera, settings.eccentricity_rounds)
         return start
-    known = settings.start.camera(name)
+    known = settings.start_rig.camera(name)
     if known.size != size:
         raise InputError(
             f"Camera '{name}' of the rig to start from takes pictures of {known.size[0]} x {known.size[1]}, "

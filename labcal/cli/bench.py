@@ -52,7 +52,19 @@ def add_parser(commands: CommandGroup) -> None:
         dest="overrides",
         help="of distortion: levels in the place of the plan's: --set families=water --set strengths=0,0.5,1",
     )
+    parser.add_argument(
+        "--detections",
+        metavar="SHOOT-or-FILE[,...]",
+        help="of distortion: measure the methods also on views of yours of a target on a stage: folders of "
+        "shoots, or detections.csv or corners.vnl beside their shoot.json",
+    )
     parser.add_argument("--seeds", type=positive_number, metavar="N", help="of distortion: number of seeds")
+    parser.add_argument(
+        "--rendered",
+        action="store_true",
+        help="of distortion: measure through rendered pictures, too; --set "
+        "rendered.strengths=0,1 changes which",
+    )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
     add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits and mistakes),")
@@ -80,7 +92,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         plan=arguments.plan,
         overrides=tuple(arguments.overrides),
         seeds=arguments.seeds,
+        rendered=arguments.rendered,
         scheduler=arguments.scheduler,
+        detections=tuple(arguments.detections.split(",")) if arguments.detections else (),
     )
     if arguments.what == "distortion":
         session.say(announcement(plan_of(settings)))

@@ -116,11 +116,10 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
     from labcal.calibrate.adjustment.state import Lenses
     from labcal.calibrate.calibration import refuse_contradictory
     from labcal.calibrate.handheld import HandheldSettings
-    from labcal.cameras.rig import read_rig
 
     settings = HandheldSettings(
         lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
-        start=None if arguments.start is None else read_rig(arguments.start),
+        start=arguments.start,
         free_dots=arguments.free_dots,
     )
     refuse_contradictory(arguments.lens, settings)

@@ -10,7 +10,7 @@ OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
         "alignment", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots", "hold_out", "lens",
-        "method", "only", "plan", "quick", "rectify", "rig", "scheduler", "seed", "seeds", "size",
+        "method", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
         "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from labcal.bounds import MOST_PIXELS, Side
 from labcal.cameras.record import PoseRecord
 from labcal.run.names import Name, differ_in_case
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import DescribedTarget
 from labcal.wording import clipped, listed
 
 RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
@@ -54,7 +54,7 @@ class Manifest(BaseModel):
     """Kind of the file."""
     format_version: Literal[1] = 1
     """Version of the form of the file."""
-    target: AnyTarget
+    target: DescribedTarget
     """The target as designed."""
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
     """Cameras by name."""

@@ -37,8 +37,10 @@ def _by_its_own_model(target: PrintableTarget) -> object:
     return target
 
 
-AnyTarget = Annotated[PrintableTarget, PlainValidator(_described), PlainSerializer(_by_its_own_model)]
-"""A target of any registered kind as it stands in a file: a grid of dots has no `kind`, all others have."""
+AnyTarget = PrintableTarget
+"""A target of any registered kind."""
+DescribedTarget = Annotated[PrintableTarget, PlainValidator(_described), PlainSerializer(_by_its_own_model)]
+"""The same as it stands in a file: a grid of dots has no `kind`, all others have."""
 
 
 def target_names() -> list[str]:

@@ -15,7 +15,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.documents import read_document
 from labcal.run.file_kinds import beginning_with
 from labcal.run.outputs import write_file
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTarget, DescribedTarget
 
 _BEGINNING_BYTES = 64
 KIND = beginning_with("a RIG-dots.json", b'{\n  "format": "labcal-dots"')
@@ -52,7 +52,7 @@ class DotPlaces(BaseModel):
     """Kind of the file."""
     format_version: Literal[1] = 1
     """Version of the form of the file."""
-    target: AnyTarget
+    target: DescribedTarget
     """The target as declared."""
     dots: tuple[DotPlace, ...]
     """Dots with their places on the print."""

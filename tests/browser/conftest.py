@@ -12,8 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_up_distortion import made_up_findings
 
 from labcal import examples, pipeline
+from labcal.bench.distortion.page.page import distortion_page
 from labcal.report.reproduction import Reproduction
 from labcal.report.reproduction_page import reproduction_page
 from labcal.shoot.pictures import write_picture
@@ -117,4 +119,13 @@ def reproduction_file(tmp_path: Path, made_up: Reproduction) -> Path:
     write_picture(tmp_path / "shoots" / "a.png", np.full((480, 640, 3), 90, np.uint8))
     path = tmp_path / "index.html"
     path.write_text(reproduction_page(made_up, tmp_path), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def distortion_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the benchmark of distortion, with invented figures of nine methods and two layouts."""
+    few = ("families=brown,water", "strengths=0,0.4,1", "noise_px=0.02,0.1", "points=60,140")
+    path = tmp_path_factory.mktemp("distortion") / "page.html"
+    path.write_text(distortion_page(made_up_findings("full", few, 2)).text(), encoding="utf-8")
     return path

@@ -17,7 +17,7 @@ MOST_BYTES = 10_000_000
 READABLE_S, SPACE_S = 2.0, 6.0
 PHONE = 375
 Open = Callable[..., Any]
-FILES = ("calibration_file", "evaluation_file", "inspection_file", "reproduction_file")
+FILES = ("calibration_file", "evaluation_file", "inspection_file", "reproduction_file", "distortion_file")
 
 
 def processor_seconds() -> float:
@@ -47,7 +47,7 @@ class Stopwatch:
         return min(time.monotonic() - self._began, processor_seconds() - self._spent)
 
 
-OFTEN = ("calibration_file", "reproduction_file")
+OFTEN = ("calibration_file", "reproduction_file", "distortion_file")
 ALL = [pytest.param(file, marks=[] if file in OFTEN else pytest.mark.slow) for file in FILES]
 
 
@@ -187,6 +187,15 @@ def test_figures_and_numbers_are_saved(open_page: Open, calibration_file: Path) 
     assert svg.startswith("<svg")
     assert 'xmlns="http://www.w3.org/2000/svg"' in svg
     assert "var(--" not in svg
+
+
+def test_the_cells_of_a_benchmark_are_saved(open_page: Open, distortion_file: Path) -> None:
+    page = open_page(distortion_file).page
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save cells.csv").click()
+    lines = list(csv.DictReader(io.StringIO(Path(caught.value.path()).read_text())))
+    assert {line["method"] for line in lines} >= {"hybrid", "mlp-bayes", "affine"}
+    assert len(lines) == 9 * 2 * 3 * 2 * 2 * 2 * 2
 
 
 def test_keys_reach_every_control(open_page: Open, calibration_file: Path) -> None:

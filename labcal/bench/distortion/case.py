@@ -21,6 +21,10 @@ class Source(StrEnum):
 
     SIMULATED = "simulated"
     """Projected points with normal noise."""
+    RENDERED = "rendered"
+    """Dots that are detected in rendered pictures."""
+    DETECTIONS = "detections"
+    """Detections of one's own, of a target on a stage."""
 
 
 NO_FAULT = "none"
@@ -45,7 +49,8 @@ class Cell:
     strength : float
         0 for a pinhole to 1.
     noise_px : float
-        Standard deviation of each coordinate of a pixel, in training and in measuring.
+        Standard deviation of each coordinate of a pixel, in training and in measuring; 0 where the pixels are
+        detected, since their noise is that of the pictures.
     points : int
         Training points that are asked for.
     source : Source
@@ -67,6 +72,11 @@ class Cell:
         return self.source is Source.SIMULATED and self.fault == NO_FAULT
 
     @property
+    def stated_noise_px(self) -> float:
+        """The noise that is added to each coordinate, px; NaN where the sensor makes it."""
+        return self.noise_px if self.source is Source.SIMULATED else float("nan")
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The texts that name its random numbers, which are the same with a fault and without."""
         return (
@@ -76,6 +86,16 @@ class Cell:
             str(self.points),
             str(self.layout),
         )
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The pictures of a rendered case."""
+
+    views: int
+    """Heights of the board to train on; there is a test view between each two."""
+    spp: int
+    """Rays a pixel."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +112,8 @@ class Case:
     """Constructor arguments by method that differ from its defaults."""
     sources: tuple[str, ...] = ()
     """Digests of the files of methods of one's own: a case is measured anew where one has changed."""
+    pictures: Pictures | None = None
+    """Where the pixels are detected in rendered pictures."""
 
     @property
     def key(self) -> str:

@@ -36,12 +36,15 @@ class RegionPoints:
     q : float64 array, (n, cameras, 2)
         Px.
     oracle : float64 array, (n, 3)
-        Triangulated from `q` with the true cameras and optimal weights, mm.
+        Triangulated from the same pixels with the true cameras and optimal weights, mm.
+    covariance : float64 array, (n, cameras, 2, 2)
+        Of `q`, which methods are given, px squared.
     """
 
     p: Vectors3
     q: Float64[np.ndarray, "n cameras 2"]
     oracle: Vectors3
+    covariance: Float64[np.ndarray, "n cameras 2 2"]
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,15 @@ class CellData:
         Training points, mm.
     beyond_pinhole_px : float
         RMS length of what the best linear projection leaves of the training pixels without noise.
+    pixel_error_px : float
+        Of detected pixels, the RMS of each coordinate beside the exact one; NaN of simulated ones.
     """
 
     X: Float64[np.ndarray, "n inputs"]
     Y: Vectors3
     tests: Mapping[Measured, RegionPoints]
     beyond_pinhole_px: float
+    pixel_error_px: float = float("nan")
 
 
 def cell_data(case: Case) -> CellData:
@@ -97,7 +103,7 @@ def cell_data(case: Case) -> CellData:
         if not still_seen.any():
             raise InputError(f"The cameras of '{case.key}' see none of the training points with this fault.")
         Y, exact, noise = Y[still_seen], exact[still_seen], noise[still_seen]
-    return CellData((exact + noise).reshape(len(Y), -1), Y, tests, _beyond_pinhole(Y, exact))
+    return CellData((exact + noise).reshape(len(Y), -1), Y, tests, beyond_pinhole(Y, exact))
 
 
 def lattice(points: int) -> tuple[int, int]:
@@ -142,7 +148,7 @@ def _test_points(
     exact = _images(pair, p)
     q = exact + case.cell.noise_px * random.standard_normal(exact.shape)
     weights = np.tile(case.cell.noise_px**2 * np.eye(2), (len(p), len(pair), 1, 1))
-    return RegionPoints(p, q, triangulate(pair, q, weights).point)
+    return RegionPoints(p, q, triangulate(pair, q, weights).point, weights)
 
 
 def _images(pair: tuple[Camera, Camera], p: Vectors3) -> Float64[np.ndarray, "n cameras 2"]:
@@ -154,7 +160,7 @@ def _seen(pair: tuple[Camera, Camera], q: Float64[np.ndarray, "n cameras 2"]) ->
     return np.asarray(np.stack(seen, axis=1).all(axis=1))
 
 
-def _beyond_pinhole(Y: Vectors3, exact: Float64[np.ndarray, "n cameras 2"]) -> float:
+def beyond_pinhole(Y: Vectors3, exact: Float64[np.ndarray, "n cameras 2"]) -> float:
     """Return the RMS length of what linear projections leave, over both cameras; NaN where there is none."""
     squares = []
     for i in range(exact.shape[1]):

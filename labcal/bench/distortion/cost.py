@@ -1,6 +1,7 @@
 """Expected time of a plan, stated before it starts."""
 
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.protocols.registry import PROTOCOLS
 from labcal.run.machine import usable_cores
 
 _SECONDS = {
@@ -17,16 +18,27 @@ _SECONDS = {
 """Of one case on one core: what it takes at least, and what a thousand points add, by the square of their
 number. `bundle` takes the cameras of `hybrid`, which is fitted in every case."""
 _OTHER = (1.0, 10.0)
+_PICTURE, _RAYS = 1.0, 0.04
+"""Seconds of a picture: what the sensor and the detector take, and each ray a pixel."""
 _MINUTE, _HOUR, _DAY, _YEAR = 60.0, 3600.0, 86400.0, 365.25 * 86400.0
 
 
 def expected_seconds(plan: Plan, workers: int) -> float:
     """Return how long a plan takes, roughly: within a factor of two or three."""
-    total = 0.0
-    for points in plan.points:
-        share = (points / 1000.0) ** 2
-        total += sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in plan.methods))
-    return total * plan.case_count / len(plan.points) / workers
+    simulated = sum(_fitting_seconds(plan, points) for points in plan.points)
+    simulated *= plan.cell_count * plan.seeds / len(plan.points)
+    simulated += plan.seeds * sum(_fitting_seconds(plan, PROTOCOLS[name].trained) for name in plan.protocols)
+    if plan.rendered is None:
+        return simulated / workers
+    pictured = plan.rendered.picture_count * (_PICTURE + _RAYS * plan.rendered.spp)
+    pictured += _fitting_seconds(plan, plan.rendered.points)
+    return (simulated + pictured * plan.rendered.case_count) / workers
+
+
+def _fitting_seconds(plan: Plan, points: int) -> float:
+    """Return how long all methods take on one core for a number of training points."""
+    share = (points / 1000.0) ** 2
+    return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in plan.methods))
 
 
 def plain_time(seconds: float) -> str:
@@ -41,4 +53,5 @@ def announcement(plan: Plan) -> str:
     """Return the number of cases and the expected time, for people."""
     cores = usable_cores()
     needed = plain_time(expected_seconds(plan, cores))
-    return f"{plan.case_count:,} cases of {len(plan.methods)} methods: about {needed} on {cores} cores"
+    count = plan.case_count + plan.seeds * len(plan.protocols)
+    return f"{count:,} cases of {len(plan.methods)} methods: about {needed} on {cores} cores"

@@ -1,80 +1,100 @@
-"""Figures of a benchmark of distortion: errors over strength and over points, and coverage, as SVG."""
+"""Figures of a benchmark of distortion: errors over strength and over points, and coverage."""
 
 import io
 from collections.abc import Callable, Mapping, Sequence
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from labcal.bench.distortion.case import Layout, Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import HIGH_COVERAGE, LOW_COVERAGE
+from labcal.bench.distortion.method_lines import draw_methods, method_looks, over_oracle, ratio_axis
+from labcal.report.inline_svg import LINE
+from labcal.report.page_axes import plain_axes
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-"""Of Okabe and Ito (2008), which readers with any colour vision tell apart."""
-_STYLES = ("-", "--", ":")
 _PANEL_INCH, _MOST_ACROSS, _MOST_DOWN = 2.6, 4, 6
-Value = Callable[[CellSummary], float]
+_INCH_A_NAME = 1.1
+"""Of the legend."""
 
 
 def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
-    """Return SVG texts by name: three for every family and layout, within the trained volume."""
-    within = [one for one in summaries if one.measured == Measured.WITHIN]
+    """Return SVG texts by name: for every family and layout three within the trained volume, one outside."""
     drawn: dict[str, str] = {}
-    for family in dict.fromkeys(one.cell.family for one in within):
-        layouts: tuple[Layout, ...] = tuple(dict.fromkeys(one.cell.layout for one in within))
+    for family in dict.fromkeys(one.cell.family for one in summaries):
+        layouts: tuple[Layout, ...] = tuple(dict.fromkeys(one.cell.layout for one in summaries))
         for layout in layouts:
-            own = [one for one in within if (one.cell.family, one.cell.layout) == (family, layout)]
-            if not any(one.over_oracle > 0.0 for one in own):
-                continue
-            title = f"{family}, {layout}"
-            ending = f"{family}-{layout}.svg"
-            drawn[f"error-{ending}"] = svg_text(error_figure(own, title), title)
-            drawn[f"learning-{ending}"] = svg_text(learning_figure(own, title), title)
-            drawn[f"coverage-{ending}"] = svg_text(coverage_figure(own, title), title)
+            own = [one for one in summaries if (one.cell.family, one.cell.layout) == (family, layout)]
+            title, ending = f"{family}, {layout}", f"{family}-{layout}.svg"
+            within = with_figures(own, Measured.WITHIN)
+            if within:
+                drawn[f"error-{ending}"] = svg_text(error_figure(within, title), title)
+                drawn[f"learning-{ending}"] = svg_text(learning_figure(within, title), title)
+                drawn[f"coverage-{ending}"] = svg_text(coverage_figure(within, title), title)
+            outside = with_figures(own, Measured.OUTSIDE)
+            if outside:
+                title = f"{title}, outside the trained volume"
+                drawn[f"outside-{ending}"] = svg_text(error_figure(outside, title), title)
     return drawn
+
+
+def with_figures(summaries: Sequence[CellSummary], region: Measured) -> list[CellSummary]:
+    """Return the summaries of a region; none where no cell of it has a figure."""
+    own = [one for one in summaries if one.measured == region]
+    return own if any(one.over_oracle > 0.0 for one in own) else []
 
 
 def error_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     """Return errors over the oracle's by strength; a panel for each number of points and noise."""
-    figure, panels = _panels(cells, f"{title}: RMS error over the oracle's, range of the seeds", _by_noise)
+    figure, panels = _panels(cells, title, _by_noise)
+    looks = method_looks([one.method for one in cells])
     for (points, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
-        _lines(axes, own, lambda one: one.cell.strength, _error)
-        axes.set_title(f"{points:g} points, {noise:g} px")
-        _ratio_axis(axes)
-    return _finished(figure, "strength")
+        draw_methods(axes, own, looks, _strength, over_oracle)
+        axes.set_title(f"{points:g} points, {_noise(own)}")
+    return _finished(figure, "strength of the distortion", "error over the oracle's", ratio_axis)
 
 
 def learning_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     """Return errors over the oracle's by the number of points; a panel for each strength and noise."""
-    figure, panels = _panels(cells, f"{title}: RMS error over the oracle's", _strength_by_noise)
+    figure, panels = _panels(cells, title, _strength_by_noise)
+    looks = method_looks([one.method for one in cells])
     points = sorted({one.cell.points for one in cells})
     for (strength, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.strength, one.cell.noise_px) == (strength, noise)]
-        _lines(axes, own, lambda one: float(one.cell.points), _error)
+        draw_methods(axes, own, looks, lambda one: float(one.cell.points), over_oracle)
         axes.set_title(f"strength {strength:g}, {noise:g} px")
         axes.set_xscale("log")
         axes.set_xlim(0.9 * points[0], 1.1 * points[-1])
-        _ratio_axis(axes)
-    return _finished(figure, "training points")
+        axes.set_xticks(points, [str(one) for one in points])
+        axes.xaxis.set_minor_locator(NullLocator())
+    return _finished(figure, "training points", "error over the oracle's", ratio_axis)
 
 
 def coverage_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     """Return the coverage of 95% ellipsoids by strength; open marks are flagged `model-misfit`."""
-    figure, panels = _panels(cells, f"{title}: coverage of 95% ellipsoids (open: flagged)", _by_noise)
+    figure, panels = _panels(cells, title, _by_noise)
+    looks = method_looks([one.method for one in cells])
     for (points, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
-        _lines(axes, own, lambda one: one.cell.strength, lambda one: (one.coverage95,) * 3)
-        axes.axhspan(LOW_COVERAGE, HIGH_COVERAGE, color="0.85", zorder=0)
+        draw_methods(axes, own, looks, _strength, lambda one: (one.coverage95,) * 3)
+        axes.axhspan(LOW_COVERAGE, HIGH_COVERAGE, color=LINE.drawn, zorder=0)
         axes.set_title(f"{points:g} points, {noise:g} px")
         axes.set_ylim(0.0, 1.03)
-    return _finished(figure, "strength")
+    return _finished(figure, "strength of the distortion", "coverage of 95% ellipsoids", plain_axes)
 
 
-def _error(one: CellSummary) -> tuple[float, float, float]:
-    return one.over_oracle, one.low, one.high
+def _strength(one: CellSummary) -> float:
+    return one.cell.strength
+
+
+def _noise(cells: Sequence[CellSummary]) -> str:
+    """Return the noise of cells that have the same, for people."""
+    noise = cells[0].cell.stated_noise_px if cells else float("nan")
+    return f"{noise:g} px" if np.isfinite(noise) else "noise of the sensor"
 
 
 def _by_noise(one: CellSummary) -> tuple[float, float]:
@@ -91,46 +111,31 @@ def _panels(
     """Return a figure with panels by two factors: one down, one across."""
     down = sorted({places(one)[0] for one in cells})[:_MOST_DOWN]
     across = sorted({places(one)[1] for one in cells})[:_MOST_ACROSS]
-    size = (_PANEL_INCH * len(across) + 1.0, 0.85 * _PANEL_INCH * len(down) + 1.0)
+    size = (_PANEL_INCH * max(len(across), 2) + 0.4, 0.85 * _PANEL_INCH * len(down) + 1.0)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(down), len(across), squeeze=False, sharex=True, sharey=True)
     figure.suptitle(title, fontsize=9)
     return figure, {(a, b): axes[i, j] for i, a in enumerate(down) for j, b in enumerate(across)}
 
 
-def _lines(
-    axes: Axes,
-    cells: Sequence[CellSummary],
-    place: Value,
-    figures: Callable[[CellSummary], tuple[float, float, float]],
-) -> None:
-    """Draw a line for each method, with the range of its seeds."""
-    for number, method in enumerate(dict.fromkeys(one.method for one in cells)):
-        own = sorted((one for one in cells if one.method == method), key=place)
-        x = [place(one) for one in own]
-        middle, low, high = zip(*(figures(one) for one in own), strict=True)
-        colour = COLOURS[number % len(COLOURS)]
-        style = _STYLES[number // len(COLOURS) % len(_STYLES)]
-        axes.plot(x, middle, style, color=colour, linewidth=1.3, label=method)
-        axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
-        for one, at in zip(own, middle, strict=True):
-            face = "white" if one.flagged_misfit else colour
-            axes.plot([place(one)], [at], "o", color=colour, markerfacecolor=face, markersize=3.5)
-
-
-def _ratio_axis(axes: Axes) -> None:
-    axes.axhline(1.0, color="0.5", linewidth=0.8, zorder=0)  # so that there is something to scale
-    axes.set_yscale("log")
-    axes.grid(visible=True, color="0.92", linewidth=0.6)
-
-
-def _finished(figure: Figure, xlabel: str) -> Figure:
-    figure.supxlabel(xlabel, fontsize=8)
+def _finished(figure: Figure, xlabel: str, ylabel: str, finish: Callable[[Axes], None]) -> Figure:
+    """Return a figure with its axes finished, when all is drawn that they share, and its legend."""
+    figure.supylabel(ylabel, fontsize=8.5)
     for axes in figure.axes:
-        axes.title.set_fontsize(7.5)
-        axes.tick_params(labelsize=7)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right upper", fontsize=7, frameon=False)
+        finish(axes)
+        axes.title.set_fontsize(8.5)
+        axes.tick_params(length=0, labelsize=8)
+        axes.set_xlabel(xlabel, fontsize=8.5)
+        axes.label_outer()
+    drawn = {
+        label: line
+        for axes in figure.axes
+        for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    across = max(int(figure.get_figwidth() / _INCH_A_NAME), 1)
+    figure.legend(
+        drawn.values(), drawn.keys(), loc="outside lower center", ncols=across, fontsize=8, frameon=False
+    )
     return figure
 
 

@@ -66,6 +66,8 @@ class CaseFigures(BaseModel):
     trained: int = 0
     """Training points that both cameras see."""
     beyond_pinhole_px: Figure = float("nan")
+    pixel_error_px: Figure = float("nan")
+    """RMS of each coordinate of detected pixels beside the exact ones; NaN of simulated pixels."""
     methods: tuple[MethodFigures, ...] = ()
     reason: str | None = None
     """The reason why the data could not be drawn."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from labcal.bench.distortion.case import Case, Cell
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
@@ -11,7 +12,16 @@ from labcal.run.tables import table_text
 HEADER = (
     *("method", "family", "strength", "known_as", "noise_px", "points", "layout", "source", "fault"),
     *("measured", "seed"),
-    *("trained", "beyond_pinhole_px", "n", "predicted", "rmse_mm", "oracle_mm", "over_oracle"),
+    *(
+        "trained",
+        "beyond_pinhole_px",
+        "pixel_error_px",
+        "n",
+        "predicted",
+        "rmse_mm",
+        "oracle_mm",
+        "over_oracle",
+    ),
     *("stated", "covered", "coverage95", "model_misfit", "extrapolated", "expected_mm", "reason"),
 )
 """The columns of ``results.csv``."""
@@ -37,6 +47,7 @@ class Line:
     misfit: bool | None = None
     expected_mm: float = float("nan")
     reason: str | None = None
+    pixel_error_px: float = float("nan")
 
     @property
     def over_oracle(self) -> float:
@@ -77,18 +88,22 @@ def _of_method(case: Case, found: CaseFigures, one: MethodFigures) -> Iterator[L
             one.misfit,
             one.expected_mm,
             reason,
+            found.pixel_error_px,
         )
 
 
-def results_table(lines: Sequence[Line]) -> str:
-    """Return the text of ``results.csv``; what is missing is nan, flags are 0 and 1."""
-    return table_text(HEADER, map(_cells, lines))
+def results_table(lines: Sequence[Line], further: Iterable[Sequence[object]] = ()) -> str:
+    """Return the text of ``results.csv``; what is missing is nan, flags are 0 and 1.
+
+    Further lines, which are not of a cell, come last.
+    """
+    return table_text(HEADER, chain(map(_cells, lines), further))
 
 
 def _cells(line: Line) -> list[object]:
     cell, one, nan = line.cell, line.figures, float("nan")
     factors: list[object] = [line.method, cell.family, cell.strength]
-    factors += [FAMILIES[cell.family].known_as(cell.strength), cell.noise_px, cell.points]
+    factors += [FAMILIES[cell.family].known_as(cell.strength), cell.stated_noise_px, cell.points]
     factors += [
         str(cell.layout),
         str(cell.source),
@@ -97,6 +112,7 @@ def _cells(line: Line) -> list[object]:
         line.seed,
         line.trained,
         line.beyond_pinhole_px,
+        line.pixel_error_px,
     ]
     figures: list[object] = [0, 0, nan, nan, nan, 0, 0, nan]
     if one is not None:

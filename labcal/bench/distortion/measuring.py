@@ -6,12 +6,13 @@ import numpy as np
 from numpy.linalg import LinAlgError
 
 from labcal.bench.distortion.case import Case, Measured
-from labcal.bench.distortion.cell_data import CellData, RegionPoints, cell_data
+from labcal.bench.distortion.cell_data import CellData, cell_data
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
+from labcal.bench.distortion.preparation import prepared_method
+from labcal.bench.distortion.rendered_data import rendered_data
 from labcal.bench.families.cameras import SIZE
-from labcal.errors import LabcalError, UnknownNameError
+from labcal.errors import DeviceError, LabcalError
 from labcal.estimators.estimator import PointEstimator
-from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import TrainingBox
 from labcal.estimators.surrogate_validation import (
     Surrogate,
@@ -41,7 +42,9 @@ def measured_case(case: Case) -> CaseFigures:
     """
     estimators = [prepared(case, method) for method in case.methods]
     try:
-        data = cell_data(case)
+        data = cell_data(case) if case.pictures is None else rendered_data(case, case.pictures)
+    except DeviceError:  # of this machine: another one, or another run, may do it
+        raise
     except LabcalError as error:
         return CaseFigures(reason=str(error))
     surrogate = surrogate_of(data.X, data.Y, _SIZES, case.seed)
@@ -49,7 +52,12 @@ def measured_case(case: Case) -> CaseFigures:
         _measured_method(case, method, estimator, data, surrogate)
         for method, estimator in zip(case.methods, estimators, strict=True)
     )
-    return CaseFigures(trained=len(data.Y), beyond_pinhole_px=data.beyond_pinhole_px, methods=methods)
+    return CaseFigures(
+        trained=len(data.Y),
+        beyond_pinhole_px=data.beyond_pinhole_px,
+        pixel_error_px=data.pixel_error_px,
+        methods=methods,
+    )
 
 
 def prepared(case: Case, method: str) -> PointEstimator:
@@ -60,15 +68,7 @@ def prepared(case: Case, method: str) -> PointEstimator:
     UnknownNameError, InputError
         There is no such method, or it cannot be made.
     """
-    estimator = estimator_of(method)
-    known = estimator.get_params()
-    given = {"image_sizes": _SIZES, "random_state": case.seed}
-    estimator.set_params(**{name: value for name, value in given.items() if name in known})
-    for name, value in case.settings.get(method, {}).items():
-        if name not in known:
-            raise UnknownNameError(f"setting of {method}", name, known)
-        estimator.set_params(**{name: value})
-    return estimator
+    return prepared_method(method, case.settings.get(method, {}), case.seed, _SIZES)
 
 
 def _measured_method(
@@ -81,9 +81,7 @@ def _measured_method(
         began = time.perf_counter()
         estimator = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
         own = time.perf_counter() - began
-        regions = tuple(
-            region_figures(estimator, data, region, case.cell.noise_px) for region in case.regions
-        )
+        regions = tuple(region_figures(estimator, data, region) for region in case.regions)
         expected = None if surrogate is None else validate_on(estimator, surrogate)
     except (LabcalError, LinAlgError) as error:
         return MethodFigures(method=method, reason=f"{type(error).__name__}: {error}")
@@ -93,9 +91,7 @@ def _measured_method(
     return found.model_copy(update={"misfit": expected.misfit, "expected_mm": expected.rmse_mm})
 
 
-def region_figures(
-    estimator: PointEstimator, data: CellData, region: Measured, noise_px: float
-) -> RegionFigures:
+def region_figures(estimator: PointEstimator, data: CellData, region: Measured) -> RegionFigures:
     """Return errors and coverage of a fitted method at the points of a region.
 
     Parameters
@@ -104,12 +100,11 @@ def region_figures(
         Fitted.
     data : CellData
     region : Measured
-    noise_px : float
-        Of the pixels, which the method is given as their covariance.
     """
     tests = data.tests[region]
+    X = tests.q.reshape(len(tests.q), -1)
     began = time.perf_counter()
-    found, stated = _predicted(estimator, tests, noise_px)
+    found, stated = estimator.predict_with_covariance(X, tests.covariance)
     seconds = time.perf_counter() - began
     error, oracle = found - tests.p, tests.oracle - tests.p
     known = np.isfinite(error).all(axis=1) & np.isfinite(oracle).all(axis=1)
@@ -125,14 +120,6 @@ def region_figures(
         extrapolated=int((~TrainingBox.of(data.X, data.Y).holds(found[known])).sum()),
         predict_seconds=seconds,
     )
-
-
-def _predicted(
-    estimator: PointEstimator, tests: RegionPoints, noise_px: float
-) -> tuple[np.ndarray, np.ndarray]:
-    n, cameras = tests.q.shape[:2]
-    covariance = np.tile(noise_px**2 * np.eye(2), (n, cameras, 1, 1))
-    return estimator.predict_with_covariance(tests.q.reshape(n, -1), covariance)
 
 
 def _rms(error: np.ndarray) -> float:

@@ -4,13 +4,23 @@ import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
+from labcal.bench.distortion.factor_levels import (
+    FamilyName,
+    Levels,
+    MethodName,
+    Noise,
+    Points,
+    ProtocolName,
+    Strength,
+    each_once,
+)
 from labcal.bench.distortion.fault_section import SECTION, FaultSection, fitted_section, strange_level
-from labcal.bench.families.registry import family_by_name
+from labcal.bench.distortion.rendered_plan import RENDERED_FACTORS, RenderedPlan, with_rendered_change
 from labcal.errors import InputError, UnknownNameError
 from labcal.run.code_version import module_digest
 from labcal.run.descriptions import description_content, validate_description
@@ -18,30 +28,6 @@ from labcal.run.user_code import SEPARATOR
 
 FOLDER = "labcal/bench/distortion/plans"
 QUICK, FULL = "quick", "full"
-_MOST_LEVELS = 1000
-Level = TypeVar("Level")
-
-
-def _each_once(levels: tuple[Level, ...]) -> tuple[Level, ...]:
-    """Return levels of which none stands twice."""
-    if len(set(levels)) < len(levels):
-        raise ValueError("a level stands twice; name each once")
-    return levels
-
-
-def _known_family(name: str) -> str:
-    return family_by_name(name).name
-
-
-Levels = Annotated[
-    tuple[Level, ...], Field(min_length=1, max_length=_MOST_LEVELS), AfterValidator(_each_once)
-]
-"""The levels of a factor."""
-FamilyName = Annotated[str, AfterValidator(_known_family)]
-MethodName = Annotated[str, Field(min_length=1, max_length=200)]
-Strength = Annotated[float, Field(ge=0.0, le=1.0)]
-Noise = Annotated[float, Field(ge=1e-4, le=20.0)]
-Points = Annotated[int, Field(ge=16, le=4000)]
 
 
 class Plan(BaseModel):
@@ -80,6 +66,10 @@ class Plan(BaseModel):
     """Constructor arguments by method that differ from its defaults."""
     faults: FaultSection = FaultSection()
     """Faults that the methods do not know of, in some of the cells."""
+    rendered: RenderedPlan | None = None
+    """Cases that are measured through pictures, with the same methods; the usual ones where left out."""
+    protocols: Annotated[tuple[ProtocolName, ...], AfterValidator(each_once)] = ()
+    """Protocols of others by which all methods are measured besides, once a seed."""
 
     @model_validator(mode="after")
     def _has_the_reference_cells(self) -> "Plan":
@@ -89,13 +79,14 @@ class Plan(BaseModel):
 
     @property
     def cell_count(self) -> int:
-        """Number of cells, which are not counted one by one."""
+        """Number of simulated cells, which are not counted one by one."""
         return math.prod(map(len, (self.families, self.strengths, self.noise_px, self.points, self.layout)))
 
     @property
     def case_count(self) -> int:
-        """Number of cases, those with a fault included."""
-        return self.cell_count * self.seeds + self.faults.count(self._levels) * self.fault_seeds
+        """Number of cases, those with a fault and those of pictures included."""
+        pictured = 0 if self.rendered is None else self.rendered.case_count
+        return self.cell_count * self.seeds + self.faults.count(self._levels) * self.fault_seeds + pictured
 
     @property
     def fault_seeds(self) -> int:
@@ -107,8 +98,14 @@ class Plan(BaseModel):
         """The hash of all that the plan says."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Digests of the files of methods of one's own."""
+        own = [method for method in self.methods if SEPARATOR in method]
+        return tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
+
     def cells(self) -> Iterator[Cell]:
-        """Yield the cells, the first factor changing least often."""
+        """Yield the simulated cells, the first factor changing least often."""
         factors = (self.families, self.strengths, self.noise_px, self.points, self.layout)
         for family, strength, noise_px, points, layout in product(*factors):
             yield Cell(family, strength, noise_px, points, layout)
@@ -120,21 +117,22 @@ class Plan(BaseModel):
     @property
     def _levels(self) -> dict[str, tuple[Any, ...]]:
         """Levels by factor."""
-        return {factor: getattr(self, factor) for factor in FACTORS if factor != SECTION}
+        return {factor: getattr(self, factor) for factor in _CELL_FACTORS}
 
     def cases(self, first_seed: int) -> list[Case]:
-        """Return all cases, the seeds of a cell together, those with a fault last."""
-        own = [method for method in self.methods if SEPARATOR in method]
-        sources = tuple(module_digest(method.partition(SEPARATOR)[0]) for method in own)
-        return [
+        """Return all cases, the seeds of a cell together, then those with a fault, those of pictures last."""
+        sources = self.sources
+        cases = [
             Case(cell, first_seed + number, self.methods, self.measured, self.tests, self.settings, sources)
             for cells, seeds in ((self.cells(), self.seeds), (self.fault_cells(), self.fault_seeds))
             for cell in cells
             for number in range(seeds)
         ]
+        return cases if self.rendered is None else [*cases, *self.rendered.cases(cases[0])]
 
 
-FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured", SECTION)
+_CELL_FACTORS = ("methods", "families", "strengths", "noise_px", "points", "layout", "measured")
+FACTORS = (*_CELL_FACTORS, SECTION, "protocols")
 
 
 def load_plan(
@@ -147,7 +145,8 @@ def load_plan(
     name : str
         ``quick``, ``full``, or the path of a file.
     changes : sequence of str
-        Each ``factor=level,level``, in the place of the plan's levels.
+        Each ``factor=level,level``, in the place of the plan's levels; ``rendered.strengths=0,1`` is one of
+        the section `rendered`.
     methods : sequence of str
         Methods to measure besides those of the plan.
     seeds : int, optional
@@ -163,12 +162,15 @@ def load_plan(
     content, changed = description_content("plan", FOLDER, name), []
     for change in changes:
         factor, equals, levels = change.partition("=")
-        if factor not in FACTORS:
-            raise UnknownNameError("factor", factor, FACTORS)
+        if factor not in (*FACTORS, *RENDERED_FACTORS):
+            raise UnknownNameError("factor", factor, (*FACTORS, *RENDERED_FACTORS))
         if not equals or not levels:
             raise InputError(
                 f"`overrides` takes a factor and its levels, as in strengths=0,0.5,1, but is '{change}'."
             )
+        if factor in RENDERED_FACTORS:
+            content["rendered"] = with_rendered_change(content.get("rendered"), factor, levels)
+            continue
         _replace(content, factor, [level.strip() for level in levels.split(",")])
         changed.append(factor)
         if factor == "methods" and isinstance(content.get("settings"), dict):

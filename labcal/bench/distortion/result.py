@@ -9,8 +9,13 @@ from rich.table import Table
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
-from labcal.bench.distortion.checks import ENOUGH_POINTS
+from labcal.bench.distortion.checks import coverage_is_wrong
+from labcal.bench.distortion.enough_points import with_enough_points
+from labcal.bench.distortion.levels import spread_levels
+from labcal.bench.distortion.own_detections.result import OwnResult, own_table
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.protocols.result import ProtocolResult
+from labcal.bench.distortion.protocols.tables import protocol_table
 from labcal.bench.distortion.sensitivity import Sensitivity
 from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.distortion.winners import Winner
@@ -18,11 +23,13 @@ from labcal.bench.families.registry import FAMILIES
 from labcal.report.bench import BenchResult, bench_table
 from labcal.report.values import Measured as Figure
 
+FAR = 2.0
+"""Times the oracle's error, beyond which a method is far from it."""
 _MOST_COLUMNS = 5
 
 
 class FamilyFigures(BaseModel):
-    """One method on one family and strength: medians over all its cells, within the trained volume."""
+    """One method on one family and strength in one region: medians over all its cells."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -39,6 +46,10 @@ class FamilyFigures(BaseModel):
     flagged: int
     """Cells in which every seed is flagged `model-misfit`."""
     cells: int
+    miscovered: int = 0
+    """Cells with neither a coverage of 0.93 to 0.97 nor a flag."""
+    silent: int = 0
+    """Cells with more than `FAR` times the oracle's error in which a seed is not flagged `model-misfit`."""
 
 
 class DistortionResult(BenchResult):
@@ -51,18 +62,26 @@ class DistortionResult(BenchResult):
     answer: tuple[str, ...]
     """To "should I use a network?"."""
     families: tuple[FamilyFigures, ...]
+    """Within the trained volume."""
     winners: tuple[Winner, ...]
+    outside: tuple[FamilyFigures, ...] = ()
+    """Outside the trained volume, as far as the plan measures there."""
     sensitivity: tuple[Sensitivity, ...] = ()
     """To faults of boards and of shooting."""
+    rendered: tuple[FamilyFigures, ...] = ()
+    """As `families`, of the cells that are measured through pictures."""
+    protocols: tuple[ProtocolResult, ...] = ()
+    """Protocols of others, with what their authors published."""
+    detections: tuple[OwnResult, ...] = ()
+    """Methods on detections of one's own."""
 
 
-def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
-    """Return the figures by family, method and strength."""
-    within = [one for one in summaries if one.measured == Measured.WITHIN]
-    most = max((one.cell.points for one in within), default=0)
-    enough = [one for one in within if one.cell.points >= min(ENOUGH_POINTS, most)]
+def family_figures(
+    summaries: Sequence[CellSummary], region: Measured = Measured.WITHIN
+) -> list[FamilyFigures]:
+    """Return the figures of a region by family, method and strength."""
     groups: dict[tuple[str, str, float], list[CellSummary]] = {}
-    for one in enough:
+    for one in with_enough_points([one for one in summaries if one.measured == region]):
         groups.setdefault((one.cell.family, one.method, one.cell.strength), []).append(one)
     return [
         FamilyFigures(
@@ -75,6 +94,8 @@ def family_figures(summaries: Sequence[CellSummary]) -> list[FamilyFigures]:
             coverage95=_median([one.coverage95 for one in group]),
             flagged=sum(one.flagged_misfit for one in group),
             cells=len(group),
+            miscovered=sum(map(coverage_is_wrong, group)),
+            silent=sum(one.over_oracle > FAR and not one.flagged_misfit for one in group),
         )
         for (family, method, strength), group in groups.items()
     ]
@@ -87,31 +108,33 @@ def _median(values: Sequence[float]) -> float:
 
 def distortion_table(result: DistortionResult) -> Group:
     """Return errors by family and method over the strength, the answer, and the checks, for people."""
-    strengths = _shown(sorted({one.strength for one in result.families}))
-    table = Table(title="RMS error over the oracle's, median, within the trained volume")
+    title = "RMS error over the oracle's, median, within the trained volume"
+    tables = [_errors_table(result.families, title)]
+    if result.rendered:
+        tables.append(_errors_table(result.rendered, f"{title}, through pictures"))
+    if result.sensitivity:
+        tables.append(sensitivity_table(result.sensitivity))
+    tables += [*map(own_table, result.detections), *map(protocol_table, result.protocols)]
+    return Group(*tables, *result.answer, bench_table(result))
+
+
+def _errors_table(families: Sequence[FamilyFigures], title: str) -> Table:
+    strengths = spread_levels([one.strength for one in families], _MOST_COLUMNS)
+    table = Table(title=title)
     table.add_column("family")
     table.add_column("method", overflow="fold")
     for strength in strengths:
         table.add_column(f"{strength:g}", justify="right")
-    figures = {(one.family, one.method, one.strength): one for one in result.families}
+    figures = {(one.family, one.method, one.strength): one for one in families}
     before = None
-    for family, method in dict.fromkeys((one.family, one.method) for one in result.families):
+    for family, method in dict.fromkeys((one.family, one.method) for one in families):
         cells = [_cell(figures.get((family, method, strength))) for strength in strengths]
         if before not in {None, family}:
             table.add_section()
         table.add_row("" if before == family else family, method, *cells)
         before = family
     table.caption = "Columns: strength. *: flagged model-misfit, from training data alone, in every cell."
-    faults = [sensitivity_table(result.sensitivity)] if result.sensitivity else []
-    return Group(table, *faults, *result.answer, bench_table(result))
-
-
-def _shown(strengths: list[float]) -> list[float]:
-    """Return as many strengths as fit into a line, the least and the greatest among them."""
-    if len(strengths) <= _MOST_COLUMNS:
-        return strengths
-    places = np.linspace(0, len(strengths) - 1, _MOST_COLUMNS).round().astype(int)
-    return [strengths[place] for place in places]
+    return table
 
 
 def _cell(one: FamilyFigures | None) -> str:

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from labcal.bench.distortion.curves import COLOURS, svg_text
+from labcal.bench.distortion.curves import svg_text
+from labcal.bench.distortion.method_lines import method_looks
 from labcal.bench.distortion.sensitivity import Sensitivity
+from labcal.report.inline_svg import GROUND, QUIET
+from labcal.report.page_axes import plain_axes
 
-_MARKS = "osD^v<>"
 _INCH_BY_FAULT, _INCH_BESIDES, _WIDTH_INCH = 0.5, 1.3, 6.5
 _BAND = 0.7
 """Share of a line's height over which its methods are spread."""
@@ -32,21 +34,21 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
     A method that refuses all seeds has no error, and stands at the right edge as a cross.
     """
     faults = list(dict.fromkeys(one.fault for one in found))
-    methods = list(dict.fromkeys(one.method for one in found))
+    looks = method_looks([one.method for one in found])
     height = _INCH_BY_FAULT * len(faults) + _INCH_BESIDES
     figure = Figure(figsize=(_WIDTH_INCH, height), layout="constrained")
     axes = figure.subplots()
     figure.suptitle(title, fontsize=9)
-    axes.axvline(1.0, color="0.5", linewidth=0.8, zorder=0)
+    axes.axvline(1.0, color=QUIET.drawn, linewidth=0.8, zorder=0)
     axes.set_xscale("log")
-    for number, method in enumerate(methods):
-        rank = number - 0.5 * (len(methods) - 1)
-        colour, mark = COLOURS[number % len(COLOURS)], _MARKS[number // len(COLOURS) % len(_MARKS)]
+    for number, (method, look) in enumerate(looks.items()):
+        shift = _BAND * (number - 0.5 * (len(looks) - 1)) / len(looks)
+        colour, mark = look.colour, look.mark
         axes.plot([], [], mark, color=colour, markersize=4.5, label=method)
         for one in (each for each in found if each.method == method):
-            y = faults.index(one.fault) + _BAND * rank / len(methods)
+            y = faults.index(one.fault) + shift
             if np.isfinite(one.over_usual):
-                face = colour if one.is_noticed else "white"
+                face = colour if one.is_noticed else GROUND.drawn
                 axes.plot([one.over_usual], [y], mark, color=colour, markerfacecolor=face, markersize=4.5)
             elif one.refused:
                 edge = axes.get_yaxis_transform()
@@ -54,7 +56,8 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
     axes.set_yticks(range(len(faults)), faults)
     axes.set_ylim(len(faults) - 0.5, -0.5)
     axes.tick_params(labelsize=7)
-    axes.grid(visible=True, axis="x", color="0.92", linewidth=0.6)
+    plain_axes(axes)
+    axes.grid(visible=False, axis="y")
     figure.supxlabel("error with the fault over that without it (x: refused)", fontsize=8)
-    figure.legend(loc="outside right upper", fontsize=7, frameon=False)
+    figure.legend(loc="outside lower center", ncols=len(looks), fontsize=8, frameon=False)
     return figure

@@ -12,8 +12,8 @@ from labcal.cameras.camera import Camera
 from labcal.errors import UnknownNameError
 from labcal.geometry.poses import look_at
 
-_EYES_MM = ((650.0, 700.0, 2400.0), (1350.0, 700.0, 2400.0))
-_LOOK_AT_MM = (1000.0, 1000.0, 500.0)
+EYES_MM = ((650.0, 700.0, 2400.0), (1350.0, 700.0, 2400.0))
+LOOK_AT_MM = (1000.0, 1000.0, 500.0)
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Family:
 def camera_pair(camera: CameraAt, seed: int) -> tuple[Camera, Camera]:
     """Return cameras at the two places from which all families look at their volume."""
     up = np.array([0.0, 1.0, 0.0])
-    first, second = (look_at(np.array(eye), np.array(_LOOK_AT_MM), up) for eye in _EYES_MM)
+    first, second = (look_at(np.array(eye), np.array(LOOK_AT_MM), up) for eye in EYES_MM)
     return camera(first, seed, 0), camera(second, seed, 1)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -208,6 +209,15 @@ def test_a_start_is_refined_or_kept(see: See, pair: Cameras, grid: DotGrid, pose
         pair["right"].T_cam_world,
         atol=1e-4,
     )
+
+
+def test_a_start_may_be_the_path_of_a_rig(pair: Cameras, tmp_path: Path) -> None:
+    file = tmp_path / "rig.json"
+    Rig.of(pair).save(file)
+    for given in (file, str(file)):
+        assert HandheldSettings(start=given, lenses="fixed").start_rig == Rig.load(file)
+    with pytest.raises(InputError, match="missing"):
+        HandheldSettings(start=tmp_path / "missing.json")
 
 
 def test_a_start_that_does_not_fit_is_refused(see: See, pair: Cameras, grid: DotGrid, poses: Poses) -> None:

@@ -79,6 +79,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         ("bench render --only suite -o out", "--only names groups"),
         ("bench detect --method mlp -o out", "--method goes with 'bench solve'"),
+        ("bench solve --detections shoot -o out", "--detections goes with 'bench distortion'"),
         ("target export rings-10x8 -o target.svg --dpi 300", "dpi"),
     ],
 )

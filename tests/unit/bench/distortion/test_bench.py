@@ -54,7 +54,7 @@ def test_a_regressor_of_ones_own_by_one_command_and_by_one_call(
     assert status in {0, 1}
     settings = pipeline.BenchSettings(quick=True, methods=(name,), overrides=SMALL, seeds=1)
     made = pipeline.bench("distortion", tmp_path / "python", settings)
-    for file in ("results.csv", "results.json", "figures/error-brown-planes.svg"):
+    for file in ("results.csv", "results.json", "page.html", "figures/error-brown-planes.svg"):
         assert (tmp_path / "command" / file).read_bytes() == (tmp_path / "python" / file).read_bytes()
     assert isinstance(made, DistortionResult)
     assert json.loads((tmp_path / "python" / "results.json").read_text()) == plain_data(made)
@@ -80,6 +80,9 @@ def test_a_case_that_cannot_be_drawn_is_a_line_with_its_reason(
         "The cameras of 'brown_0.4_0.1_60_planes_0' see none of the 60 training points."
     }
     assert made.checks[0].ok
+    page = (tmp_path / "out" / "page.html").read_text(encoding="utf-8")
+    assert "see none of the 60 training points" in page
+    assert "--set methods=dlt,two-plane --seeds 1 -o DIR" in page
 
 
 @pytest.mark.slow
@@ -89,5 +92,7 @@ def test_two_processes_give_the_bytes_of_one(tmp_path: Path, monkeypatch: pytest
     for cores in (1, 2):
         monkeypatch.setattr(bench, "usable_cores", lambda cores=cores: cores)
         pipeline.bench("distortion", tmp_path / str(cores), settings)
-    for file in [*(tmp_path / "1").glob("results.*"), *(tmp_path / "1" / "figures").iterdir()]:
+    made = tmp_path / "1"
+    assert (made / "figures" / "outside-brown-planes.svg").is_file()
+    for file in [*made.glob("results.*"), made / "page.html", *(made / "figures").iterdir()]:
         assert file.read_bytes() == (tmp_path / "2" / file.relative_to(tmp_path / "1")).read_bytes(), file

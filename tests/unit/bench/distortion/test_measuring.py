@@ -38,7 +38,7 @@ def data() -> CellData:
 
 
 def test_known_errors_give_the_known_figures(data: CellData) -> None:
-    found = region_figures(TruthAndNoise(data, 1.0), data, Measured.WITHIN, 0.1)
+    found = region_figures(TruthAndNoise(data, 1.0), data, Measured.WITHIN)
     n, trace = found.n, np.trace(COVARIANCE)
     spread = np.sqrt(2.0 * (COVARIANCE**2).sum() / n)  # of the mean of squares of normal errors
     assert abs(found.rmse_mm**2 - trace) < 4.0 * spread
@@ -51,7 +51,7 @@ def test_known_errors_give_the_known_figures(data: CellData) -> None:
 
 def test_too_small_a_covariance_covers_too_little(data: CellData) -> None:
     """Of normal errors in three dimensions, 42.5 % lie within half the radius of the 95 % ellipsoid."""
-    found = region_figures(TruthAndNoise(data, 0.25), data, Measured.WITHIN, 0.1)
+    found = region_figures(TruthAndNoise(data, 0.25), data, Measured.WITHIN)
     assert abs(found.coverage95 - 0.4247) < 4.0 * np.sqrt(0.4247 * 0.5753 / found.n)
 
 

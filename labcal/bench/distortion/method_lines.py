@@ -1,0 +1,113 @@
+"""Lines of methods in figures: the look of each, and axes of errors over the oracle's."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, NullLocator
+
+from labcal.bench.distortion.cell_summary import CellSummary
+from labcal.report.inline_svg import GROUND, QUIET, TEXT
+from labcal.report.page_axes import plain_axes
+
+_COLOURS = ("#1f83cc", "#d55e00", "#009e73", "#c4699a", TEXT.drawn)
+"""Near four of Okabe and Ito (2008), which readers with any colour vision tell apart, with contrast enough in
+both themes of a page; and the page's ink."""
+_STYLES = (("-", "o"), ("--", "s"), (":", "^"))
+_BAND = 0.18
+_LADDERS = (
+    (3.0, (0.5, 0.7, 0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.3, 1.5, 1.7, 2.0, 2.5, 3.0)),
+    (30.0, (0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 20.0, 30.0)),
+    (1e3, (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)),
+)
+"""Ticks of an axis of ratios by how far it reaches."""
+_MOST_TICKS = 9
+
+Value = Callable[[CellSummary], float]
+Range = Callable[[CellSummary], tuple[float, float, float]]
+"""From a summary to the value, and to the ends of its band."""
+
+
+@dataclass(frozen=True)
+class MethodLook:
+    """Colour, line and mark of a method."""
+
+    colour: str
+    line: str
+    mark: str
+
+
+def method_looks(methods: Sequence[str]) -> dict[str, MethodLook]:
+    """Return the looks of methods by their names; a method looks the same in every figure of a plan.
+
+    Parameters
+    ----------
+    methods : sequence of str
+        All of a plan, in its order, each as often as it likes.
+    """
+    looks = {}
+    for number, method in enumerate(dict.fromkeys(methods)):
+        line, mark = _STYLES[number // len(_COLOURS) % len(_STYLES)]
+        looks[method] = MethodLook(_COLOURS[number % len(_COLOURS)], line, mark)
+    return looks
+
+
+def draw_methods(
+    axes: Axes, cells: Sequence[CellSummary], looks: Mapping[str, MethodLook], place: Value, figures: Range
+) -> None:
+    """Draw a line for each method with its band; open marks are flagged `model-misfit`.
+
+    Parameters
+    ----------
+    axes : Axes
+    cells : sequence of CellSummary
+        Of one panel.
+    looks : mapping of str to MethodLook
+    place : callable
+        From a summary to its place on the x axis.
+    figures : callable
+        From a summary to the value, and to the ends of its band.
+    """
+    for method, look in looks.items():
+        own = sorted((one for one in cells if one.method == method), key=place)
+        if not own:
+            continue
+        x = [place(one) for one in own]
+        middle, low, high = zip(*(figures(one) for one in own), strict=True)
+        axes.fill_between(x, low, high, color=look.colour, alpha=_BAND, linewidth=0)
+        axes.plot(x, middle, look.line, color=look.colour, linewidth=1.3, label=method)
+        for flagged, face in ((False, look.colour), (True, GROUND.drawn)):
+            marks = [
+                (a, b) for a, b, one in zip(x, middle, own, strict=True) if one.flagged_misfit is flagged
+            ]
+            if marks:
+                axes.plot(
+                    *zip(*marks, strict=True), linestyle="", marker=look.mark, color=look.colour,
+                    markerfacecolor=face, markersize=3.5,
+                )  # fmt: skip
+
+
+def over_oracle(one: CellSummary) -> tuple[float, float, float]:
+    """Return the median error over the oracle's, with the range of the seeds."""
+    return one.over_oracle, one.low, one.high
+
+
+def ratio_axis(axes: Axes) -> None:
+    """Make the y axis one of errors over the oracle's: logarithmic, with plain numbers, and a line at 1."""
+    axes.axhline(1.0, color=QUIET.drawn, linewidth=0.8, zorder=0)  # so that there is something to scale
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    axes.set_yticks(_ticks(low, high))
+    axes.set_ylim(low, high)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_locator(NullLocator())
+    plain_axes(axes)
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Return ticks within limits."""
+    for reach, ladder in _LADDERS:
+        found = [tick for tick in ladder if low <= tick <= high]
+        if high / low <= reach and len(found) <= _MOST_TICKS:
+            return found
+    return [10.0**power for power in range(-3, 13) if low <= 10.0**power <= high]

@@ -1,0 +1,43 @@
+"""Section: through rendered pictures."""
+
+from labcal.bench.distortion.case import Source
+from labcal.bench.distortion.curves import error_figure
+from labcal.bench.distortion.page.cell_table import cell_download
+from labcal.bench.distortion.page.family_table import family_table
+from labcal.bench.distortion.page.findings import Findings
+from labcal.report.inline_svg import inline_svg, page_style
+from labcal.report.page.beside import Beside
+from labcal.report.page.chart import Chart
+from labcal.report.page.document import Section
+from labcal.report.page.prose import Prose
+
+_HOW = (
+    "The same cameras take rendered pictures of a board on a stage, and labcal's detector measures its dots. "
+    "The oracle triangulates the same detected dots with the true cameras: what the detector errs by is in "
+    "both."
+)
+
+
+def rendered_section(findings: Findings) -> Section | None:
+    """Return the errors over the strength through pictures, by family.
+
+    Parameters
+    ----------
+    findings : Findings
+    """
+    pictured = [one for one in findings.summaries if one.cell.source is Source.RENDERED]
+    charts = []
+    for family in dict.fromkeys(one.cell.family for one in pictured):
+        own = [one for one in pictured if one.cell.family == family and one.over_oracle > 0.0]
+        if own:
+            name = f"rendered-{family}"
+            with page_style():
+                svg = inline_svg(error_figure(own, family), name, f"{family}: errors through pictures")
+            charts.append(Chart(name, svg, f"{family}, rendered.", cell_download(f"{name}.csv", own)))
+    rendered = findings.result.rendered
+    if not rendered:
+        return None
+    beside = [Beside(tuple(charts))] if charts else []
+    strengths = sorted({one.strength for one in rendered})
+    table = family_table("families-rendered", rendered, strengths)
+    return Section("Through rendered pictures", [Prose((_HOW,)), *beside, table])

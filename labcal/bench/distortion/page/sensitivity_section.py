@@ -1,0 +1,72 @@
+"""Section: faults that the methods are not told of."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.sensitivity import Sensitivity
+from labcal.bench.distortion.sensitivity_figures import sensitivity_figure
+from labcal.bench.distortion.trust_words import ratio_words
+from labcal.report.inline_svg import inline_svg, page_style
+from labcal.report.page.beside import Beside
+from labcal.report.page.chart import Chart
+from labcal.report.page.document import Section
+from labcal.report.page.download import table_download
+from labcal.report.page.prose import Prose
+from labcal.report.page.table import MISSING, Column, PageTable, Side
+
+_HOW = (
+    "A wrong board, a stage that reads wrong, and the mistakes of the rendered laboratory: RMS error with "
+    "the fault over that without it, at the same points with the same noise. Filled marks: the fault is "
+    "noticed, by the flag model-misfit or by a refusal; open marks: nothing tells of it."
+)
+_CAPTION = "Median of the cells; *: noticed in all of them"
+
+
+def sensitivity_section(findings: Findings) -> Section | None:
+    """Return the error with each fault over that without it, by family, and the table of all methods.
+
+    Parameters
+    ----------
+    findings : Findings
+    """
+    found = findings.result.sensitivity
+    charts = []
+    for family in dict.fromkeys(one.family for one in found):
+        own = [one for one in found if one.family == family]
+        if any(np.isfinite(one.over_usual) for one in own):
+            name = f"sensitivity-{family}"
+            with page_style():
+                svg = inline_svg(sensitivity_figure(own, family), name, f"{family}: {_HOW}")
+            charts.append(Chart(name, svg, f"{family}, strength {own[0].strength:g}."))
+    if not found:
+        return None
+    beside = [Beside(tuple(charts))] if charts else []
+    return Section("When something is wrong", [Prose((_HOW,)), *beside, _table(found)])
+
+
+def _table(found: Sequence[Sensitivity]) -> PageTable:
+    methods = list(dict.fromkeys(one.method for one in found))
+    rows = [
+        [
+            fault,
+            *(
+                _cell([one for one in found if (one.fault, one.method) == (fault, method)])
+                for method in methods
+            ),
+        ]
+        for fault in dict.fromkeys(one.fault for one in found)
+    ]
+    columns = [Column("fault", Side.LEFT), *map(Column, methods)]
+    header = tuple(name for name in Sensitivity.model_fields if name != "reasons")
+    file = table_download("sensitivity.csv", header, [[getattr(one, key) for one in found] for key in header])
+    return PageTable("sensitivity", _CAPTION, columns, rows, file)
+
+
+def _cell(cells: Sequence[Sensitivity]) -> str:
+    star = "*" if cells and all(one.is_noticed for one in cells) else ""
+    known = [one.over_usual for one in cells if np.isfinite(one.over_usual)]
+    if known:
+        return f"{ratio_words(float(np.median(known)))}{star}"
+    return "refused" if any(one.refused for one in cells) else MISSING

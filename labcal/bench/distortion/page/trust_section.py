@@ -1,0 +1,25 @@
+"""Section: how far each method can be trusted, in words."""
+
+from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.trust_words import trust_entries
+from labcal.report.page.document import Section
+from labcal.report.page.prose import Prose, Terms, Tone
+
+_ORACLE = (
+    "The oracle triangulates the same noisy pixels with the true cameras: nothing can be much better. An "
+    "error of 1 is the oracle's. Strength 0 is a pinhole camera, strength 1 the family at its worst."
+)
+
+
+def trust_section(findings: Findings) -> Section:
+    """Return what each method can be trusted for, computed from its figures.
+
+    Parameters
+    ----------
+    findings : Findings
+    """
+    points = f"Of cells with {findings.enough} training points or more, over all noises and layouts."
+    return Section(
+        "How far each method can be trusted",
+        [Prose((_ORACLE,)), Terms(tuple(trust_entries(findings.result))), Prose((points,), Tone.QUIET)],
+    )

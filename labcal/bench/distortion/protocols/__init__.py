@@ -1,0 +1,1 @@
+"""Protocols of others: measurements with published figures, beside which ours stand."""

@@ -1,0 +1,20 @@
+"""The protocols by name; a new one is a line here."""
+
+from labcal.bench.distortion.protocols.josa_volume import JOSA_VOLUME
+from labcal.bench.distortion.protocols.protocol import Protocol
+from labcal.errors import UnknownNameError
+
+PROTOCOLS = {protocol.name: protocol for protocol in (JOSA_VOLUME,)}
+
+
+def protocol_by_name(name: str) -> Protocol:
+    """Return a protocol.
+
+    Raises
+    ------
+    UnknownNameError
+        There is none of that name; the nearest one is offered.
+    """
+    if name not in PROTOCOLS:
+        raise UnknownNameError("protocol", name, PROTOCOLS)
+    return PROTOCOLS[name]

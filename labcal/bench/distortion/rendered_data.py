@@ -1,0 +1,91 @@
+"""Training and test data of a rendered case: dots that are detected in pictures of a board."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from labcal.bench.distortion.case import Case, Measured, Pictures
+from labcal.bench.distortion.cell_data import CellData, RegionPoints, beyond_pinhole
+from labcal.bench.distortion.rendered_scene import rendered_scene
+from labcal.calibrate.eccentricity import centred
+from labcal.cameras.camera import Camera
+from labcal.cameras.triangulation import triangulate
+from labcal.correspond.detections import Detections
+from labcal.correspond.dot_source import dots_of_shoot
+from labcal.correspond.matching import Matches, match, stage_points
+from labcal.correspond.training import training_data
+from labcal.errors import InputError
+from labcal.estimators.centred_training import centred_training
+from labcal.geometry.hull import inside_hull
+from labcal.render.shoot import RenderSettings, render_shoot
+from labcal.run.progress import NoProgress
+from labcal.shoot.dataset import Shoot
+from labcal.shoot.manifest import Role
+from labcal.shoot.truth import TrueDots, read_true_dots
+
+_TOLERANCE_MM = 1e-3
+
+
+def rendered_data(case: Case, pictures: Pictures) -> CellData:
+    """Render the pictures of a case, detect their dots, and return these with the places of the stage.
+
+    Methods get what `labcal fit` and `labcal reconstruct` give them: pixels of dots' centres, from which the
+    eccentricity is subtracted with cameras that are resected from the training dots, and the covariances of
+    the detector. The oracle gets the same detected pixels, and subtracts the eccentricity with the true
+    cameras. Pictures are removed afterwards.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such family.
+    InputError
+        The laboratory cannot render the cameras, or too few dots were detected.
+    DeviceError
+        There is no LLVM library for the renderer.
+    """
+    scene = rendered_scene(case.cell, pictures, case.seed)
+    with TemporaryDirectory(prefix="labcal-distortion-") as home:
+        shoot = render_shoot(scene, Path(home, "shoot"), RenderSettings(seed=case.seed), NoProgress())
+        found = dots_of_shoot(shoot, 1, NoProgress())
+        true_dots = read_true_dots(shoot.folder)
+    return _data(case, shoot, found, true_dots, tuple(scene.true_cameras().values()))
+
+
+def _data(
+    case: Case, shoot: Shoot, found: Detections, true_dots: Sequence[TrueDots], pair: tuple[Camera, ...]
+) -> CellData:
+    poses, target = shoot.nominal_poses(), shoot.target
+    trained = training_data(shoot, found)
+    training = centred_training(trained, target, poses)
+    seen = match(found, shoot.cameras)
+    tested = seen.where(np.isin(seen.view, [view.name for view in shoot.views(Role.TEST)]))
+    p = stage_points(tested, target, poses)
+    inside = inside_hull(p, trained.Y, _TOLERANCE_MM)
+    if not inside.any():
+        raise InputError(f"No dot of a test view of '{case.key}' was measured by both cameras.")
+    centres = tested if training.cameras is None else centred(training.cameras, tested, target)[0]
+    for_oracle, _ = centred(pair, tested, target)
+    oracle = triangulate(pair, for_oracle.q, for_oracle.covariance).point
+    points = RegionPoints(p[inside], centres.q[inside], oracle[inside], covariance=centres.covariance[inside])
+    exact = np.stack([camera.project(trained.Y).q for camera in pair], axis=1)
+    return CellData(
+        training.data.X,
+        trained.Y,
+        {Measured.WITHIN: points},
+        beyond_pinhole(trained.Y, exact),
+        pixel_error_px=pixel_error(seen, true_dots),
+    )
+
+
+def pixel_error(seen: Matches, true_dots: Sequence[TrueDots]) -> float:
+    """Return the RMS of each coordinate of detected minus true centroids, px."""
+    truth = {
+        (picture.view, picture.camera, *index): q
+        for picture in true_dots
+        for index, q in zip(picture.index.tolist(), picture.centroid, strict=True)
+    }
+    lines = zip(seen.view.tolist(), seen.index.tolist(), strict=True)
+    exact = np.array([[truth[view, name, *index] for name in seen.cameras] for view, index in lines])
+    return float(np.sqrt(((seen.q - exact) ** 2).mean()))
