@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-from labcal.bench.distortion.case import Case, Measured, Source
+from labcal.bench.distortion.case import NO_FAULT, Case, Measured, Source
 from labcal.bench.distortion.cell_summary import summarised
 from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.cost import announcement
@@ -81,7 +81,9 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         write_file(working / "results.csv", table, force=True)
         summaries = summarised(lines)
         usual = [one for one in summaries if one.cell.is_usual]
-        rendered = [one for one in summaries if one.cell.source is Source.RENDERED]
+        rendered = [
+            one for one in summaries if one.cell.source is Source.RENDERED and one.cell.fault == NO_FAULT
+        ]
         make_folder(working / "figures")
         sensitivity = sensitivities(lines)
         drawn = figures_of(usual) | rendered_figures(rendered) | sensitivity_figures(sensitivity)

@@ -28,6 +28,7 @@ def expected_seconds(plan: Plan, workers: int) -> float:
     simulated = sum(_fitting_seconds(plan, points) for points in plan.points)
     simulated *= plan.cell_count * plan.seeds / len(plan.points)
     simulated += plan.seeds * sum(_fitting_seconds(plan, PROTOCOLS[name].trained) for name in plan.protocols)
+    simulated += plan.fault_case_count * _fitting_seconds(plan, max(plan.points))
     if plan.rendered is None:
         return simulated / workers
     pictured = plan.rendered.picture_count * (_PICTURE + _RAYS * plan.rendered.spp)

@@ -26,6 +26,14 @@ def _without_none(names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in names if name != NO_FAULT)
 
 
+FaultNames = Annotated[
+    tuple[Annotated[str, AfterValidator(_canonical)], ...],
+    Field(max_length=_MOST_FAULTS),
+    AfterValidator(_without_none),
+]
+"""Names of faults with their sizes."""
+
+
 class FaultSection(BaseModel):
     """Faults that the methods do not know of, and reference cells, which are cells of the plan.
 
@@ -40,11 +48,7 @@ class FaultSection(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    kinds: Annotated[
-        tuple[Annotated[str, AfterValidator(_canonical)], ...],
-        Field(max_length=_MOST_FAULTS),
-        AfterValidator(_without_none),
-    ] = ()
+    kinds: FaultNames = ()
     """Names of faults with their sizes."""
     families: tuple[str, ...] = ()
     """Of the plan's families; all of them where left out."""

@@ -86,7 +86,12 @@ class Plan(BaseModel):
     def case_count(self) -> int:
         """Number of cases, those with a fault and those of pictures included."""
         pictured = 0 if self.rendered is None else self.rendered.case_count
-        return self.cell_count * self.seeds + self.faults.count(self._levels) * self.fault_seeds + pictured
+        return self.cell_count * self.seeds + self.fault_case_count + pictured
+
+    @property
+    def fault_case_count(self) -> int:
+        """Number of simulated cases with a fault."""
+        return self.faults.count(self._levels) * self.fault_seeds
 
     @property
     def fault_seeds(self) -> int:

@@ -1,14 +1,17 @@
 """Training and test data of a rendered case: dots that are detected in pictures of a board."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from labcal.bench.distortion.case import Case, Measured, Pictures
+from labcal.bench.distortion.case import NO_FAULT, Case, Measured, Pictures
 from labcal.bench.distortion.cell_data import CellData, RegionPoints, beyond_pinhole
 from labcal.bench.distortion.rendered_scene import rendered_scene
+from labcal.bench.faults.faulty_scene import faulty_scene
+from labcal.bench.faults.registry import fault_named
 from labcal.calibrate.eccentricity import centred
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
@@ -21,6 +24,8 @@ from labcal.estimators.centred_training import centred_training
 from labcal.geometry.hull import inside_hull
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.progress import NoProgress
+from labcal.scene.model import Scene
+from labcal.scene.placement import Planes
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.truth import TrueDots, read_true_dots
@@ -36,6 +41,8 @@ def rendered_data(case: Case, pictures: Pictures) -> CellData:
     the detector. The oracle gets the same detected pixels, and subtracts the eccentricity with the true
     cameras. Pictures are removed afterwards.
 
+    A fault is one of the pictures to train on; those to measure on are the same with it and without.
+
     Raises
     ------
     UnknownNameError
@@ -46,23 +53,51 @@ def rendered_data(case: Case, pictures: Pictures) -> CellData:
         There is no LLVM library for the renderer.
     """
     scene = rendered_scene(case.cell, pictures, case.seed)
+    usual = _pictured(scene, case.seed)
+    trained = usual
+    if case.cell.fault != NO_FAULT:
+        trained = _pictured(faulty_scene(_to_train_on(scene), fault_named(case.cell.fault)), case.seed)
+    return _data(case, trained, usual, tuple(scene.true_cameras().values()))
+
+
+@dataclass(frozen=True)
+class _Pictured:
+    """Pictures that were rendered and removed: what the shoot states of them, their dots, and the truth."""
+
+    shoot: Shoot
+    found: Detections
+    true_dots: Sequence[TrueDots]
+
+    @property
+    def seen(self) -> Matches:
+        """The dots that both cameras see."""
+        return match(self.found, self.shoot.cameras)
+
+
+def _pictured(scene: Scene, seed: int) -> _Pictured:
     with TemporaryDirectory(prefix="labcal-distortion-") as home:
-        shoot = render_shoot(scene, Path(home, "shoot"), RenderSettings(seed=case.seed), NoProgress())
-        found = dots_of_shoot(shoot, 1, NoProgress())
-        true_dots = read_true_dots(shoot.folder)
-    return _data(case, shoot, found, true_dots, tuple(scene.true_cameras().values()))
+        shoot = render_shoot(scene, Path(home, "shoot"), RenderSettings(seed=seed), NoProgress())
+        return _Pictured(shoot, dots_of_shoot(shoot, 1, NoProgress()), read_true_dots(shoot.folder))
 
 
-def _data(
-    case: Case, shoot: Shoot, found: Detections, true_dots: Sequence[TrueDots], pair: tuple[Camera, ...]
-) -> CellData:
+def _to_train_on(scene: Scene) -> Scene:
+    """Return the scene without its test views."""
+    if not isinstance(scene.placement, Planes):
+        raise TypeError(scene.name)
+    placement = scene.placement.model_copy(update={"test_shifts_pitches": ()})
+    return scene.model_copy(update={"placement": placement})
+
+
+def _data(case: Case, to_train: _Pictured, to_test: _Pictured, pair: tuple[Camera, ...]) -> CellData:
+    shoot = to_test.shoot
     poses, target = shoot.nominal_poses(), shoot.target
-    trained = training_data(shoot, found)
-    training = centred_training(trained, target, poses)
-    seen = match(found, shoot.cameras)
+    trained = training_data(to_train.shoot, to_train.found)
+    training = centred_training(trained, target, to_train.shoot.nominal_poses())
+    seen = to_test.seen
     tested = seen.where(np.isin(seen.view, [view.name for view in shoot.views(Role.TEST)]))
     p = stage_points(tested, target, poses)
-    inside = inside_hull(p, trained.Y, _TOLERANCE_MM)
+    usual = training_data(shoot, to_test.found)
+    inside = inside_hull(p, usual.Y, _TOLERANCE_MM)
     if not inside.any():
         raise InputError(f"No dot of a test view of '{case.key}' was measured by both cameras.")
     centres = tested if training.cameras is None else centred(training.cameras, tested, target)[0]
@@ -75,7 +110,7 @@ def _data(
         trained.Y,
         {Measured.WITHIN: points},
         beyond_pinhole(trained.Y, exact),
-        pixel_error_px=pixel_error(seen, true_dots),
+        pixel_error_px=pixel_error(to_train.seen, to_train.true_dots),
     )
 
 

@@ -3,16 +3,27 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
+from statistics import median_high
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Pictures, Source
 from labcal.bench.distortion.factor_levels import FamilyName, Levels, Strength
+from labcal.bench.distortion.fault_section import FaultNames
 from labcal.bench.families.volume import COLS, ROWS
+from labcal.bench.faults.faulty_scene import require_rendered
+from labcal.bench.faults.registry import fault_named
 
 _SECTION = "rendered."
-_LISTS = ("families", "strengths")
+_LISTS = ("families", "strengths", "faults")
+
+
+def _can_be_rendered(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names of faults, all of which the laboratory can make."""
+    for name in names:
+        require_rendered(fault_named(name))
+    return names
 
 
 class RenderedPlan(BaseModel):
@@ -37,11 +48,13 @@ class RenderedPlan(BaseModel):
     """Rays a pixel."""
     seeds: Annotated[int, Field(ge=1, le=10**6)] = 1
     """Number of seeds: repetitions with other noise of the sensor and other waves."""
+    faults: Annotated[FaultNames, AfterValidator(_can_be_rendered)] = ()
+    """Faults of the pictures to train on, each measured in every family at the middle strength."""
 
     @property
     def case_count(self) -> int:
-        """Number of cases."""
-        return len(self.families) * len(self.strengths) * self.seeds
+        """Number of cases, those with a fault included."""
+        return len(self.families) * (len(self.strengths) + len(self.faults)) * self.seeds
 
     @property
     def points(self) -> int:
@@ -54,9 +67,12 @@ class RenderedPlan(BaseModel):
         return 2 * (2 * self.views - 1)
 
     def cells(self) -> Iterator[Cell]:
-        """Yield the cells, family by family."""
+        """Yield the cells, family by family, those with a fault last."""
         for family, strength in product(self.families, self.strengths):
             yield Cell(family, strength, 0.0, self.points, Layout.PLANES, Source.RENDERED)
+        middle = median_high(self.strengths)
+        for family, fault in product(self.families, self.faults):
+            yield Cell(family, middle, 0.0, self.points, Layout.PLANES, Source.RENDERED, fault)
 
     def cases(self, first: Case) -> list[Case]:
         """Return the cases with the methods and the first seed of a simulated case."""

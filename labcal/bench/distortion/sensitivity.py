@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from labcal.bench.distortion.case import NO_FAULT, Cell, Measured
+from labcal.bench.distortion.case import NO_FAULT, Cell, Measured, Source
 from labcal.bench.distortion.lines import Line
 from labcal.bench.faults.registry import fault_named
 from labcal.report.values import Measured as Figure
@@ -63,6 +63,11 @@ class Sensitivity(BaseModel):
     """Seeds with figures with the fault and without."""
     reasons: tuple[str, ...]
     """The reasons why seeds have no figures, each once."""
+
+    @property
+    def label(self) -> str:
+        """The fault with the origin of the pixels, for people."""
+        return self.fault if self.source == Source.SIMULATED else f"{self.fault}, {self.source}"
 
     @property
     def is_noticed(self) -> bool:

@@ -33,7 +33,7 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
     A mark is filled where a seed is refused or more seeds are flagged `model-misfit` than without the fault.
     A method that refuses all seeds has no error, and stands at the right edge as a cross.
     """
-    faults = list(dict.fromkeys(one.fault for one in found))
+    faults = list(dict.fromkeys(one.label for one in found))
     looks = method_looks([one.method for one in found])
     height = _INCH_BY_FAULT * len(faults) + _INCH_BESIDES
     figure = Figure(figsize=(_WIDTH_INCH, height), layout="constrained")
@@ -46,7 +46,7 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
         colour, mark = look.colour, look.mark
         axes.plot([], [], mark, color=colour, markersize=4.5, label=method)
         for one in (each for each in found if each.method == method):
-            y = faults.index(one.fault) + shift
+            y = faults.index(one.label) + shift
             if np.isfinite(one.over_usual):
                 face = colour if one.is_noticed else GROUND.drawn
                 axes.plot([one.over_usual], [y], mark, color=colour, markerfacecolor=face, markersize=4.5)

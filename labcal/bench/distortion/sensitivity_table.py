@@ -18,8 +18,8 @@ def sensitivity_table(found: Sequence[Sensitivity]) -> Table:
     table.add_column("fault")
     for method in shown:
         table.add_column(method, justify="right", overflow="fold")
-    for fault in dict.fromkeys(one.fault for one in found):
-        cells = [[one for one in found if (one.fault, one.method) == (fault, method)] for method in shown]
+    for fault in dict.fromkeys(one.label for one in found):
+        cells = [[one for one in found if (one.label, one.method) == (fault, method)] for method in shown]
         table.add_row(fault, *map(_cell, cells))
     more = len(methods) - len(shown)
     rest = f" results.json has {more} more methods." if more else ""

@@ -9,6 +9,20 @@ from labcal.scene.mistakes import PITCH_FACTOR, Mistake
 from labcal.scene.model import Scene
 from labcal.targets.grid import DotGrid
 
+_NOT_RENDERED = frozenset({"stage"})
+
+
+def require_rendered(fault: Fault) -> None:
+    """Raise unless the laboratory can make a fault.
+
+    Raises
+    ------
+    InputError
+        It cannot.
+    """
+    if fault.kind.name in _NOT_RENDERED:
+        raise InputError(f"The laboratory cannot make the fault '{fault.kind.name}': its stage is exact.")
+
 
 def faulty_scene(scene: Scene, fault: Fault) -> Scene:
     """Return a scene as it is with a fault; what methods know of it stays the same.
@@ -24,20 +38,18 @@ def faulty_scene(scene: Scene, fault: Fault) -> Scene:
         raise InputError(
             f"The scene '{scene.name}' has the mistake '{scene.mistake}' already; set it to none."
         )
+    require_rendered(fault)
     kind = fault.kind.name
     if kind in set(Mistake):
         return scene.model_copy(
             update={"mistake": Mistake(kind), "mistake_size": fault.size if fault.kind.has_size else None}
         )
-    match kind:
-        case "pitch":
-            size = fault.size / (PITCH_FACTOR - 1.0)
-            return scene.model_copy(update={"mistake": Mistake.WRONG_PITCH, "mistake_size": size})
-        case "bend":
-            return _with_board(scene, {"bend": {"along_x_mm": fault.size * _board_over_dots(scene.target)}})
-        case "misprint":
-            return _with_board(scene, {"misplacement_mm": fault.size})
-    raise InputError(f"The laboratory cannot make the fault '{kind}': a scene's stage is exact.")
+    if kind == "pitch":
+        size = fault.size / (PITCH_FACTOR - 1.0)
+        return scene.model_copy(update={"mistake": Mistake.WRONG_PITCH, "mistake_size": size})
+    if kind == "bend":
+        return _with_board(scene, {"bend": {"along_x_mm": fault.size * _board_over_dots(scene.target)}})
+    return _with_board(scene, {"misplacement_mm": fault.size})
 
 
 def _with_board(scene: Scene, defect: dict[str, object]) -> Scene:

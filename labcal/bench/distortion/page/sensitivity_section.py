@@ -1,4 +1,4 @@
-"""Section: faults that the methods are not told of."""
+"""Section: faults that the methods do not know of."""
 
 from collections.abc import Sequence
 
@@ -52,11 +52,11 @@ def _table(found: Sequence[Sensitivity]) -> PageTable:
         [
             fault,
             *(
-                _cell([one for one in found if (one.fault, one.method) == (fault, method)])
+                _cell([one for one in found if (one.label, one.method) == (fault, method)])
                 for method in methods
             ),
         ]
-        for fault in dict.fromkeys(one.fault for one in found)
+        for fault in dict.fromkeys(one.label for one in found)
     ]
     columns = [Column("fault", Side.LEFT), *map(Column, methods)]
     header = tuple(name for name in Sensitivity.model_fields if name != "reasons")

@@ -58,7 +58,7 @@ def test_what_acts_on_pictures_only_is_in_the_scene() -> None:
 def test_every_fault_but_that_of_the_stage_can_be_rendered() -> None:
     for name in FAULT_KINDS:
         if name == "stage":
-            with pytest.raises(InputError, match="a scene's stage is exact"):
+            with pytest.raises(InputError, match="its stage is exact"):
                 faulty_scene(SCENE, fault_named(name))
         else:
             assert faulty_scene(SCENE, fault_named(name)) != SCENE
