@@ -1,4 +1,4 @@
-"""How far each method can be trusted, in words that are computed from the figures."""
+"""Words on the reliability of each method, computed from the figures."""
 
 from collections.abc import Callable, Iterable, Sequence
 

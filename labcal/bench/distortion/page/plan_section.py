@@ -5,6 +5,7 @@ import yaml
 from labcal.bench.distortion.page.cell_table import cell_download
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.result import DistortionResult
 from labcal.report.page.document import Section
 from labcal.report.page.download import Download
 from labcal.report.page.files import Files
@@ -33,7 +34,7 @@ def plan_section(findings: Findings) -> Section:
         "plan",
         f"Every combination is measured: {counted(result.cases, 'case')}.",
         [Column("factor", Side.LEFT), Column("levels", Side.WIDE)],
-        [*_rows(result.plan, result.first_seed), ["SHA-256", result.plan_sha256]],
+        plan_rows(result),
     )
     files = [
         Download("plan.yaml", plan_text(result.plan)),
@@ -57,15 +58,22 @@ def plan_text(plan: Plan) -> str:
     return text
 
 
-def _rows(plan: Plan, first_seed: int) -> list[list[str]]:
-    """Return what the plan says, factor by factor, as it was dumped: new factors come by themselves."""
-    said = plan.model_dump(mode="json", exclude={"description", "settings", "seeds"})
-    rows = [[factor, _levels(value)] for factor, value in said.items()]
-    rows.append(["seeds", f"{plan.seeds}, from {first_seed}"])
+def plan_rows(result: DistortionResult) -> list[list[str]]:
+    """Return the plan of a result, a row for each factor, and its hash.
+
+    Parameters
+    ----------
+    result : DistortionResult
+    """
+    plan = result.plan
+    # As it is dumped: factors that are added to plans come by themselves.
+    factors = plan.model_dump(mode="json", exclude={"description", "settings", "seeds"})
+    rows = [[factor, _levels(value)] for factor, value in factors.items()]
+    rows.append(["seeds", f"{plan.seeds}, from {result.first_seed}"])
     for method, settings in plan.settings.items():
         values = ", ".join(f"{name} {value}" for name, value in settings.items())
         rows.append([f"settings of {method}", values])
-    return rows
+    return [*rows, ["SHA-256", result.plan_sha256]]
 
 
 def _levels(value: object) -> str:
