@@ -68,7 +68,7 @@ def learning_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     points = sorted({one.cell.points for one in cells})
     for (strength, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.strength, one.cell.noise_px) == (strength, noise)]
-        draw_methods(axes, [_point(one, one.cell.points, _errors(one)) for one in own], looks)
+        draw_methods(axes, [_point(one, float(one.cell.points), _errors(one)) for one in own], looks)
         axes.set_title(f"strength {strength:g}, {noise:g} px")
         axes.set_xscale("log")
         axes.set_xlim(0.9 * points[0], 1.1 * points[-1])
@@ -91,7 +91,7 @@ def coverage_figure(cells: Sequence[CellSummary], title: str) -> Figure:
 
 
 def _point(one: CellSummary, x: float, values: tuple[float, float, float]) -> MethodPoint:
-    return MethodPoint(one.method, float(x), values, one.flagged_misfit)
+    return MethodPoint(one.method, x, values, one.flagged_misfit)
 
 
 def _errors(one: CellSummary) -> tuple[float, float, float]:

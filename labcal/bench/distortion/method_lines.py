@@ -70,7 +70,7 @@ def method_looks(methods: Sequence[str]) -> dict[str, MethodLook]:
 
 
 def draw_methods(axes: Axes, points: Sequence[MethodPoint], looks: Mapping[str, MethodLook]) -> None:
-    """Draw a line for each method with its band; open marks are flagged `model-misfit`.
+    """Draw a line for each method with its band, the first one on top; open marks are flagged `model-misfit`.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def draw_methods(axes: Axes, points: Sequence[MethodPoint], looks: Mapping[str, 
         Of one panel.
     looks : mapping of str to MethodLook
     """
-    for method, look in looks.items():
+    for method, look in reversed(list(looks.items())):
         own = sorted((one for one in points if one.method == method), key=lambda one: one.x)
         if not own:
             continue
@@ -97,12 +97,13 @@ def draw_methods(axes: Axes, points: Sequence[MethodPoint], looks: Mapping[str, 
 
 
 def legend_below(figure: Figure) -> None:
-    """Add a legend of all methods that are drawn below the panels of a figure."""
-    drawn = {
+    """Add a legend of all methods that are drawn below the panels of a figure, the first one first."""
+    found = {
         label: line
         for axes in figure.axes
         for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
+    drawn = dict(reversed(found.items()))
     across = max(int(figure.get_figwidth() / _INCH_A_NAME), 1)
     figure.legend(
         drawn.values(), drawn.keys(), loc="outside lower center", ncols=across, fontsize=8, frameon=False
