@@ -16,7 +16,7 @@ from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.enough_points import least_of
 from labcal.bench.distortion.family_figure import family_figure
 from labcal.bench.distortion.page.family_table import family_rows
-from labcal.bench.distortion.page.plan_section import plan_rows
+from labcal.bench.distortion.page.plan_rows import plan_rows, setting_words
 from labcal.bench.distortion.page.winner_table import WINNER_COLUMNS, winner_cells
 from labcal.bench.distortion.result import DistortionResult
 from labcal.bench.distortion.trust_words import trust_entries
@@ -48,6 +48,8 @@ class DistortionAnswer(_DistortionResults):
         """Yield its sentences."""
         for sentence in result.answer:
             yield from self.parse_text_to_nodes(f"**{sentence}**\n")
+        for method, given in result.plan.settings.items():
+            yield from self.parse_text_to_nodes(f"`{method}` was measured with {setting_words(given)}.\n")
 
 
 class DistortionTrust(_DistortionResults):

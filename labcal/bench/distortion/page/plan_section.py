@@ -4,8 +4,8 @@ import yaml
 
 from labcal.bench.distortion.page.cell_table import cell_download
 from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.page.plan_rows import plan_rows
 from labcal.bench.distortion.plan import Plan
-from labcal.bench.distortion.result import DistortionResult
 from labcal.report.page.document import Section
 from labcal.report.page.download import Download
 from labcal.report.page.files import Files
@@ -56,27 +56,3 @@ def plan_text(plan: Plan) -> str:
     """
     text: str = yaml.safe_dump(plan.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
     return text
-
-
-def plan_rows(result: DistortionResult) -> list[list[str]]:
-    """Return the plan of a result, a row for each factor, and its hash.
-
-    Parameters
-    ----------
-    result : DistortionResult
-    """
-    plan = result.plan
-    # As it is dumped: factors that are added to plans come by themselves.
-    factors = plan.model_dump(mode="json", exclude={"description", "settings", "seeds"})
-    rows = [[factor, _levels(value)] for factor, value in factors.items()]
-    rows.append(["seeds", f"{plan.seeds}, from {result.first_seed}"])
-    for method, settings in plan.settings.items():
-        values = ", ".join(f"{name} {value}" for name, value in settings.items())
-        rows.append([f"settings of {method}", values])
-    return [*rows, ["SHA-256", result.plan_sha256]]
-
-
-def _levels(value: object) -> str:
-    if isinstance(value, list | tuple):
-        return ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in value)
-    return str(value)
