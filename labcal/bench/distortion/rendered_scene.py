@@ -17,8 +17,8 @@ from labcal.targets.grid import DotGrid
 
 TARGET = "paper-13x10"
 SENSOR = {"preset": "machine-vision-5mp", "fall_off": False, "exposure_stops": -5.0, "bits": 16}
-"""A good sensor in dim light: dots have a noise of some 0.02 px, beside which that of 32 rays a pixel, about
-0.006 px, hardly counts. In full light the rays would make most of the error, and no detector knows of them."""
+"""A good sensor in dim light: dots have a noise of some 0.02 px, beside which that of 32 rays a pixel, some
+0.006 px, hardly counts. In full light the rays would make most of the error, which no detector knows of."""
 NAMES = ("left", "right")
 _LAMP_MM, _LAMP_SIZE_MM, _LAMP_RADIANCE, _AMBIENT_RADIANCE = (0.0, -500.0, 6000.0), 1500.0, 9.0, 0.4
 _BEHIND_MM = 1500.0
