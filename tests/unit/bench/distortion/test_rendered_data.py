@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Pictures, Source
+from labcal.bench.distortion.cell_data import CellData, RegionPoints
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.lines import lines_of, results_table
 from labcal.bench.distortion.measuring import measured_case
 from labcal.bench.distortion.rendered_curves import rendered_figures, rendered_notes
-from labcal.bench.distortion.rendered_data import pixel_error
+from labcal.bench.distortion.rendered_data import from_whole_corner, pixel_error
 from labcal.correspond.matching import Matches
 from labcal.shoot.truth import TrueDots
 
@@ -32,6 +33,16 @@ def test_the_error_of_pixels_is_that_of_each_coordinate_in_whatever_order_the_tr
     q = np.stack([centroid[1:], centroid[1:] + 100.0], axis=1) + error
     seen = Matches(("left", "right"), np.array(["a", "a"]), index[1:], q, np.tile(np.eye(2), (2, 2, 1, 1)))
     assert pixel_error(seen, truth) == pytest.approx(np.sqrt((error**2).mean()))
+
+
+def test_pixels_of_pictures_with_a_margin_count_from_the_corner_of_the_whole() -> None:
+    q = np.arange(12.0).reshape(3, 2, 2)
+    points = RegionPoints(np.ones((3, 3)), q, np.zeros((3, 3)), np.tile(np.eye(2), (3, 2, 1, 1)))
+    data = CellData(q.reshape(3, 4), np.ones((3, 3)), {Measured.WITHIN: points}, 1.0)
+    whole = from_whole_corner(data, np.array([10.0, 200.0]))
+    np.testing.assert_array_equal(whole.X - data.X, np.tile([10.0, 200.0, 10.0, 200.0], (3, 1)))
+    np.testing.assert_array_equal(whole.tests[Measured.WITHIN].q.reshape(3, 4), whole.X)
+    assert whole.tests[Measured.WITHIN].oracle is points.oracle
 
 
 def test_lines_state_the_error_of_pixels_and_no_noise_that_nobody_chose() -> None:
