@@ -1,14 +1,18 @@
 """Training and test data of a rendered case: dots that are detected in pictures of a board."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from jaxtyping import Float64
 
 from labcal.bench.distortion.case import Case, Measured, Pictures
 from labcal.bench.distortion.cell_data import CellData, RegionPoints, beyond_pinhole
 from labcal.bench.distortion.rendered_scene import rendered_scene
+from labcal.bench.distortion.seeing_pixels import seeing_margin
+from labcal.bench.families.registry import family_by_name
 from labcal.calibrate.eccentricity import centred
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
@@ -34,7 +38,8 @@ def rendered_data(case: Case, pictures: Pictures) -> CellData:
     Methods get what `labcal fit` and `labcal reconstruct` give them: pixels of dots' centres, from which the
     eccentricity is subtracted with cameras that are resected from the training dots, and the covariances of
     the detector. The oracle gets the same detected pixels, and subtracts the eccentricity with the true
-    cameras. Pictures are removed afterwards.
+    cameras. Pictures are removed afterwards. Where they lack a margin, pixels are counted from the corner of
+    the whole picture all the same.
 
     Raises
     ------
@@ -50,7 +55,9 @@ def rendered_data(case: Case, pictures: Pictures) -> CellData:
         shoot = render_shoot(scene, Path(home, "shoot"), RenderSettings(seed=case.seed), NoProgress())
         found = dots_of_shoot(shoot, 1, NoProgress())
         true_dots = read_true_dots(shoot.folder)
-    return _data(case, shoot, found, true_dots, tuple(scene.true_cameras().values()))
+    margin = seeing_margin(family_by_name(case.cell.family).pair(case.cell.strength, case.seed))
+    data = _data(case, shoot, found, true_dots, tuple(scene.true_cameras().values()))
+    return from_whole_corner(data, margin)
 
 
 def _data(
@@ -77,6 +84,12 @@ def _data(
         beyond_pinhole(trained.Y, exact),
         pixel_error_px=pixel_error(seen, true_dots),
     )
+
+
+def from_whole_corner(data: CellData, margin: Float64[np.ndarray, " 2"]) -> CellData:
+    """Return data with pixels counted from the corner of a picture with its margin."""
+    tests = {region: replace(points, q=points.q + margin) for region, points in data.tests.items()}
+    return replace(data, X=data.X + np.tile(margin, data.X.shape[1] // 2), tests=tests)
 
 
 def pixel_error(seen: Matches, true_dots: Sequence[TrueDots]) -> float:
