@@ -1,8 +1,8 @@
 """Pictures of a ChArUco board that faces the cameras, drawn as StereoComplex draws them.
 
 A pixel takes the brightness of a drawing of the board at the place that its ray meets, interpolated between
-the drawing's pixels; then come uneven light, blur and noise. With one ray a pixel, edges are off by some tenths
-of a pixel, which belongs to the protocol.
+the drawing's pixels; then come uneven light, blur and noise. With one ray a pixel, edges are off by some
+tenths of a pixel, which belongs to the protocol.
 """
 
 from dataclasses import dataclass

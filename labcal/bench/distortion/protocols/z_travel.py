@@ -1,11 +1,12 @@
 """Depth of a ChArUco board that slides along the view: the Z sweep of StereoComplex.
 
 Its generator is public, so that the pair, the board and the lenses are the same: a seed of 0 draws the board
-and the distortion of the two lenses, and its documentation names the rest. The board is 3 mm away, and slides by
-0.08 mm.
+and the distortion of the two lenses, and its documentation names the rest. The board is 3 mm away, and slides
+by 0.08 mm.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
@@ -13,6 +14,7 @@ from jaxtyping import Float64
 from labcal.arrays import Vectors3
 from labcal.bench.distortion.protocols.charuco_pictures import PictureSettings, PixelRays, board_picture
 from labcal.bench.distortion.protocols.protocol import Protocol, ProtocolData, Published, Quantity, rms
+from labcal.bench.distortion.protocols.smooth_corners import smooth_corners
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
 from labcal.detect.detector import detect_dots
@@ -43,7 +45,10 @@ BOARD = CharucoBoard(
 PICTURES = PictureSettings(
     blur_px=6.0 / 2.3548200450309493 / 4.8799945, noise=0.01, slope=(0.15, 0.10), backgrounds=(0.05, 0.25)
 )
+_STREAM = ("bench distortion", NAME)
 _UM = 1000.0
+_BETWEEN_MM = 0.005
+"""Half of the step from depth to depth."""
 _LEAST_CORNERS = 0.9
 """Share of the board's corners that both cameras must measure, over all views."""
 
@@ -59,37 +64,49 @@ def cameras() -> tuple[Camera, Camera]:
 
 
 def z_travel_data(seed: int) -> ProtocolData:
-    """Return corners that were detected in pictures: one pair a depth to learn from, and another to measure.
+    """Return corners as they are detected: a pair of pictures a depth to learn from, and another to measure.
 
     Raises
     ------
     InputError
         Too few corners are detected.
     """
+    return _data(seed, lambda q: q)
+
+
+def refined_z_travel_data(seed: int) -> ProtocolData:
+    """Return the corners of :func:`z_travel_data`, moved to a smooth surface in each picture.
+
+    Raises
+    ------
+    InputError
+        Too few corners are detected.
+    """
+    return _data(seed, lambda q: smooth_corners(BOARD.points(), q))
+
+
+def _data(seed: int, refined: Callable[[np.ndarray], np.ndarray]) -> ProtocolData:
     pair = cameras()
     rays = [PixelRays.of(camera) for camera in pair]
-    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-    for purpose in ("training", "tests"):
-        for number, z in enumerate(Z_MM):
-            names = ("bench distortion", NAME, purpose, str(number))
-            found = [
-                _corners(board_picture(rays[at], BOARD, z, PICTURES, generator(seed, *names, str(at))))
-                for at in range(len(pair))
-            ]
-            q, covariance = (np.stack([one[part] for one in found], axis=1) for part in (0, 1))
-            seen = np.isfinite(q).all(axis=(1, 2))
-            place = transform(board_pose(z), BOARD.points())
-            parts.append((q[seen], covariance[seen], place[seen], np.full(seen.sum(), number)))
-    half = len(Z_MM)
-    (q, _, Y, _), (tests, covariance, p, view) = (
-        [np.concatenate(column) for column in zip(*some, strict=True)]
-        for some in (parts[:half], parts[half:])
+    training, tests = (
+        _Corners.joined(
+            [_corners_at(z, rays, generator(seed, *_STREAM, purpose, f"{z:g}"), refined) for z in Z_MM]
+        )
+        for purpose in ("training", "tests")
     )
-    if min(len(Y), len(p)) < _LEAST_CORNERS * half * BOARD.count:
-        raise InputError(f"Of {half * BOARD.count} corners only {min(len(Y), len(p))} are detected.")
-    oracle = triangulate(pair, tests, covariance).point
+    least, whole = min(len(training.p), len(tests.p)), len(Z_MM) * BOARD.count
+    if least < _LEAST_CORNERS * whole:
+        raise InputError(f"Of {whole} corners, both cameras measured only {least}.")
+    oracle = triangulate(pair, tests.q, tests.covariance).point
     return ProtocolData(
-        q.reshape(len(q), -1), Y, (SIZE, SIZE), tests, covariance, p, view.astype(np.int64), oracle
+        X=training.q.reshape(len(training.q), -1),
+        Y=training.p,
+        image_sizes=(SIZE, SIZE),
+        q=tests.q,
+        covariance=tests.covariance,
+        p=tests.p,
+        group=np.searchsorted(Z_MM, tests.p[:, 2] - _BETWEEN_MM),
+        oracle=oracle,
     )
 
 
@@ -100,7 +117,7 @@ def board_pose(z_mm: float) -> Float64[np.ndarray, "4 4"]:
 
 
 def z_travel_figures(measured: Vectors3, data: ProtocolData) -> Sequence[float]:
-    """Return RMS errors of corners along Z, X and Y, and of the travel from the first view to the others, um."""
+    """Return RMS errors of corners along Z, X and Y, and of the travel from the first view to others, um."""
     error = _UM * (measured - data.p)
     views = np.array([_mean(error[data.group == number, 2]) for number in np.unique(data.group)])
     return (rms(error[:, 2]), rms(error[:, 0]), rms(error[:, 1]), rms(views[1:] - views[0]))
@@ -111,7 +128,37 @@ def _mean(values: np.ndarray) -> float:
     return float(known.mean()) if len(known) else float("nan")
 
 
-def _corners(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+@dataclass(frozen=True)
+class _Corners:
+    """Corners that both cameras measured."""
+
+    q: Float64[np.ndarray, "n cameras 2"]
+    covariance: Float64[np.ndarray, "n cameras 2 2"]
+    p: Float64[np.ndarray, "n 3"]
+
+    @classmethod
+    def joined(cls, parts: Sequence["_Corners"]) -> "_Corners":
+        """Return the corners of several views."""
+        return cls(
+            *(np.concatenate([getattr(one, name) for one in parts]) for name in ("q", "covariance", "p"))
+        )
+
+
+def _corners_at(
+    z_mm: float,
+    rays: Sequence[PixelRays],
+    random: np.random.Generator,
+    refined: Callable[[np.ndarray], np.ndarray],
+) -> _Corners:
+    """Return the corners of one pair of pictures."""
+    found = [detected_corners(board_picture(one, BOARD, z_mm, PICTURES, random)) for one in rays]
+    q = np.stack([refined(position) for position, _ in found], axis=1)
+    covariance = np.stack([one for _, one in found], axis=1)
+    seen = np.isfinite(q).all(axis=(1, 2))
+    return _Corners(q[seen], covariance[seen], transform(board_pose(z_mm), BOARD.points())[seen])
+
+
+def detected_corners(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return positions (count, 2) and covariances of all corners; NaN where one is not measured."""
     q, covariance = np.full((BOARD.count, 2), np.nan), np.full((BOARD.count, 2, 2), np.nan)
     found = detect_dots(picture, BOARD)
@@ -121,44 +168,61 @@ def _corners(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return q, covariance
 
 
-_RAW, _REFINED = "corners as detected", "corners refined"
+_QUANTITIES = (
+    Quantity("RMS error of Z", "um"),
+    Quantity("RMS error of X", "um"),
+    Quantity("RMS error of Y", "um"),
+    Quantity("RMS error of Z travel", "um"),
+)
+_SOURCE = "StereoComplex, docs/PYCASO_Z_SWEEP.md (github.com/jeffwitz/StereoComplex, commit 60b48f7)"
+_SAME = (
+    "the pair, the lenses, the board, the depths, the drawing of pictures, blur and noise",
+    "training and test views at the same depths",
+    "the error of each corner of the test views against its true place",
+)
+_DIFFERENT = (
+    "9 pairs of pictures to learn from and 9 to measure, a depth each; theirs are 23 and 22",
+    "corners are detected by labcal",
+    "the noise is of another random generator",
+    "travel from view to view, by the mean of all corners, is not among their figures",
+)
 Z_TRAVEL = Protocol(
     name=NAME,
-    source="StereoComplex, docs/PYCASO_Z_SWEEP.md (github.com/jeffwitz/StereoComplex, commit 60b48f7)",
-    quantities=(
-        Quantity("RMS error of Z", "um"),
-        Quantity("RMS error of X", "um"),
-        Quantity("RMS error of Y", "um"),
-        Quantity("RMS error of Z travel", "um"),
-    ),
+    source=_SOURCE,
+    quantities=_QUANTITIES,
     data=z_travel_data,
     figures=z_travel_figures,
     published=(
-        Published(f"direct polynomial, {_RAW}", "RMS error of Z", 4.31),
-        Published(f"Soloff polynomial, {_RAW}", "RMS error of Z", 4.37),
-        Published(f"ray field, {_RAW}", "RMS error of Z", 4.48),
-        *(
-            Published(f"{method}, {_REFINED}", f"RMS error of {axis}", value)
-            for method, values in (
-                ("OpenCV", (2.49, 2.44, 7.19)),
-                ("direct polynomial", (0.21, 0.13, 1.47)),
-                ("Soloff polynomial", (0.19, 0.13, 1.55)),
-                ("ray field", (0.22, 0.14, 1.56)),
-            )
-            for axis, value in zip("XYZ", values, strict=True)
-        ),
+        Published("direct polynomial", "RMS error of Z", 4.31),
+        Published("Soloff polynomial", "RMS error of Z", 4.37),
+        Published("ray field", "RMS error of Z", 4.48),
     ),
-    same=(
-        "the pair, the lenses, the board, the depths, the drawing of pictures, blur and noise",
-        "training and test views at the same depths",
-        "the error of each corner of the test views against its true place",
+    same=_SAME,
+    different=_DIFFERENT,
+    trained=len(Z_MM) * BOARD.count,
+)
+"""On corners as they are detected."""
+REFINED_Z_TRAVEL = Protocol(
+    name=f"{NAME}-refined",
+    source=_SOURCE,
+    quantities=_QUANTITIES,
+    data=refined_z_travel_data,
+    figures=z_travel_figures,
+    published=tuple(
+        Published(method, f"RMS error of {axis}", value)
+        for method, values in (
+            ("OpenCV", (2.49, 2.44, 7.19)),
+            ("direct polynomial", (0.21, 0.13, 1.47)),
+            ("Soloff polynomial", (0.19, 0.13, 1.55)),
+            ("ray field", (0.22, 0.14, 1.56)),
+        )
+        for axis, value in zip("XYZ", values, strict=True)
     ),
+    same=(*_SAME, "corners are moved to a homography and a thin-plate smoothing spline before"),
     different=(
-        "9 pairs of pictures to learn from and 9 to measure, a depth each; theirs are 23 and 22",
-        "corners are as labcal detects them; those called refined were moved to a smooth surface before",
-        "their OpenCV row finds the poses of the board itself, from true intrinsics; our methods know them",
-        "the noise is of another random generator",
-        "travel from view to view, by the mean of all corners, is not among their figures",
+        *_DIFFERENT,
+        "their OpenCV finds the poses of the board itself, from true intrinsics; our methods know them",
     ),
     trained=len(Z_MM) * BOARD.count,
 )
+"""On corners that are moved to a smooth surface first."""
