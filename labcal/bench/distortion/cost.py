@@ -25,7 +25,8 @@ def expected_seconds(plan: Plan, workers: int) -> float:
     """Return how long a plan takes, roughly: within a factor of two or three."""
     total = sum(_seconds_of_case(plan, points) for points in plan.points)
     total *= plan.case_count / len(plan.points)
-    total += plan.seeds * sum(_seconds_of_case(plan, PROTOCOLS[name].trained) for name in plan.protocols)
+    for protocol in (PROTOCOLS[name] for name in plan.protocols):
+        total += plan.seeds * (protocol.seconds + _seconds_of_case(plan, protocol.trained))
     return total / workers
 
 

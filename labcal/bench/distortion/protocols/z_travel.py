@@ -168,6 +168,7 @@ def detected_corners(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return q, covariance
 
 
+_SECONDS = 15.0
 _QUANTITIES = (
     Quantity("RMS error of Z", "um"),
     Quantity("RMS error of X", "um"),
@@ -200,6 +201,7 @@ Z_TRAVEL = Protocol(
     same=_SAME,
     different=_DIFFERENT,
     trained=len(Z_MM) * BOARD.count,
+    seconds=_SECONDS,
 )
 """On corners as they are detected."""
 REFINED_Z_TRAVEL = Protocol(
@@ -224,5 +226,6 @@ REFINED_Z_TRAVEL = Protocol(
         "their OpenCV finds the poses of the board itself, from true intrinsics; our methods know them",
     ),
     trained=len(Z_MM) * BOARD.count,
+    seconds=_SECONDS,
 )
 """On corners that are moved to a smooth surface first."""
