@@ -93,14 +93,18 @@ class Dlt(LinearCameraEstimator):
     def _sizes(self) -> tuple[int, int]:
         return _PARAMETERS, 2 * len(_LACKING)
 
-    def _slopes(self, camera: int, q: Pixels, p: Vectors3) -> Slopes:
-        """Return derivatives by the projection of scaled points to scaled pixels, and by displacements."""
+    def _slopes(self, camera: int, q: Pixels, p: Vectors3) -> Slopes:  # noqa: ARG002 - see below
+        """Return derivatives by the projection of scaled points to scaled pixels, and by displacements.
+
+        Both are taken at the images of the points: at noisy pixels, displacements that a projection takes up
+        exactly would seem to be lacking.
+        """
         picture, (seen, depth) = self._picture(camera), self._projected(camera, p)
         source = homogeneous(RangeScaling(self.centre_, self.half_range_).scaled(p)) / depth[:, None]
         by_parameter = np.zeros((len(p), 2, 3, 4))
         by_parameter[:, 0, 0] = by_parameter[:, 1, 1] = source
         by_parameter[:, :, 2] = -picture.scaled(seen)[:, :, None] * source[:, None, :]
-        u, v = picture.scaled(seen).T  # not of measured pixels: a fit takes up some of the terms exactly
+        u, v = picture.scaled(seen).T
         terms = np.stack([u**i * v**j for i, j in _LACKING], axis=1)
         by_lacking = terms[:, None, None, :] * np.eye(2)[:, :, None]
         return Slopes(

@@ -9,7 +9,7 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Vectors3
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.linear_model_error import LinearModelError, Slopes
-from labcal.estimators.propagation import propagated_covariance
+from labcal.estimators.propagation import propagated_covariances
 from labcal.run.threads import one_blas_thread
 
 AT_ONCE = 500
@@ -28,8 +28,9 @@ class LinearCameraEstimator(PointEstimator):
         As in `LinearModelError`; zeros where a camera has fewer parameters than another.
     alias_ : float64 array, (cameras, parameters, lacking)
         As in `LinearModelError`; zeros where fewer terms are lacking.
-    variances_ : float64 array, (cameras, 2)
-        Of the noise of training, px squared, and of the coefficients of lacking terms.
+    variances_ : float64 array, (cameras, 3)
+        Of the noise of training, px squared, with its standard deviation, and of the coefficients of lacking
+        terms.
     """
 
     def stored_arrays(self) -> tuple[FittedArray, ...]:
@@ -40,7 +41,7 @@ class LinearCameraEstimator(PointEstimator):
             *super().stored_arrays(),
             FittedArray("gain_", (cameras, parameters, parameters)),
             FittedArray("alias_", (cameras, parameters, lacking)),
-            FittedArray("variances_", (cameras, 2)),
+            FittedArray("variances_", (cameras, 3)),
         )
 
     @abstractmethod
@@ -56,19 +57,21 @@ class LinearCameraEstimator(PointEstimator):
         parameters, lacking = self._sizes()
         self.gain_ = np.zeros((len(errors), parameters, parameters))
         self.alias_ = np.zeros((len(errors), parameters, lacking))
-        self.variances_ = np.array([(one.noise_px2, one.lacking_variance) for one in errors])
+        self.variances_ = np.array(
+            [(one.noise_px2, one.noise_spread_px2, one.lacking_variance) for one in errors]
+        )
         for camera, one in enumerate(errors):
             own, left_out = one.alias.shape
             self.gain_[camera, :own, :own] = one.gain
             self.alias_[camera, :own, :left_out] = one.alias
 
-    def _with_covariance(
+    def _covariance_parts(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
-    ) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
         p = self._predict(pixels)
-        total = np.empty_like(pixel_covariance)
+        own = np.empty_like(pixel_covariance)
         with one_blas_thread(), np.errstate(all="ignore"):  # of points that are nowhere
             for first in range(0, len(pixels), AT_ONCE):
                 rows = slice(first, first + AT_ONCE)
@@ -76,12 +79,12 @@ class LinearCameraEstimator(PointEstimator):
                     q = pixels[rows, 2 * camera : 2 * camera + 2]
                     slopes = self._slopes(camera, q, p[rows])
                     error = self._error(camera, slopes)
-                    total[rows, camera] = error.covariance(slopes, pixel_covariance[rows, camera])
-        return p, propagated_covariance(self._coordinates, pixels, total)
+                    own[rows, camera] = error.covariance(slopes, pixel_covariance[rows, camera])
+        of_noise, of_model = propagated_covariances(self._coordinates, pixels, pixel_covariance, own)
+        return of_noise, of_model
 
     def _error(self, camera: int, slopes: Slopes) -> LinearModelError:
         """Return the error of a camera."""
         own, left_out = slopes.by_parameter.shape[2], slopes.by_lacking.shape[2]
-        noise_px2, lacking = self.variances_[camera]
         gain, alias = self.gain_[camera, :own, :own], self.alias_[camera, :own, :left_out]
-        return LinearModelError(gain, alias, float(noise_px2), float(lacking))
+        return LinearModelError(gain, alias, *self.variances_[camera].tolist())

@@ -1,4 +1,4 @@
-"""Error of a model that is linear in its parameters, in pixels: of its parameters, and of the terms that it lacks."""
+"""Error in pixels of a model that is linear in its parameters: of these, and of the terms that it lacks."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,9 @@ from jaxtyping import Float64
 from labcal.arrays import PixelCovariances, Pixels
 
 _INSIDE = 1e-6
-"""Share of the largest singular value of what lacking terms leave, below which a fit takes them up."""
+"""Share of what is left of lacking terms, below which a fit takes them up."""
+_CHANCE = 3.0
+"""Standard deviations of a variance."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +33,11 @@ class Slopes:
 class LinearModelError:
     """The error of a least-squares fit of a model that is linear in its parameters.
 
-    A fit errs by the noise that it was trained with, and by what it cannot express. The latter is described by
-    the terms of the next degree, with independent coefficients of one variance, less what the fitted terms
-    take up of them (the alias matrix of Box and Draper 1987, section 13.2). Both variances follow from the
-    residuals: the noise from what is left where the lacking terms are fitted, too, and the coefficients from
-    what these explain beyond the noise (Henderson's third method of variance components, 1953).
+    A fit errs by the noise that it was trained with, and by what it cannot express. The latter is described
+    by the terms of the next degree, with independent coefficients of one variance, less what the fitted terms
+    take up of them (by the alias matrix of Box and Wilson 1951). Both variances follow from the residuals:
+    the noise from what is left where the lacking terms are fitted, too, and the coefficients from what these
+    explain beyond the noise (Henderson 1953, method 3, of variance components).
 
     Attributes
     ----------
@@ -45,6 +47,8 @@ class LinearModelError:
         Change of the fitted parameters by the coefficients of lacking terms.
     noise_px2 : float64
         Variance of each coordinate of a training pixel about the model with the lacking terms, px squared.
+    noise_spread_px2 : float64
+        Standard deviation of that variance, px squared.
     lacking_variance : float64
         Of the coefficients of the lacking terms.
     """
@@ -52,6 +56,7 @@ class LinearModelError:
     gain: Float64[np.ndarray, "parameters parameters"]
     alias: Float64[np.ndarray, "parameters lacking"]
     noise_px2: float
+    noise_spread_px2: float
     lacking_variance: float
 
     @classmethod
@@ -73,41 +78,45 @@ class LinearModelError:
         alias = np.einsum("npx,nxl->pl", response, slopes.by_lacking, optimize=True)
         left = slopes.by_lacking - slopes.by_parameter @ alias
         taken_up = np.einsum("nxp,npx->", slopes.by_parameter, response)
-        noise_px2, lacking = _variances(residual, left, residual.size - float(taken_up))
-        return cls(gain, alias, noise_px2, lacking)
+        smallest = _INSIDE * float(np.linalg.norm(slopes.by_lacking))
+        variances = _variances(residual, left, smallest, residual.size - float(taken_up))
+        return cls(gain, alias, *variances)
 
     def covariance(self, slopes: Slopes, measured: PixelCovariances) -> PixelCovariances:
-        """Return the covariance of predicted minus measured pixels, (n, 2, 2), px squared.
+        """Return the covariance of predicted minus exact pixels, (n, 2, 2), px squared.
 
         Parameters
         ----------
         slopes : Slopes
             At the points.
         measured : float64 array, (n, 2, 2)
-            Covariance of the measured pixels. Where training pixels scattered by more than that, the rest is
-            taken for an error of the model, too.
+            Covariance of the measured pixels. Where training pixels scattered by more than that, and by more
+            than chance explains, the rest is taken for an error of the model, too.
         """
         by_parameter = slopes.by_parameter
         of_fit = self.noise_px2 * by_parameter @ self.gain @ by_parameter.mT
         left = slopes.by_lacking - by_parameter @ self.alias
-        beyond = np.maximum(self.noise_px2 - 0.5 * np.trace(measured, axis1=1, axis2=2), 0.0)
+        beyond = self.noise_px2 - 0.5 * np.trace(measured, axis1=1, axis2=2)
+        beyond = np.where(beyond <= _CHANCE * self.noise_spread_px2, 0.0, beyond)
         of_model = self.lacking_variance * left @ left.mT + beyond[:, None, None] * np.eye(2)
-        return np.asarray(measured + of_fit + of_model)
+        return np.asarray(of_fit + of_model)
 
 
 def _variances(
-    residual: Pixels, left: Float64[np.ndarray, "n 2 lacking"], freedom: float
-) -> tuple[float, float]:
-    """Return the variances of noise and of lacking coefficients, by the moments of residuals.
+    residual: Pixels, left: Float64[np.ndarray, "n 2 lacking"], smallest: float, freedom: float
+) -> tuple[float, float, float]:
+    """Return the variance of noise, its standard deviation, and the variance of lacking coefficients.
 
-    Where the residuals are too few to tell noise from lacking terms, all of them count as noise.
+    All by the moments of residuals; what lacking terms leave counts from a `smallest` singular value on. Where the residuals are too few to tell noise from lacking terms, all of them count as noise.
     """
     flat, total = left.reshape(residual.size, -1), float((residual**2).sum())
     directions, size, _ = np.linalg.svd(flat, full_matrices=False)
-    kept = directions[:, size > _INSIDE * max(float(size.max(initial=0.0)), np.finfo(np.float64).tiny)]
+    kept = directions[:, size > smallest]
     explained = float(((kept.T @ residual.ravel()) ** 2).sum())
     rest = freedom - kept.shape[1]
     if rest < 1.0:
-        return total / max(freedom, 1.0), 0.0
+        return total / max(freedom, 1.0), total, 0.0
     noise = max(total - explained, 0.0) / rest
-    return noise, max(explained - noise * kept.shape[1], 0.0) / float((size**2).sum())
+    beyond = explained - noise * kept.shape[1]
+    lacking = beyond / float((size**2).sum()) if beyond > 0.0 else 0.0
+    return noise, noise * float(np.sqrt(2.0 / rest)), lacking

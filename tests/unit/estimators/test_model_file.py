@@ -118,8 +118,8 @@ def test_a_pickle_is_refused_and_does_not_run(tmp_path: Path) -> None:
 
 
 def test_a_newer_version_is_refused_by_its_number(saved: Path) -> None:
-    rewritten(saved, lambda header: header.update(version=4, something_new=True))
-    with pytest.raises(InputError, match=r"version 4.*Install a newer"):
+    rewritten(saved, lambda header: header.update(version=5, something_new=True))
+    with pytest.raises(InputError, match=r"version 5.*Install a newer"):
         load_model(saved)
 
 
