@@ -107,7 +107,8 @@ def _variances(
 ) -> tuple[float, float, float]:
     """Return the variance of noise, its standard deviation, and the variance of lacking coefficients.
 
-    All by the moments of residuals; what lacking terms leave counts from a `smallest` singular value on. Where the residuals are too few to tell noise from lacking terms, all of them count as noise.
+    All by the moments of residuals; what lacking terms leave counts from a `smallest` singular value on.
+    Where the residuals are too few to tell noise from lacking terms, all of them count as noise.
     """
     flat, total = left.reshape(residual.size, -1), float((residual**2).sum())
     directions, size, _ = np.linalg.svd(flat, full_matrices=False)

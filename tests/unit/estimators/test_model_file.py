@@ -60,6 +60,7 @@ def test_round_trip_is_exact(
 ) -> None:
     Y = plane if name == "homography" else volume
     before = fitted(name, stereo(Y), Y)
+    before.estimator.own_scale_ = 1.75
     save_model(tmp_path / "m", before, force=False)
     after = load_model(tmp_path / "m")
     seen = stereo(other_volume)
