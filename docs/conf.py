@@ -30,6 +30,7 @@ extensions = [
     "command_pages",
     "decision_table",
     "detector_settings",
+    "distortion_results",
     "member_table",
     "paper_results",
     "registry_table",

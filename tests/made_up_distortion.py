@@ -11,6 +11,7 @@ from labcal.bench.distortion.network_answer import network_answer
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.distortion.result import DistortionResult, family_figures
+from labcal.bench.distortion.sensitivity import sensitivities
 from labcal.bench.distortion.winners import winners
 
 GROWTH = {"hybrid": 0.05, "two-plane": 0.2, "bundle": 2.0, "ray-net": 0.5, "mlp": 9.0, "dlt": 20.0}
@@ -20,8 +21,8 @@ REFUSES = "quadratic"
 
 
 def made_up_findings(name: str, changes: tuple[str, ...] = (), seeds: int | None = None) -> Findings:
-    """Return findings of a plan: errors grow with the strength by `GROWTH`, and `REFUSES` has no figures."""
-    plan = load_plan(name, changes, (), seeds)
+    """Return findings of a plan without pictures: errors grow with strength, and `REFUSES` has no figures."""
+    plan = load_plan(name, changes, (), seeds).model_copy(update={"rendered": None})
     random = np.random.default_rng(5)
     cases = plan.cases(0)
     figures = []
@@ -32,7 +33,9 @@ def made_up_findings(name: str, changes: tuple[str, ...] = (), seeds: int | None
             for number, method in enumerate(plan.methods)
         )
         figures.append(CaseFigures(trained=case.cell.points, beyond_pinhole_px=1.0, methods=methods))
-    summaries = summarised(lines_of(cases, figures))
+    lines = lines_of(cases, figures)
+    summaries = summarised(lines)
+    usual = [one for one in summaries if one.cell.is_usual]
     result = DistortionResult(
         bench="distortion",
         quick=False,
@@ -42,10 +45,11 @@ def made_up_findings(name: str, changes: tuple[str, ...] = (), seeds: int | None
         plan_sha256=plan.sha256,
         first_seed=0,
         cases=len(cases),
-        answer=tuple(network_answer(summaries)),
-        families=tuple(family_figures(summaries)),
-        winners=tuple(winners(summaries)),
-        outside=tuple(family_figures(summaries, Measured.OUTSIDE)),
+        answer=tuple(network_answer(usual)),
+        families=tuple(family_figures(usual)),
+        winners=tuple(winners(usual)),
+        outside=tuple(family_figures(usual, Measured.OUTSIDE)),
+        sensitivity=tuple(sensitivities(lines)),
     )
     return Findings(result, summaries, "labcal bench distortion -o DIR")
 

@@ -1,20 +1,13 @@
 """A committed result of ``labcal reproduce``, a directive for each of its parts.
 
 They are ``paper-rows``, ``paper-readings``, ``paper-claims``, ``paper-study`` and ``paper-explanations``.
-
-The argument is the file, relative to the page. Its hash stands below each table, so that a table cannot be
-told from its file.
 """
 
-import hashlib
-from abc import abstractmethod
-from collections.abc import Iterator, Sequence
-from pathlib import Path
-from typing import ClassVar
+from collections.abc import Iterator
 
+from committed_results import CommittedResults, listed
 from docutils import nodes
 from sphinx.application import Sphinx
-from sphinx.util.docutils import SphinxDirective
 from tables import table
 
 from labcal.report.claims_figure import claim_figure
@@ -35,40 +28,16 @@ from labcal.report.figures_text import epochs, goal, millimetres, signed_metres
 from labcal.report.reproduction import Reproduction, RowResult
 from labcal.report.study_figure import study_figure
 from labcal.report.study_words import goal_words, of_each_data, range_words, study_sentences
-from labcal.run.documents import read_document
-
-_ABSENT = """:::{note}
-The results of a full run of `labcal reproduce` are not committed yet; the command computes them.
-:::
-"""
 
 
-class _CommittedResults(SphinxDirective):
-    """A part of a result file."""
+class _PaperResults(CommittedResults[Reproduction]):
+    """A part of a result file of ``labcal reproduce``."""
 
-    required_arguments = 1
-    note: ClassVar[str] = ""
-
-    def run(self) -> list[nodes.Node]:
-        """Return what the result file says, and its hash."""
-        path = Path(self.env.doc2path(self.env.docname)).parent / self.arguments[0]
-        self.env.note_dependency(str(path))
-        if not path.is_file():
-            return self.parse_text_to_nodes(_ABSENT)
-        result = read_document(Reproduction, "result file", path)
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        name = path.relative_to(self.env.srcdir).as_posix()
-        return [
-            *self.content_of(result),
-            *self.parse_text_to_nodes(f"{self.note}From `docs/{name}`, SHA-256 `{digest}`.\n"),
-        ]
-
-    @abstractmethod
-    def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
-        """Yield what is shown."""
+    model = Reproduction
+    command = "labcal reproduce"
 
 
-class PaperRows(_CommittedResults):
+class PaperRows(_PaperResults):
     """The rows beside the paper's."""
 
     note = "Medians over the seeds, with their range. "
@@ -89,7 +58,7 @@ class PaperRows(_CommittedResults):
         yield from self.parse_text_to_nodes(table(head, map(_row, result.rows)))
 
 
-class PaperReadings(_CommittedResults):
+class PaperReadings(_PaperResults):
     """The readings of "least squares"."""
 
     def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
@@ -102,7 +71,7 @@ class PaperReadings(_CommittedResults):
         yield from self.parse_text_to_nodes(table(head, rows))
 
 
-class PaperClaims(_CommittedResults):
+class PaperClaims(_PaperResults):
     """The claims with verdicts, figures and comparisons."""
 
     def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
@@ -125,14 +94,14 @@ class PaperClaims(_CommittedResults):
         yield from self.parse_text_to_nodes(f"Plan: SHA-256 `{result.claims_plan_sha256}`.\n")
 
 
-class PaperStudy(_CommittedResults):
+class PaperStudy(_PaperResults):
     """The study of neurons and layers: the best networks in words, the figure, every network."""
 
     note = "Medians over the seeds, with their range; of points that were not trained on. "
 
     def content_of(self, result: Reproduction) -> Iterator[nodes.Node]:
         """Yield the sentences, the figure and a table of every kind of data."""
-        yield from self.parse_text_to_nodes(_listed(study_sentences(result.study)))
+        yield from self.parse_text_to_nodes(listed(study_sentences(result.study)))
         yield nodes.raw("", f'<div class="claim-figure">{study_figure(result.study)}</div>', format="html")
         for data, cells in of_each_data(result.study).items():
             yield from self.parse_text_to_nodes(
@@ -153,7 +122,7 @@ class PaperStudy(_CommittedResults):
             yield from self.parse_text_to_nodes(table(head, rows))
 
 
-class PaperExplanations(_CommittedResults):
+class PaperExplanations(_PaperResults):
     """The mistakes that would give rows 17 to 23, with their sizes, and the divisors."""
 
     note = "Sizes are medians over the seeds, with their range. "
@@ -163,12 +132,12 @@ class PaperExplanations(_CommittedResults):
         found = result.explanations
         if found is None:
             raise self.error(f"{self.arguments[0]} holds no explanations.")
-        yield from self.parse_text_to_nodes(_listed(summary_sentences(found)))
+        yield from self.parse_text_to_nodes(listed(summary_sentences(found)))
         for cause in found.causes:
             low, high = cause.likely
             words = f"**{cause.cause}**: {cause.words}; likely {low:g} to {high:g} {cause.unit}.\n"
             yield from self.parse_text_to_nodes(words)
-            yield from self.parse_text_to_nodes(_listed(cause_sentences(cause)))
+            yield from self.parse_text_to_nodes(listed(cause_sentences(cause)))
             head = ["row", "method", "printed figure read as", "paper, m", "size", "greatest error met, m",
                     "gives also"]  # fmt: skip
             rows = [
@@ -178,7 +147,7 @@ class PaperExplanations(_CommittedResults):
             ]  # fmt: skip
             yield from self.parse_text_to_nodes(table(head, rows))
         yield from self.parse_text_to_nodes("**A unit, or a length that our error was divided by**\n")
-        yield from self.parse_text_to_nodes(_listed(divisor_sentences(found)))
+        yield from self.parse_text_to_nodes(listed(divisor_sentences(found)))
         divisors = [
             [
                 one.divisor,
@@ -195,11 +164,6 @@ class PaperExplanations(_CommittedResults):
         ]
         head = ["row", "printed figure read as", "printed", "ours, mm", "needed divisor, mm"]
         yield from self.parse_text_to_nodes(table(head, quotients))
-
-
-def _listed(sentences: Sequence[str]) -> str:
-    """Return sentences as a list in Markdown."""
-    return "".join(f"- {sentence}\n" for sentence in sentences)
 
 
 def _row(row: RowResult) -> list[object]:

@@ -15,6 +15,8 @@ from labcal.geometry.rays import closest_points
 
 STEPS = 10
 """Gauss-Newton steps; from the rays' meeting point three are enough."""
+_RESOLVED = 1e14
+"""Condition of a normal matrix beyond which float64 resolves no point."""
 
 
 @runtime_checkable  # so that tests can check annotations
@@ -114,7 +116,7 @@ def refined(
     for _ in range(STEPS):
         normal, gradient = _normal_equations(imagers, p, q, weight)
         known = known & np.isfinite(gradient).all(axis=1) & np.isfinite(normal).all(axis=(1, 2))
-        known[known] = np.linalg.cond(normal[known]) < 1e14  # noqa: PLR2004 -- float64 resolves no more
+        known[known] = np.linalg.cond(normal[known]) < _RESOLVED
         cov[known] = np.linalg.inv(normal[known])
         p[known] -= np.einsum("nij,nj->ni", cov[known], gradient[known])
     p[~known] = np.nan
@@ -156,10 +158,36 @@ def triangulation_limit(cameras: Sequence[Camera], p: AnyArray, covariance: AnyA
     p = float_array(p, ("n", 3), "p")
     covariance = float_array(covariance, (len(p), len(cameras), 2, 2), "covariance")
     q = np.stack([camera.project(p).q for camera in cameras], axis=1)
-    known = [KnownCamera(camera) for camera in cameras]
-    normal, _ = _normal_equations(known, p, q, np.linalg.inv(covariance))
-    bound: np.ndarray = np.linalg.inv(normal)
-    return bound
+    return covariance_at([KnownCamera(camera) for camera in cameras], p, q, covariance)
+
+
+def covariance_at(
+    imagers: Sequence[Imager],
+    p: Vectors3,
+    q: Float64[np.ndarray, "n cameras 2"],
+    covariance: Float64[np.ndarray, "n cameras 2 2"],
+) -> PointCovariances:
+    """Return the covariances of points, (n, 3, 3), mm squared, by those of their exact pixels.
+
+    They are NaN where the pixels do not determine a point.
+
+    Parameters
+    ----------
+    imagers : sequence of Imager
+        At least two, in the order of `q`.
+    p : ndarray, shape (n, 3)
+        Millimetres.
+    q : ndarray, shape (n, cameras, 2)
+        The images of the points.
+    covariance : ndarray, shape (n, cameras, 2, 2)
+        Px squared.
+    """
+    normal, _ = _normal_equations(imagers, p, q, np.linalg.inv(covariance))
+    known = np.isfinite(normal).all(axis=(1, 2))
+    known[known] = np.linalg.cond(normal[known]) < _RESOLVED
+    found = np.full_like(normal, np.nan)
+    found[known] = np.linalg.inv(normal[known])
+    return found
 
 
 def epipolar_distances(camera_a: Camera, camera_b: Camera, q_a: AnyArray, q_b: AnyArray) -> np.ndarray:

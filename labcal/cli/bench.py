@@ -62,8 +62,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--rendered",
         action="store_true",
-        help="of distortion: measure through rendered pictures, too; --set "
-        "rendered.strengths=0,1 changes which",
+        help="of distortion: measure through rendered pictures, too (which: --set rendered.strengths=0,1)",
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)

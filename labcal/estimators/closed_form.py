@@ -51,15 +51,15 @@ class ClosedFormEstimator(PointEstimator):
         other._fit(pixels, points)
         return other._predict
 
-    def _covariance(
+    def _covariance_parts(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
-    ) -> Float64[np.ndarray, "n dim dim"]:
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
         propagated = propagated_covariance(self._coordinates, pixels, pixel_covariance)
         variance = 0.5 * np.trace(pixel_covariance, axis1=2, axis2=3).mean(axis=1)
         noise = np.where(np.isfinite(variance), variance, 0.0)[:, None, None] * self.noise_gain_
-        return np.asarray(propagated + _positive_part(self.residual_covariance_ - noise))
+        return propagated, _positive_part(self.residual_covariance_ - noise)
 
 
 def _positive_part(covariance: Float64[np.ndarray, "n dim dim"]) -> Float64[np.ndarray, "n dim dim"]:

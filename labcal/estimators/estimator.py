@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike
 from labcal.arrays import AnyArray, float_array
 from labcal.bounds import MOST_MM
 from labcal.errors import InputError, InputTypeError
+from labcal.estimators.own_scale import own_scale
 from labcal.estimators.propagation import propagated_covariance
 from labcal.estimators.scikit_learn import BaseEstimator, RegressorMixin, check_is_fitted, validate_data
 from labcal.run.user_code import user_code
 
 Estimator = TypeVar("Estimator", bound="PointEstimator")
 
+CONFIDENCE = 0.95
+"""Of the ellipsoids that are calibrated."""
 COORDINATES = 3
 """X, Y and Z come first among the outputs."""
 
@@ -41,8 +44,12 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         Fitted attributes that are a number or a text, kept in a model file beside the arrays.
     residual_covariance_ : float64 array, (3, 3)
         Mean product of the errors of X, Y and Z on the training data, mm squared; smaller with fewer outputs.
+    own_scale_ : float64
+        Factor of the covariance that the method itself causes, besides the noise of pixels; 1 unless
+        `calibrate_covariance` was called.
     """
 
+    own_scale_: float = 1.0
     fitted_facts: ClassVar[tuple[str, ...]] = ()
 
     @property
@@ -76,6 +83,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         self.single_output_ = points.ndim == 1
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
+        self.own_scale_ = 1.0
         with self._code_of("fit"):
             self._fit(pixels, points)
         self.residual_covariance_ = self._residual_covariance(pixels, points)
@@ -147,10 +155,31 @@ class PointEstimator(RegressorMixin, BaseEstimator):
             points, covariance = self._with_covariance(pixels, pixel_covariance)
         return self._require_points(points, len(pixels)), covariance
 
+    def calibrate_covariance(
+        self, X: ArrayLike, pixel_covariance: AnyArray, Y: Float64[np.ndarray, "n dim"]
+    ) -> None:
+        """Scale the covariance that the method itself causes by errors on points that it was not trained on.
+
+        Afterwards 95% ellipsoids hold 95% of such errors; see :func:`~labcal.estimators.own_scale.own_scale`.
+
+        Parameters
+        ----------
+        X, pixel_covariance
+            As for `predict_with_covariance`.
+        Y : float64 array, (n, 3)
+            The true points, mm.
+        """
+        pixels, covariance = self._inputs(X), np.asarray(pixel_covariance, dtype=np.float64)
+        with self._code_of("predict"):
+            found = self._predict(pixels)
+            noise, own = self._covariance_parts(pixels, covariance)
+        self.own_scale_ = own_scale(found[:, :COORDINATES] - Y, noise, own, CONFIDENCE)
+
     def stored_arrays(self) -> tuple[FittedArray, ...]:
         """Return the arrays of the fitted estimator that are stored: its own and those of every method."""
         size = min(self.n_outputs_, COORDINATES)
-        return (*self.fitted_arrays(), FittedArray("residual_covariance_", (size, size)))
+        own = FittedArray("residual_covariance_", (size, size)), FittedArray("own_scale_", ())
+        return (*self.fitted_arrays(), *own)
 
     def stored_parameters(self) -> dict[str, Any]:
         """Return the constructor arguments of the fitted estimator that are stored."""
@@ -226,9 +255,18 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
     ) -> Float64[np.ndarray, "n dim dim"]:
-        """Return the covariances of predictions; methods may override it."""
+        """Return the covariances of predictions."""
+        noise, own = self._covariance_parts(pixels, pixel_covariance)
+        return np.asarray(noise + self.own_scale_ * own)
+
+    def _covariance_parts(
+        self,
+        pixels: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
+        """Return the covariances by pixels' noise, and by the method itself; methods may override it."""
         propagated = propagated_covariance(self._coordinates, pixels, pixel_covariance)
-        return np.asarray(propagated + self.residual_covariance_)
+        return propagated, np.tile(self.residual_covariance_, (len(pixels), 1, 1))
 
     def _coordinates(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n dim"]:
         """Predict X, Y and Z only."""

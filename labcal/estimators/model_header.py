@@ -15,7 +15,7 @@ from labcal.errors import InputError
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.names import Name
 
-VERSION = 3
+VERSION = 4
 """Version of the format that this program writes, and the one that it reads."""
 
 _MOST_COLUMNS = 2000

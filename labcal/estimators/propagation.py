@@ -35,11 +35,31 @@ def propagated_covariance(
     float64 array, (n, outputs, outputs)
         In the units of the predictions, squared.
     """
+    return propagated_covariances(predict, pixels, pixel_covariance)[0]
+
+
+def propagated_covariances(
+    predict: Predict,
+    pixels: Float64[np.ndarray, "n inputs"],
+    *pixel_covariances: Float64[np.ndarray, "n cameras 2 2"],
+) -> list[Float64[np.ndarray, "n outputs outputs"]]:
+    """Return what `propagated_covariance` does for each of several covariances, with derivatives made once.
+
+    Parameters
+    ----------
+    predict, pixels
+        As for `propagated_covariance`.
+    *pixel_covariances : float64 array, (n, cameras, 2, 2)
+        Px squared.
+    """
     slopes = []
     for column in range(pixels.shape[1]):
         shift = np.zeros(pixels.shape[1])
         shift[column] = STEP
         slopes.append((predict(pixels + shift) - predict(pixels - shift)) / (2.0 * STEP))
     jacobian = np.stack(slopes, axis=-1).reshape(len(pixels), -1, pixels.shape[1] // 2, 2)
-    propagated = np.einsum("nics,ncst,njct->nij", jacobian, pixel_covariance, jacobian, optimize=True)
-    return np.asarray(0.5 * (propagated + propagated.mT))
+    found = []
+    for covariance in pixel_covariances:
+        propagated = np.einsum("nics,ncst,njct->nij", jacobian, covariance, jacobian, optimize=True)
+        found.append(np.asarray(0.5 * (propagated + propagated.mT)))
+    return found

@@ -8,9 +8,10 @@ from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
 from labcal.calibrate.lens_candidates import AUTO
-from labcal.cameras.triangulation import refined
+from labcal.cameras.triangulation import covariance_at
 from labcal.errors import InputError
 from labcal.estimators.bundle import Bundle
+from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.gp_field.fitted_camera import measured_by
@@ -97,7 +98,7 @@ def surrogate_of(
         return None
     noise = np.array([camera.noise_px for camera in cameras])
     covariance = np.tile(noise[:, None, None] ** 2 * np.eye(2), (len(p), 1, 1, 1))
-    limit = refined(measured_by(cameras, q), p, q, covariance).covariance
+    limit = covariance_at(measured_by(cameras, q), p, q, covariance)
     q = q + noise[:, None] * random.standard_normal(q.shape)
     limit_mm = float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
     return Surrogate(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm, hybrid_seconds)
@@ -110,6 +111,10 @@ def fit_unless_surrogate(
 
     What the hybrid method of the surrogate has found is not found again: it is returned itself if the
     estimator has the same parameters, and `bundle` with the same lens takes its resected cameras.
+
+    The covariances of other methods are calibrated on the points of the surrogate, which they have not seen.
+    Those of methods with cameras are not: the surrogate's cameras are made of the same formulas, and are no
+    better than theirs.
     """
     if surrogate is None:
         return estimator.fit(X, Y)
@@ -118,7 +123,10 @@ def fit_unless_surrogate(
         return surrogate.hybrid
     if taken and isinstance(estimator, Bundle):
         return estimator.fit_resected(X, Y, surrogate.hybrid.resected_)
-    return estimator.fit(X, Y)
+    estimator.fit(X, Y)
+    if not isinstance(estimator, CameraEstimator):
+        estimator.calibrate_covariance(surrogate.X, surrogate.covariance, surrogate.p)
+    return estimator
 
 
 def takes_from(surrogate: Surrogate, estimator: PointEstimator) -> bool:

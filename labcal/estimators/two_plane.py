@@ -8,8 +8,9 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.held_out import edges
 from labcal.errors import InputError
-from labcal.estimators.closed_form import ClosedFormEstimator
 from labcal.estimators.estimator import FittedArray
+from labcal.estimators.linear_camera_estimator import LinearCameraEstimator
+from labcal.estimators.linear_model_error import LinearModelError, Slopes
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import (
     camera_count,
@@ -20,15 +21,18 @@ from labcal.geometry.arrangement import (
 )
 from labcal.geometry.projective_map import projective_map
 from labcal.geometry.rays import closest_points
+from labcal.geometry.two_by_two import inverses
 from labcal.run.threads import one_blas_thread
 
 CHOSEN = 0
 """In the place of a degree: the one that held-out edges choose."""
 _HIGHEST = 9
+_SINGULAR = 1e-12
+"""Share of the largest singular value below which a direction of the coefficients counts as undetermined."""
 _CAMERAS = 2
 
 
-class TwoPlane(ClosedFormEstimator):
+class TwoPlane(LinearCameraEstimator):
     """The method ``two-plane``: polynomials from the pixel to where its ray meets two planes.
 
     Martins, Birk and Kelley 1981; Wei and Ma 1993. The planes bound the trained volume, across the cameras'
@@ -102,6 +106,7 @@ class TwoPlane(ClosedFormEstimator):
             found = _solved(scaled[:, i], p, degree).reshape(2, -1, 2)
             both = self.coefficients_[i].reshape(2, -1, 2)
             both[:, : found.shape[1]] = found  # a view: terms are sorted by degree
+        self._keep_errors([self._model_error(i, seen[:, i], points) for i in range(cameras)])
 
     def _predict(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n outputs"]:
         scaled = RangeScaling(self.pixel_centre_, self.pixel_half_range_).scaled(pixels)
@@ -118,6 +123,56 @@ class TwoPlane(ClosedFormEstimator):
         direction = ends[1] - ends[0]
         direction /= np.linalg.norm(direction, axis=2, keepdims=True)
         return closest_points(ends[0], direction)
+
+    def _sizes(self) -> tuple[int, int]:
+        highest = max(self.degrees_)
+        return 4 * _term_count(highest), 4 * (highest + 2)
+
+    def _slopes(self, camera: int, q: Pixels, p: Vectors3) -> Slopes:
+        terms, lacking, picture = self._linearised(camera, q, p)
+        to_pixels = inverses(picture)
+        return Slopes(_of_both(terms, to_pixels), _of_both(lacking, to_pixels))
+
+    def _model_error(self, camera: int, q: Pixels, p: Vectors3) -> LinearModelError:
+        """Return the error of a camera that was fitted to pixels and points, mm."""
+        terms, _, picture = self._linearised(camera, q, p)
+        fitted = np.linalg.pinv(terms, rcond=_SINGULAR)
+        response = np.einsum("tn,nab->ntab", fitted, picture).reshape(len(q), -1, 2)
+        beside = terms @ self._own_coefficients(camera) - self._scaled_points(p)[:, :2]
+        residual = np.einsum("nab,nb->na", inverses(picture), beside)
+        return LinearModelError.of(residual, response, self._slopes(camera, q, p))
+
+    def _linearised(
+        self, camera: int, q: Pixels, p: Vectors3
+    ) -> tuple[
+        Float64[np.ndarray, "n terms"], Float64[np.ndarray, "n lacking"], Float64[np.ndarray, "n 2 2"]
+    ]:
+        """Return terms, those of the next degree, and the slopes of a ray's place by its pixel, 1/px."""
+        columns, degree = slice(2 * camera, 2 * camera + 2), self.degrees_[camera]
+        scaling = RangeScaling(self.pixel_centre_[columns], self.pixel_half_range_[columns])
+        u, local, coefficients = scaling.scaled(q), self._scaled_points(p), self._own_coefficients(camera)
+        higher = _terms(u, degree + 1)[:, _term_count(degree) :]
+        by_pixel = [_design_slope(u, local, degree, axis) @ coefficients for axis in (0, 1)]
+        return (
+            _design(u, local, degree),
+            np.concatenate([higher, local[:, 2:] * higher], axis=1),
+            np.stack(by_pixel, axis=2) / scaling.half_range,
+        )
+
+    def _own_coefficients(self, camera: int) -> Float64[np.ndarray, "terms 2"]:
+        """Return the coefficients of a camera's own degree."""
+        own = _term_count(self.degrees_[camera])
+        return np.asarray(self.coefficients_[camera].reshape(2, -1, 2)[:, :own].reshape(-1, 2))
+
+    def _scaled_points(self, p: Vectors3) -> Vectors3:
+        return RangeScaling(self.centre_, self.half_range_).scaled(p @ self.rotation_.T)
+
+
+def _of_both(
+    terms: Float64[np.ndarray, "n terms"], to_pixels: Float64[np.ndarray, "n 2 2"]
+) -> Float64[np.ndarray, "n 2 columns"]:
+    """Return the derivatives of pixels by the coefficients of terms in x and y."""
+    return np.asarray(terms[:, None, :, None] * to_pixels[:, :, None, :]).reshape(len(terms), 2, -1)
 
 
 def _frame(method: str, seen: Float64[np.ndarray, "n cameras 2"], p: Vectors3) -> Float64[np.ndarray, "3 3"]:
@@ -148,7 +203,7 @@ def _chosen_degree(q: Pixels, p: Vectors3) -> int:
 
 
 def _solved(q: Pixels, p: Vectors3, degree: int) -> Float64[np.ndarray, "terms 2"]:
-    return np.asarray(np.linalg.lstsq(_design(q, p, degree), p[:, :2], rcond=1e-12)[0])
+    return np.asarray(np.linalg.lstsq(_design(q, p, degree), p[:, :2], rcond=_SINGULAR)[0])
 
 
 def _design(q: Pixels, p: Vectors3, degree: int) -> Float64[np.ndarray, "n terms"]:
@@ -161,6 +216,17 @@ def _terms(q: Pixels, degree: int) -> Float64[np.ndarray, "n terms"]:
     """Return all products of powers of both coordinates, sorted by degree."""
     u, v = q.T
     return np.stack([u ** (d - j) * v**j for d in range(degree + 1) for j in range(d + 1)], axis=1)
+
+
+def _design_slope(q: Pixels, p: Vectors3, degree: int, axis: int) -> Float64[np.ndarray, "n terms"]:
+    """Return the derivative of `_design` by a pixel coordinate."""
+    powers = [(d - j, j) for d in range(degree + 1) for j in range(d + 1)]
+    columns = []
+    for both in powers:
+        power, other = both[axis], both[1 - axis]
+        columns.append(power * q[:, axis] ** max(power - 1, 0) * q[:, 1 - axis] ** other)
+    terms = np.stack(columns, axis=1)
+    return np.concatenate([terms, p[:, 2:] * terms], axis=1)
 
 
 def _term_count(degree: int) -> int:

@@ -141,13 +141,14 @@ class UserMethod(PointEstimator):
         """Return the predictions of a copy that is fitted to other points."""
         return partial(self._predicted, self._fitted(pixels, points))
 
-    def _covariance(
+    def _covariance_parts(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],  # noqa: ARG002 - of any noise
-    ) -> Float64[np.ndarray, "n dim dim"]:
-        """Return the same covariance for every point: what pixels do to a tree has no slope."""
-        return np.tile(self.residual_covariance_, (len(pixels), 1, 1))
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
+        """Return no noise, and the same covariance for every point: what pixels do to a tree has no slope."""
+        own = np.tile(self.residual_covariance_, (len(pixels), 1, 1))
+        return np.zeros_like(own), own
 
     def _fitted(
         self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]

@@ -27,8 +27,9 @@ def expected_seconds(plan: Plan, workers: int) -> float:
     """Return how long a plan takes, roughly: within a factor of two or three."""
     simulated = sum(_fitting_seconds(plan, points) for points in plan.points)
     simulated *= plan.cell_count * plan.seeds / len(plan.points)
-    simulated += plan.seeds * sum(_fitting_seconds(plan, PROTOCOLS[name].trained) for name in plan.protocols)
     simulated += plan.fault_case_count * _fitting_seconds(plan, max(plan.points))
+    for protocol in (PROTOCOLS[name] for name in plan.protocols):
+        simulated += plan.seeds * (protocol.seconds + _fitting_seconds(plan, protocol.trained))
     if plan.rendered is None:
         return simulated / workers
     pictured = plan.rendered.picture_count * (_PICTURE + _RAYS * plan.rendered.spp)

@@ -12,13 +12,17 @@ from matplotlib.ticker import NullLocator
 from labcal.bench.distortion.case import Layout, Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import HIGH_COVERAGE, LOW_COVERAGE
-from labcal.bench.distortion.method_lines import draw_methods, method_looks, over_oracle, ratio_axis
+from labcal.bench.distortion.method_lines import (
+    MethodPoint,
+    draw_methods,
+    legend_below,
+    method_looks,
+    ratio_axis,
+)
 from labcal.report.inline_svg import LINE
 from labcal.report.page_axes import plain_axes
 
 _PANEL_INCH, _MOST_ACROSS, _MOST_DOWN = 2.6, 4, 6
-_INCH_A_NAME = 1.1
-"""Of the legend."""
 
 
 def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
@@ -53,7 +57,7 @@ def error_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     looks = method_looks([one.method for one in cells])
     for (points, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
-        draw_methods(axes, own, looks, _strength, over_oracle)
+        draw_methods(axes, [_point(one, one.cell.strength, _errors(one)) for one in own], looks)
         axes.set_title(f"{points:g} points, {_noise(own)}")
     return _finished(figure, "strength of the distortion", "error over the oracle's", ratio_axis)
 
@@ -65,7 +69,7 @@ def learning_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     points = sorted({one.cell.points for one in cells})
     for (strength, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.strength, one.cell.noise_px) == (strength, noise)]
-        draw_methods(axes, own, looks, lambda one: float(one.cell.points), over_oracle)
+        draw_methods(axes, [_point(one, float(one.cell.points), _errors(one)) for one in own], looks)
         axes.set_title(f"strength {strength:g}, {noise:g} px")
         axes.set_xscale("log")
         axes.set_xlim(0.9 * points[0], 1.1 * points[-1])
@@ -80,15 +84,19 @@ def coverage_figure(cells: Sequence[CellSummary], title: str) -> Figure:
     looks = method_looks([one.method for one in cells])
     for (points, noise), axes in panels.items():
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
-        draw_methods(axes, own, looks, _strength, lambda one: (one.coverage95,) * 3)
+        draw_methods(axes, [_point(one, one.cell.strength, (one.coverage95,) * 3) for one in own], looks)
         axes.axhspan(LOW_COVERAGE, HIGH_COVERAGE, color=LINE.drawn, zorder=0)
         axes.set_title(f"{points:g} points, {noise:g} px")
         axes.set_ylim(0.0, 1.03)
     return _finished(figure, "strength of the distortion", "coverage of 95% ellipsoids", plain_axes)
 
 
-def _strength(one: CellSummary) -> float:
-    return one.cell.strength
+def _point(one: CellSummary, x: float, values: tuple[float, float, float]) -> MethodPoint:
+    return MethodPoint(one.method, x, values, one.flagged_misfit)
+
+
+def _errors(one: CellSummary) -> tuple[float, float, float]:
+    return one.over_oracle, one.low, one.high
 
 
 def _noise(cells: Sequence[CellSummary]) -> str:
@@ -127,15 +135,7 @@ def _finished(figure: Figure, xlabel: str, ylabel: str, finish: Callable[[Axes],
         axes.tick_params(length=0, labelsize=8)
         axes.set_xlabel(xlabel, fontsize=8.5)
         axes.label_outer()
-    drawn = {
-        label: line
-        for axes in figure.axes
-        for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    across = max(int(figure.get_figwidth() / _INCH_A_NAME), 1)
-    figure.legend(
-        drawn.values(), drawn.keys(), loc="outside lower center", ncols=across, fontsize=8, frameon=False
-    )
+    legend_below(figure)
     return figure
 
 

@@ -6,17 +6,18 @@ from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.checks import ENOUGH_POINTS
 
 
-def least_points(summaries: Sequence[CellSummary]) -> int:
-    """Return the number of training points from which on cells count; where none has as many, the most.
+def least_of(levels: Sequence[int]) -> int:
+    """Return the least level of training points with which cells count; the greatest where none is enough.
 
     Parameters
     ----------
-    summaries : sequence of CellSummary
+    levels : sequence of int
+        Of a plan.
     """
-    return min(ENOUGH_POINTS, max((one.cell.points for one in summaries), default=0))
+    return min((points for points in levels if points >= ENOUGH_POINTS), default=max(levels, default=0))
 
 
 def with_enough_points(summaries: Sequence[CellSummary]) -> list[CellSummary]:
-    """Return the summaries of cells with at least :func:`least_points` training points."""
-    least = least_points(summaries)
+    """Return the summaries of cells with at least :func:`least_of` their training points."""
+    least = least_of([one.cell.points for one in summaries])
     return [one for one in summaries if one.cell.points >= least]

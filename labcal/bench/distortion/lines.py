@@ -12,16 +12,8 @@ from labcal.run.tables import table_text
 HEADER = (
     *("method", "family", "strength", "known_as", "noise_px", "points", "layout", "source", "fault"),
     *("measured", "seed"),
-    *(
-        "trained",
-        "beyond_pinhole_px",
-        "pixel_error_px",
-        "n",
-        "predicted",
-        "rmse_mm",
-        "oracle_mm",
-        "over_oracle",
-    ),
+    *("trained", "beyond_pinhole_px", "pixel_error_px"),
+    *("n", "predicted", "rmse_mm", "oracle_mm", "over_oracle"),
     *("stated", "covered", "coverage95", "model_misfit", "extrapolated", "expected_mm", "reason"),
 )
 """The columns of ``results.csv``."""

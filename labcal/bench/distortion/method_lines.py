@@ -1,12 +1,12 @@
 """Lines of methods in figures: the look of each, and axes of errors over the oracle's."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 
-from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.report.inline_svg import GROUND, QUIET, TEXT
 from labcal.report.page_axes import plain_axes
 
@@ -15,6 +15,8 @@ _COLOURS = ("#1f83cc", "#d55e00", "#009e73", "#c4699a", TEXT.drawn)
 both themes of a page; and the page's ink."""
 _STYLES = (("-", "o"), ("--", "s"), (":", "^"))
 _BAND = 0.18
+_INCH_A_NAME = 1.1
+"""Of the legend."""
 _LADDERS = (
     (3.0, (0.5, 0.7, 0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.3, 1.5, 1.7, 2.0, 2.5, 3.0)),
     (30.0, (0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 20.0, 30.0)),
@@ -23,9 +25,24 @@ _LADDERS = (
 """Ticks of an axis of ratios by how far it reaches."""
 _MOST_TICKS = 9
 
-Value = Callable[[CellSummary], float]
-Range = Callable[[CellSummary], tuple[float, float, float]]
-"""From a summary to the value, and to the ends of its band."""
+
+@dataclass(frozen=True)
+class MethodPoint:
+    """A mark of a method's line.
+
+    Attributes
+    ----------
+    x : float
+    values : (float, float, float)
+        The value, and the ends of its band.
+    is_flagged : bool
+        labcal flags it `model-misfit`.
+    """
+
+    method: str
+    x: float
+    values: tuple[float, float, float]
+    is_flagged: bool
 
 
 @dataclass(frozen=True)
@@ -52,34 +69,26 @@ def method_looks(methods: Sequence[str]) -> dict[str, MethodLook]:
     return looks
 
 
-def draw_methods(
-    axes: Axes, cells: Sequence[CellSummary], looks: Mapping[str, MethodLook], place: Value, figures: Range
-) -> None:
-    """Draw a line for each method with its band; open marks are flagged `model-misfit`.
+def draw_methods(axes: Axes, points: Sequence[MethodPoint], looks: Mapping[str, MethodLook]) -> None:
+    """Draw a line for each method with its band, the first one on top; open marks are flagged `model-misfit`.
 
     Parameters
     ----------
     axes : Axes
-    cells : sequence of CellSummary
+    points : sequence of MethodPoint
         Of one panel.
     looks : mapping of str to MethodLook
-    place : callable
-        From a summary to its place on the x axis.
-    figures : callable
-        From a summary to the value, and to the ends of its band.
     """
-    for method, look in looks.items():
-        own = sorted((one for one in cells if one.method == method), key=place)
+    for method, look in reversed(list(looks.items())):
+        own = sorted((one for one in points if one.method == method), key=lambda one: one.x)
         if not own:
             continue
-        x = [place(one) for one in own]
-        middle, low, high = zip(*(figures(one) for one in own), strict=True)
+        x = [one.x for one in own]
+        middle, low, high = zip(*(one.values for one in own), strict=True)
         axes.fill_between(x, low, high, color=look.colour, alpha=_BAND, linewidth=0)
         axes.plot(x, middle, look.line, color=look.colour, linewidth=1.3, label=method)
         for flagged, face in ((False, look.colour), (True, GROUND.drawn)):
-            marks = [
-                (a, b) for a, b, one in zip(x, middle, own, strict=True) if one.flagged_misfit is flagged
-            ]
+            marks = [(one.x, one.values[0]) for one in own if one.is_flagged is flagged]
             if marks:
                 axes.plot(
                     *zip(*marks, strict=True), linestyle="", marker=look.mark, color=look.colour,
@@ -87,9 +96,18 @@ def draw_methods(
                 )  # fmt: skip
 
 
-def over_oracle(one: CellSummary) -> tuple[float, float, float]:
-    """Return the median error over the oracle's, with the range of the seeds."""
-    return one.over_oracle, one.low, one.high
+def legend_below(figure: Figure) -> None:
+    """Add a legend of all methods that are drawn below the panels of a figure, the first one first."""
+    found = {
+        label: line
+        for axes in figure.axes
+        for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    drawn = dict(reversed(found.items()))
+    across = max(int(figure.get_figwidth() / _INCH_A_NAME), 1)
+    figure.legend(
+        drawn.values(), drawn.keys(), loc="outside lower center", ncols=across, fontsize=8, frameon=False
+    )
 
 
 def ratio_axis(axes: Axes) -> None:

@@ -1,15 +1,18 @@
 """Training and test data of a rendered case: dots that are detected in pictures of a board."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from jaxtyping import Float64
 
 from labcal.bench.distortion.case import NO_FAULT, Case, Measured, Pictures
 from labcal.bench.distortion.cell_data import CellData, RegionPoints, beyond_pinhole
 from labcal.bench.distortion.rendered_scene import rendered_scene
+from labcal.bench.distortion.seeing_pixels import seeing_margin
+from labcal.bench.families.registry import family_by_name
 from labcal.bench.faults.faulty_scene import faulty_scene
 from labcal.bench.faults.registry import fault_named
 from labcal.calibrate.eccentricity import centred
@@ -39,7 +42,8 @@ def rendered_data(case: Case, pictures: Pictures) -> CellData:
     Methods get what `labcal fit` and `labcal reconstruct` give them: pixels of dots' centres, from which the
     eccentricity is subtracted with cameras that are resected from the training dots, and the covariances of
     the detector. The oracle gets the same detected pixels, and subtracts the eccentricity with the true
-    cameras. Pictures are removed afterwards.
+    cameras. Pictures are removed afterwards. Where they lack a margin, pixels are counted from the corner of
+    the whole picture all the same.
 
     A fault is one of the pictures to train on; those to measure on are the same with it and without.
 
@@ -57,7 +61,9 @@ def rendered_data(case: Case, pictures: Pictures) -> CellData:
     trained = usual
     if case.cell.fault != NO_FAULT:
         trained = _pictured(faulty_scene(_to_train_on(scene), fault_named(case.cell.fault)), case.seed)
-    return _data(case, trained, usual, tuple(scene.true_cameras().values()))
+    data = _data(case, trained, usual, tuple(scene.true_cameras().values()))
+    margin = seeing_margin(family_by_name(case.cell.family).pair(case.cell.strength, case.seed))
+    return from_whole_corner(data, margin)
 
 
 @dataclass(frozen=True)
@@ -112,6 +118,12 @@ def _data(case: Case, to_train: _Pictured, to_test: _Pictured, pair: tuple[Camer
         beyond_pinhole(trained.Y, exact),
         pixel_error_px=pixel_error(to_train.seen, to_train.true_dots),
     )
+
+
+def from_whole_corner(data: CellData, margin: Float64[np.ndarray, " 2"]) -> CellData:
+    """Return data with pixels counted from the corner of a picture with its margin."""
+    tests = {region: replace(points, q=points.q + margin) for region, points in data.tests.items()}
+    return replace(data, X=data.X + np.tile(margin, data.X.shape[1] // 2), tests=tests)
 
 
 def pixel_error(seen: Matches, true_dots: Sequence[TrueDots]) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from labcal.bench.distortion.case import Cell, Pictures
+from labcal.bench.distortion.seeing_pixels import cut, seeing_margin
 from labcal.bench.families.registry import EYES_MM, LOOK_AT_MM, Family, family_by_name
 from labcal.bench.families.volume import COLS, ROWS, TABLE, Volume
 from labcal.cameras.camera import Camera
@@ -17,8 +18,8 @@ from labcal.targets.grid import DotGrid
 
 TARGET = "paper-13x10"
 SENSOR = {"preset": "machine-vision-5mp", "fall_off": False, "exposure_stops": -5.0, "bits": 16}
-"""A good sensor in dim light: dots have a noise of some 0.02 px, beside which that of 32 rays a pixel, about
-0.006 px, hardly counts. In full light the rays would make most of the error, and no detector knows it."""
+"""A good sensor in dim light: dots have a noise of some 0.02 px, beside which that of 32 rays a pixel, some
+0.006 px, hardly counts. In full light the rays would make most of the error, which no detector knows of."""
 NAMES = ("left", "right")
 _LAMP_MM, _LAMP_SIZE_MM, _LAMP_RADIANCE, _AMBIENT_RADIANCE = (0.0, -500.0, 6000.0), 1500.0, 9.0, 0.4
 _BEHIND_MM = 1500.0
@@ -30,12 +31,15 @@ def rendered_scene(cell: Cell, pictures: Pictures, seed: int) -> Scene:
 
     The board of the paper, stretched to the volume's width and depth, lies on planes at equal intervals
     across the volume, its faces included. The test views are half-way between them, half a pitch to the side.
-    Light falls off nowhere, so that all families are pictured alike.
+    Light falls off nowhere, so that all families are pictured alike. Pictures lack the margin of
+    :func:`~labcal.bench.distortion.seeing_pixels.seeing_margin`.
 
     Raises
     ------
     UnknownNameError
         There is no such family.
+    InputError
+        The cameras see no direction.
     """
     family = family_by_name(cell.family)
     volume = family.volume(cell.strength)
@@ -87,7 +91,11 @@ def board(volume: Volume) -> DotGrid:
 
 def _cameras(family: Family, strength: float, seed: int) -> dict[str, CameraDescription]:
     pair = family.pair(strength, seed)
-    return {name: _description(camera, eye) for name, camera, eye in zip(NAMES, pair, EYES_MM, strict=True)}
+    margin = seeing_margin(pair)
+    return {
+        name: _description(cut(camera, margin), eye)
+        for name, camera, eye in zip(NAMES, pair, EYES_MM, strict=True)
+    }
 
 
 def _description(camera: Camera, eye_mm: tuple[float, float, float]) -> CameraDescription:

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
-from labcal.bench.distortion.checks import coverage_is_wrong
+from labcal.bench.distortion.checks import LOW_COVERAGE, coverage_is_wrong
 from labcal.bench.distortion.enough_points import with_enough_points
 from labcal.bench.distortion.levels import spread_levels
 from labcal.bench.distortion.own_detections.result import OwnResult, own_table
@@ -48,6 +48,8 @@ class FamilyFigures(BaseModel):
     cells: int
     miscovered: int = 0
     """Cells with neither a coverage of 0.93 to 0.97 nor a flag."""
+    overconfident: int = 0
+    """Those of them with a coverage below 0.93: their ellipsoids are too small."""
     silent: int = 0
     """Cells with more than `FAR` times the oracle's error in which a seed is not flagged `model-misfit`."""
 
@@ -95,6 +97,7 @@ def family_figures(
             flagged=sum(one.flagged_misfit for one in group),
             cells=len(group),
             miscovered=sum(map(coverage_is_wrong, group)),
+            overconfident=sum(one.unflagged_coverage95 < LOW_COVERAGE for one in group),
             silent=sum(one.over_oracle > FAR and not one.flagged_misfit for one in group),
         )
         for (family, method, strength), group in groups.items()

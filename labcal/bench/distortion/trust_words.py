@@ -1,4 +1,4 @@
-"""How far each method can be trusted, in words that are computed from the figures."""
+"""Words on the reliability of each method, computed from the figures."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -100,13 +100,16 @@ def _coverage_words(within: Sequence[FamilyFigures]) -> Iterable[str]:
         yield "It states no covariance."
         return
     cells, wrong = _total(within, lambda one: one.cells), _total(within, lambda one: one.miscovered)
+    small = _total(within, lambda one: one.overconfident)
     if not wrong:
         yield "Its 95% ellipsoids hold 93 to 97% of the errors, or a flag warns, in every cell."
-    else:
-        yield (
-            f"Its 95% ellipsoids hold fewer than 93% or more than 97% of the errors, without a flag, in "
-            f"{wrong} of {counted(cells, 'cell')}."
-        )
+        return
+    of_cells = f"of {counted(cells, 'cell')}, without a flag"
+    if small:
+        yield f"Its 95% ellipsoids are too small (fewer than 93% of the errors) in {small} {of_cells}."
+    if wrong > small:
+        whose = "They" if small else "Its 95% ellipsoids"
+        yield f"{whose} are too large (more than 97%) in {wrong - small} {of_cells}."
 
 
 def _silence_words(within: Sequence[FamilyFigures]) -> Iterable[str]:

@@ -13,7 +13,7 @@ from labcal.bench.families.registry import FAMILIES
 
 @dataclass(frozen=True)
 class WinnerGroup:
-    """Which methods are the best in the cells of a family, strength and region.
+    """The best methods in the cells of a family, strength and region.
 
     Attributes
     ----------

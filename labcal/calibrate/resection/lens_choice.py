@@ -9,7 +9,7 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.held_out import folds, simplest
 from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
-from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted, resect
+from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted_with_prior, resect
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION, undistorted_dist
 from labcal.cameras.prescription import load_prescription, prescription_names
@@ -90,16 +90,19 @@ def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) 
 
 
 def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str) -> _Trial | None:
-    """Return how a lens model does, or None where it cannot be fitted."""
+    """Return how a lens model does, or None where it cannot be fitted.
+
+    A part of the points is fitted as all of them are, with the same prior of the coefficients.
+    """
     try:
         whole = resect(method, q, p, camera_of_lens(lens, size, None))
     except InputError:
         return None
     if not _sees_all_between(whole.camera, q):
         return None
-    squares = []
+    squares, noise = [], UniformNoise(max(whole.sigma_px, 1e-6))
     for out in folds(q, np.linalg.norm(transform(whole.camera.T_cam_world, p), axis=1)):
-        part = adjusted(whole.placed, q[~out], p[~out], UniformNoise(max(whole.sigma_px, 1e-6)), NEAR)
+        part = adjusted_with_prior(whole.placed, q[~out], p[~out], noise, NEAR, whole.held)
         residual = ((part.camera.project(p[out]).q - q[out]) ** 2).sum(axis=1)
         squares.append(np.where(np.isfinite(residual), residual, np.inf))
     return _Trial(whole, np.concatenate(squares))

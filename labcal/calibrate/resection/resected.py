@@ -46,12 +46,15 @@ class ResectedCamera:
         Predicted minus measured, px.
     sigma_px : float
         What residuals scatter along each axis, by as many degrees of freedom as are left.
+    held : PriorWidth
+        Of the prior of the lens's coefficients.
     """
 
     placed: PlacedCamera
     covariance: Float64[np.ndarray, "free free"]
     residual: Float64[np.ndarray, "n 2"]
     sigma_px: float
+    held: PriorWidth = PriorWidth.WIDE
 
     @property
     def camera(self) -> Camera:
@@ -153,18 +156,26 @@ def adjusted(
     damping : Damping
         :data:`FAR` or :data:`NEAR`.
     """
-    wide = _adjusted(start, ResectionProblem(q, p, whitening, lens_prior(start, p, PriorWidth.WIDE)), damping)
+    wide = adjusted_with_prior(start, q, p, whitening, damping, PriorWidth.WIDE)
     if not wide.lens(whitening).is_open:
         return wide
-    held = ResectionProblem(q, p, whitening, lens_prior(start, p, PriorWidth.NARROW))
-    narrow = _adjusted(start, held, damping)
+    narrow = adjusted_with_prior(start, q, p, whitening, damping, PriorWidth.NARROW)
     ratio = narrow.sigma_px / max(wide.sigma_px, np.finfo(np.float64).tiny)
     return narrow if narrow_is_better([wide.camera], [narrow.camera], ratio) else wide
 
 
-def _adjusted(start: PlacedCamera, problem: ResectionProblem, damping: Damping) -> ResectedCamera:
-    """Return the camera that solves a problem."""
-    q, p = problem.q, problem.p
+def adjusted_with_prior(
+    start: PlacedCamera, q: Pixels, p: Vectors3, whitening: Whitening, damping: Damping, held: PriorWidth
+) -> ResectedCamera:
+    """Return the camera nearest to pixels, with one prior of the lens's coefficients.
+
+    Parameters
+    ----------
+    start, q, p, whitening, damping
+        As for `adjusted`.
+    held : PriorWidth
+    """
+    problem = ResectionProblem(q, p, whitening, lens_prior(start, p, held))
     placed = minimize(problem, start, _STOPPING, damping).parameters
     residual = placed.camera.project(p).q - q
     freedom = max(1, residual.size - placed.count)
@@ -173,4 +184,5 @@ def _adjusted(start: PlacedCamera, problem: ResectionProblem, damping: Damping) 
         problem.linearize(placed).covariance,
         residual,
         float(np.sqrt((residual**2).sum() / freedom)),
+        held,
     )

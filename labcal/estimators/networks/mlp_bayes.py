@@ -101,13 +101,13 @@ class MlpBayes(NetworkEstimator):
         self.log_evidence_ = float(np.mean([evidence.log_evidence for evidence in evidences]))
         self.weight_factors_ = np.stack([solution.factor for solution in solutions])
 
-    def _covariance(
+    def _covariance_parts(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
-    ) -> Float64[np.ndarray, "n dim dim"]:
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
         propagated = propagated_covariance(self._coordinates, pixels, pixel_covariance)
-        return np.asarray(propagated + self._of_weights(pixels) + self._spread(pixels))
+        return propagated, np.asarray(self._of_weights(pixels) + self._spread(pixels))
 
     def _of_weights(self, pixels: Float64[np.ndarray, "n inputs"]) -> Float64[np.ndarray, "n dim dim"]:
         """Return the covariance of predictions by that of the weights, the mean over the members."""

@@ -119,10 +119,11 @@ class NetworkEstimator(PointEstimator):
         predicted = self._predictions(pixels)
         return predicted[0] if len(predicted) == 1 else np.asarray(predicted.mean(axis=0))
 
-    def _covariance(
+    def _covariance_parts(
         self, pixels: Pixels, pixel_covariance: Float64[np.ndarray, "n cameras 2 2"]
-    ) -> Float64[np.ndarray, "n dim dim"]:
-        return np.asarray(super()._covariance(pixels, pixel_covariance) + self._spread(pixels))
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
+        noise, own = super()._covariance_parts(pixels, pixel_covariance)
+        return noise, np.asarray(own + self._spread(pixels))
 
     def _spread(self, pixels: Pixels) -> Float64[np.ndarray, "n dim dim"]:
         """Return the covariance of the members' predictions; zero where there is one."""

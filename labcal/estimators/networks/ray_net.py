@@ -12,7 +12,7 @@ from labcal.errors import InputError
 from labcal.estimators.estimator import FittedArray, PointEstimator
 from labcal.estimators.networks.network_estimator import joint_reason
 from labcal.estimators.networks.ray_problem import RayProblem
-from labcal.estimators.propagation import propagated_covariance
+from labcal.estimators.propagation import propagated_covariances
 from labcal.estimators.ray_field import Crossings, RayFrame
 from labcal.estimators.scaling import RangeScaling
 from labcal.geometry.arrangement import (
@@ -214,11 +214,11 @@ class RayNet(PointEstimator):
                 p = p - np.linalg.solve(normal, gradient[:, :, None])[:, :, 0]
         return np.asarray(p)
 
-    def _covariance(
+    def _covariance_parts(
         self,
         pixels: Float64[np.ndarray, "n inputs"],
         pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
-    ) -> Float64[np.ndarray, "n dim dim"]:
+    ) -> tuple[Float64[np.ndarray, "n dim dim"], Float64[np.ndarray, "n dim dim"]]:
         points = self._predict(pixels)
         of_weights = np.empty_like(pixel_covariance)
         with one_torch_thread(), one_blas_thread():
@@ -231,7 +231,8 @@ class RayNet(PointEstimator):
                 whitened = solve_triangular(self.weight_factors_[k], flat.T, lower=True).T
                 whitened = whitened.reshape(in_pixels.shape)
                 of_weights[:, k] = 0.5 * whitened @ whitened.mT
-        return propagated_covariance(self._predict, pixels, pixel_covariance + of_weights)
+        noise, own = propagated_covariances(self._predict, pixels, pixel_covariance, of_weights)
+        return noise, own
 
     def _crossings(self, camera: int, pixels: Float64[np.ndarray, "n inputs"]) -> Crossings:
         """Return where the rays of a camera's pixels meet its planes, scaled."""

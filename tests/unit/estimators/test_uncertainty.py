@@ -8,8 +8,8 @@ from scipy.stats import chi2
 
 from labcal.errors import InputError
 from labcal.estimators.affine import Affine
-from labcal.estimators.closed_form import ClosedFormEstimator
 from labcal.estimators.dlt import Dlt
+from labcal.estimators.linear_camera_estimator import LinearCameraEstimator
 from labcal.estimators.propagation import propagated_covariance
 from labcal.estimators.two_plane import TwoPlane
 from labcal.evaluate.statistics import coverage
@@ -61,7 +61,7 @@ def test_what_was_not_learned_enters(stereo: View, volume: np.ndarray) -> None:
 @pytest.mark.parametrize("method", [Dlt, TwoPlane])
 @pytest.mark.parametrize("sigma", [0.05, 0.5])
 def test_noise_does_not_count_twice(
-    method: type[ClosedFormEstimator], sigma: float, stereo: View, volume: np.ndarray
+    method: type[LinearCameraEstimator], sigma: float, stereo: View, volume: np.ndarray
 ) -> None:
     """A method that is right errs by the noise, which was in the training pixels as well."""
     rng = np.random.default_rng(8)
@@ -102,3 +102,36 @@ def test_covariances_of_another_shape_are_refused(stereo: View, volume: np.ndarr
     estimator = Affine().fit(stereo(volume), volume)
     with pytest.raises(InputError, match="one of 2 x 2 for each point and camera"):
         estimator.predict_with_covariance(stereo(volume), per_camera(len(volume) - 1, 7))
+
+
+@pytest.mark.parametrize("method", [Dlt, TwoPlane])
+def test_few_points_leave_a_method_as_uncertain_as_it_says(
+    method: type[LinearCameraEstimator], stereo: View, volume: np.ndarray
+) -> None:
+    """On average over fits, and at each place: an error that all points of a fit share is no noise."""
+    rng, sigma, covered, ratios = np.random.default_rng(10), 0.5, [], []
+    for _ in range(40):
+        trained = rng.uniform(volume.min(axis=0), volume.max(axis=0), (40, 3))
+        X = stereo(trained) + sigma * rng.standard_normal((len(trained), 4))
+        fitted = method(**({"degree": 2} if method is TwoPlane else {})).fit(X, trained)
+        p = rng.uniform(volume.min(axis=0), volume.max(axis=0), (100, 3))
+        noisy = stereo(p) + sigma * rng.standard_normal((len(p), 4))
+        points, stated = fitted.predict_with_covariance(
+            noisy, np.tile(sigma**2 * np.eye(2), (len(p), 2, 1, 1))
+        )
+        error = points - p
+        covered.append(coverage(error, stated))
+        ratios.append((error**2).sum(axis=1) / np.trace(stated, axis1=1, axis2=2))
+    assert abs(np.mean(covered) - 0.95) < 4.0 * np.std(covered) / np.sqrt(len(covered))
+    assert abs(np.mean(ratios) - 1.0) < 0.15
+
+
+def test_ellipsoids_grow_where_nothing_was_trained(stereo: View, volume: np.ndarray) -> None:
+    rng = np.random.default_rng(11)
+    X = stereo(volume) + 0.5 * rng.standard_normal((len(volume), 4))
+    fitted = TwoPlane(degree=3).fit(X, volume)
+    middle, beyond = volume.mean(axis=0), volume.max(axis=0) + np.array([300.0, 300.0, 0.0])
+    exact = np.zeros((2, 2, 2, 2))
+    _, stated = fitted.predict_with_covariance(stereo(np.stack([middle, beyond])), exact + 0.25 * np.eye(2))
+    own = np.trace(stated, axis1=1, axis2=2)
+    assert own[1] > 3.0 * own[0]

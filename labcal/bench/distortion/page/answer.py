@@ -2,6 +2,7 @@
 
 from labcal.bench.distortion.network_answer import MARGIN
 from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.page.plan_rows import setting_words
 from labcal.report.page.part import Part
 from labcal.report.page.prose import Prose, Tone
 from labcal.report.page.written import Written
@@ -23,11 +24,19 @@ def answer_parts(findings: Findings) -> list[Part]:
     """
     sentences = findings.result.answer or (_NONE,)
     values = {"question": "Should I use a network?", "first": sentences[0], "others": sentences[1:]}
-    quick = [Prose((_QUICK,), Tone.NOTE)] if findings.result.quick else []
-    return [Written("bench_answer.html.jinja", values), Prose((_RULE,), Tone.QUIET), *quick]
+    return [Written("bench_answer.html.jinja", values), Prose((_RULE,), Tone.QUIET), *_restrictions(findings)]
+
+
+def _restrictions(findings: Findings) -> list[Part]:
+    """Return what the answer is restricted by: settings of the plan, and a quick run."""
+    settings = findings.result.plan.settings
+    words = [f"{method} was measured with {setting_words(given)}." for method, given in settings.items()]
+    if findings.result.quick:
+        words.append(_QUICK)
+    return [Prose(tuple(words), Tone.NOTE)] if words else []
 
 
 _QUICK = (
-    "This was a quick run: networks stop early in its plan. Run 'labcal bench distortion' without --quick "
-    "for figures to quote."
+    "This was a quick run, of few levels and seeds. For figures to quote, measure the levels that matter to "
+    "you with more seeds, or the full plan on a cluster."
 )

@@ -1,4 +1,4 @@
-"""Section: whether stated covariances can be believed."""
+"""Section: coverage of the stated covariances."""
 
 from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.checks import HIGH_COVERAGE, LOW_COVERAGE

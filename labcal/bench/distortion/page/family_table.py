@@ -21,15 +21,25 @@ def family_table(name: str, figures: Sequence[FamilyFigures], strengths: Sequenc
     strengths : sequence of float
         The columns.
     """
-    known = {(one.family, one.method, one.strength): one for one in figures}
-    rows = [
-        [f"{family}, {method}", *(_cell(known.get((family, method, strength))) for strength in strengths)]
-        for family, method in dict.fromkeys((one.family, one.method) for one in figures)
-    ]
     columns = [Column("family, method", Side.LEFT), *(Column(f"{strength:g}") for strength in strengths)]
     header = tuple(FamilyFigures.model_fields)
     file = table_download(f"{name}.csv", header, [[getattr(one, key) for one in figures] for key in header])
-    return PageTable(name, _CAPTION, columns, rows, file)
+    return PageTable(name, _CAPTION, columns, family_rows(figures, strengths), file)
+
+
+def family_rows(figures: Sequence[FamilyFigures], strengths: Sequence[float]) -> list[list[str]]:
+    """Return a row for each family and method, for the page and for the documentation.
+
+    Parameters
+    ----------
+    figures : sequence of FamilyFigures
+    strengths : sequence of float
+    """
+    known = {(one.family, one.method, one.strength): one for one in figures}
+    return [
+        [f"{family}, {method}", *(_cell(known.get((family, method, strength))) for strength in strengths)]
+        for family, method in dict.fromkeys((one.family, one.method) for one in figures)
+    ]
 
 
 def _cell(one: FamilyFigures | None) -> str:

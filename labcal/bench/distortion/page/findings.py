@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from labcal.bench.distortion.case import Layout, Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.bench.distortion.curves import with_figures
-from labcal.bench.distortion.enough_points import least_points
+from labcal.bench.distortion.enough_points import least_of
 from labcal.bench.distortion.levels import spread_levels
 from labcal.bench.distortion.result import DistortionResult
 from labcal.report.page.document import Section
@@ -17,7 +17,7 @@ _MOST_NOISES = 2
 
 @dataclass(frozen=True)
 class Findings:
-    """What a page is made of.
+    """Results and summaries of a benchmark, with the command that gives them.
 
     Attributes
     ----------
@@ -53,8 +53,7 @@ class Findings:
     @property
     def enough(self) -> int:
         """The number of training points that figures over the strength are drawn for."""
-        least = least_points(self.usual)
-        return min(points for points in self.result.plan.points if points >= least)
+        return least_of(self.result.plan.points)
 
     def cells(self, family: str, layout: Layout, region: Measured) -> list[CellSummary]:
         """Return the usual cells of a family, layout and region, of the chosen noises; none without a figure.

@@ -4,6 +4,7 @@ import yaml
 
 from labcal.bench.distortion.page.cell_table import cell_download
 from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.page.plan_rows import plan_rows
 from labcal.bench.distortion.plan import Plan
 from labcal.report.page.document import Section
 from labcal.report.page.download import Download
@@ -33,7 +34,7 @@ def plan_section(findings: Findings) -> Section:
         "plan",
         f"Every combination is measured: {counted(result.cases, 'case')}.",
         [Column("factor", Side.LEFT), Column("levels", Side.WIDE)],
-        [*_rows(result.plan, result.first_seed), ["SHA-256", result.plan_sha256]],
+        plan_rows(result),
     )
     files = [
         Download("plan.yaml", plan_text(result.plan)),
@@ -55,20 +56,3 @@ def plan_text(plan: Plan) -> str:
     """
     text: str = yaml.safe_dump(plan.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
     return text
-
-
-def _rows(plan: Plan, first_seed: int) -> list[list[str]]:
-    """Return what the plan says, factor by factor, as it was dumped: new factors come by themselves."""
-    said = plan.model_dump(mode="json", exclude={"description", "settings", "seeds"})
-    rows = [[factor, _levels(value)] for factor, value in said.items()]
-    rows.append(["seeds", f"{plan.seeds}, from {first_seed}"])
-    for method, settings in plan.settings.items():
-        values = ", ".join(f"{name} {value}" for name, value in settings.items())
-        rows.append([f"settings of {method}", values])
-    return rows
-
-
-def _levels(value: object) -> str:
-    if isinstance(value, list | tuple):
-        return ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in value)
-    return str(value)

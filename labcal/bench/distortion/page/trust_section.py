@@ -1,4 +1,4 @@
-"""Section: how far each method can be trusted, in words."""
+"""Section: words on the reliability of each method."""
 
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.trust_words import trust_entries

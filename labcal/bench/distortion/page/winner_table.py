@@ -20,7 +20,7 @@ WINNER_WORDS = (
     "Over all noises, numbers of points and layouts. Best in cells: how many cells each method wins. Error: "
     "of the best method, over the oracle's. Second over best: the second method's error over the best one's, "
     "seed by seed. Both are medians of the cells, with their range. Clearly: cells in which the second errs "
-    "by more than 5% more, and every seed agrees."
+    "by more than 5% more, and every seed agrees. Where none is clear, the two are as good as each other."
 )
 _CAPTION = "The best methods by family and strength"
 

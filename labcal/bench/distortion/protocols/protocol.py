@@ -103,7 +103,9 @@ class Protocol:
     same, different : tuple of str
         What is as in the publication, and what is not or is not known.
     trained : int
-        Number of training points, roughly; it determines the cost.
+        Number of training points, roughly; it determines the cost of methods.
+    seconds : float
+        Cost of the data, roughly.
     """
 
     name: str
@@ -115,6 +117,7 @@ class Protocol:
     same: tuple[str, ...]
     different: tuple[str, ...]
     trained: int
+    seconds: float = 0.0
 
 
 def rms(values: Lengths) -> float:

@@ -2,9 +2,10 @@
 
 from labcal.bench.distortion.protocols.josa_volume import JOSA_VOLUME
 from labcal.bench.distortion.protocols.protocol import Protocol
+from labcal.bench.distortion.protocols.z_travel import REFINED_Z_TRAVEL, Z_TRAVEL
 from labcal.errors import UnknownNameError
 
-PROTOCOLS = {protocol.name: protocol for protocol in (JOSA_VOLUME,)}
+PROTOCOLS = {protocol.name: protocol for protocol in (JOSA_VOLUME, Z_TRAVEL, REFINED_Z_TRAVEL)}
 
 
 def protocol_by_name(name: str) -> Protocol:

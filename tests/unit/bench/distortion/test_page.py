@@ -18,8 +18,14 @@ from labcal.bench.distortion.page.plan_section import plan_section
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.settings import BenchSettings
 
-FEW = ("families=brown,water", "strengths=0,0.5,1", "noise_px=0.02,0.05,0.1", "points=60,140,200")
-ONE = ("families=water", "strengths=1", "noise_px=0.1", "points=140")
+FEW = (
+    "families=brown,water",
+    "strengths=0,0.5,1",
+    "noise_px=0.02,0.05,0.1",
+    "points=60,140,200",
+    "faults=none",
+)
+ONE = ("families=water", "strengths=1", "noise_px=0.1", "points=140", "faults=none")
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +57,7 @@ def test_the_answer_stands_before_all_sections(findings: Findings, text: str) ->
     answer = findings.result.answer[0]
     assert answer.startswith("No: of 54 cells the best network has the smaller error in 0")
     assert text.index(answer) < text.index("<section")
+    assert "mlp was measured with max_epochs 100." in text[: text.index("<section")]
     assert headings(text) == [
         "How far each method can be trusted",
         "Error as distortion grows",
@@ -64,7 +71,7 @@ def test_the_answer_stands_before_all_sections(findings: Findings, text: str) ->
 
 
 def test_sections_without_figures_are_left_out() -> None:
-    few = ("methods=dlt,affine", "families=water", "points=60", "measured=within")
+    few = ("methods=dlt,affine", "families=water", "points=60", "measured=within", "faults=none")
     page = distortion_page(made_up_findings("quick", few, 1)).text()
     assert "it gives no answer" in page
     assert [one for one in headings(page) if "added" in one or "Outside" in one] == []
@@ -121,7 +128,7 @@ def test_results_that_are_too_long_stand_beside_the_page_alone(
 
 
 def test_the_same_findings_give_the_same_page() -> None:
-    few = ("families=water", "points=140", "noise_px=0.1", "measured=within")
+    few = ("families=water", "points=140", "noise_px=0.1", "measured=within", "faults=none")
     one, other = (distortion_page(made_up_findings("quick", few, 2)).text() for _ in range(2))
     assert one == other
 

@@ -51,11 +51,12 @@ def entry(within: list[FamilyFigures], outside: list[FamilyFigures]) -> str:
 
 
 def test_what_is_wrong_without_a_warning_is_said() -> None:
-    bad = [figures("water", 1.0, 30.0, miscovered=1, silent=2)]
+    bad = [figures("water", 1.0, 30.0, cells=9, miscovered=3, overconfident=1, silent=2)]
     said = entry(bad, [figures("water", 1.0, 50.0)])
     assert "At most 1.1 times the oracle's error: nowhere. Worst: 30 times (water at strength 1)." in said
-    assert "without a flag, in 1 of 2 cells" in said
-    assert "In 2 of 2 cells it errs by more than 2 times the oracle without the flag" in said
+    assert "ellipsoids are too small (fewer than 93% of the errors) in 1 of 9 cells, without a flag" in said
+    assert "They are too large (more than 97%) in 2 of 9 cells" in said
+    assert "In 2 of 9 cells it errs by more than 2 times the oracle without the flag" in said
     assert said.endswith("Outside the trained volume the worst is 50 times (water at strength 1).")
 
 

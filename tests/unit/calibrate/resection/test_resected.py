@@ -1,14 +1,18 @@
 """A camera from points in space, against the camera that saw them."""
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from labcal.calibrate.lens_prior import PriorWidth
+from labcal.calibrate.resection import lens_choice
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
-from labcal.calibrate.resection.resected import resect
+from labcal.calibrate.resection.placed import PlacedCamera
+from labcal.calibrate.resection.resected import ResectedCamera, adjusted_with_prior, resect
 from labcal.cameras.camera import Camera
 from labcal.cameras.free_parameters import FreeParameters
 from labcal.cameras.window import WATER, FlatWindow
@@ -46,6 +50,30 @@ def test_opencv_finds_no_less_cost() -> None:
     )  # fmt: skip
     own = np.sqrt((found.residual**2).sum(axis=1).mean())
     assert own == pytest.approx(rms, rel=1e-5)
+
+
+def test_parts_of_the_dots_are_fitted_with_the_prior_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dots in the middle leave the border of the picture open: some lenses are held by the narrow prior."""
+    near = POINTS * (0.3, 0.3, 1.0) + (0.0, 0.0, 60.0)
+    q = TRUE["brown5"].project(near).q + 0.05 * np.random.default_rng(6).standard_normal((200, 2))
+    whole: dict[str, PriorWidth] = {}
+    parts: list[tuple[str, PriorWidth]] = []
+
+    def resected(method: str, q: np.ndarray, p: np.ndarray, kind: Camera) -> ResectedCamera:
+        found = resect(method, q, p, kind)
+        whole[kind.lens] = found.held
+        return found
+
+    def adjusted(start: PlacedCamera, *rest: Any) -> ResectedCamera:  # noqa: ANN401 - passed on as they are
+        parts.append((start.camera.lens, rest[-1]))
+        return adjusted_with_prior(start, *rest)
+
+    monkeypatch.setattr(lens_choice, "resect", resected)
+    monkeypatch.setattr(lens_choice, "adjusted_with_prior", adjusted)
+    chosen_camera("test", q, near, SIZE)
+    assert set(whole.values()) == set(PriorWidth)  # else this would test nothing
+    assert parts
+    assert all(held is whole[lens] for lens, held in parts)
 
 
 def test_a_prescription_and_a_window_under_water_are_found() -> None:

@@ -1,0 +1,103 @@
+"""The sections of the page beyond simulated points: pictures, faults, protocols and detections."""
+
+from dataclasses import replace
+
+import pytest
+from made_up_distortion import made_up_findings
+
+from labcal.bench.distortion.case import Source
+from labcal.bench.distortion.own_detections.result import OwnMethod, OwnResult
+from labcal.bench.distortion.page.detections_section import detections_section
+from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.page.page import distortion_page
+from labcal.bench.distortion.page.protocols_section import protocols_section
+from labcal.bench.distortion.page.rendered_section import rendered_section
+from labcal.bench.distortion.page.sensitivity_section import sensitivity_section
+from labcal.bench.distortion.protocols.result import (
+    ProtocolFigure,
+    ProtocolMethod,
+    ProtocolResult,
+    PublishedFigure,
+)
+from labcal.report.page.document import Section
+
+ONE = ("methods=dlt,bundle", "families=brown", "strengths=0,1", "noise_px=0.1", "points=140")
+NAN = float("nan")
+
+
+@pytest.fixture(scope="module")
+def plain() -> Findings:
+    return made_up_findings("quick", (*ONE, "faults=none"), 1)
+
+
+def html(section: Section | None) -> str:
+    assert section is not None
+    return "".join(str(part.html()) for part in section.parts)
+
+
+def test_they_are_left_out_where_nothing_was_measured(plain: Findings) -> None:
+    for make in (rendered_section, sensitivity_section, protocols_section, detections_section):
+        assert make(plain) is None
+
+
+def test_the_curve_of_pictures_is_of_pictures_alone(plain: Findings) -> None:
+    pictured = [
+        replace(one, cell=replace(one.cell, source=Source.RENDERED, noise_px=0.0), over_oracle=3.25)
+        for one in plain.summaries
+        if one.measured == "within"
+    ]
+    figures = [one.model_copy(update={"over_oracle": 3.25}) for one in plain.result.families]
+    result = plain.result.model_copy(update={"rendered": tuple(figures)})
+    shown = html(rendered_section(Findings(result, [*plain.summaries, *pictured], "")))
+    assert shown.count('<figure class="chart"') == 1
+    assert "noise of the sensor" in shown
+    assert "3.25" in shown
+
+
+def test_faults_that_are_noticed_in_every_cell_are_marked() -> None:
+    findings = made_up_findings("quick", (*ONE, "faults=pitch-0.001,bend-1"), 1)
+    shown = html(sensitivity_section(findings))
+    assert shown.count('<figure class="chart"') == 1
+    assert "pitch-0.001" in shown
+    assert "bend-1" in shown
+
+
+def test_published_figures_stand_below_ours(plain: Findings) -> None:
+    length = ProtocolFigure(quantity="sd of 1000 mm", unit="mm", median=0.5, low=0.4, high=0.7)
+    share = ProtocolFigure(quantity="above 2.5 mm", unit="1", median=0.02, low=0.02, high=0.02)
+    missing = length.model_copy(update={"median": NAN, "low": NAN, "high": NAN})
+    methods = [
+        ProtocolMethod(method=name, figures=figures, coverage95=0.95, flagged=0, seeds=3, reasons=())
+        for name, figures in (("dlt", (length, share)), ("bundle", (missing, share)))
+    ]
+    published = PublishedFigure(
+        method="their network", quantity="sd of 1000 mm", unit="mm", value=1.5, words="does not exceed 1.5 mm"
+    )
+    protocol = ProtocolResult(
+        protocol="josa-volume", source="their paper", methods=tuple(methods), published=(published,),
+        same=("the volume",), different=("the cameras",),
+    )  # fmt: skip
+    result = plain.result.model_copy(update={"protocols": (protocol,)})
+    shown = html(protocols_section(replace(plain, result=result)))
+    assert "0.5 (0.4 to 0.7)" in shown
+    assert "2%" in shown
+    assert shown.index("published: their network") > shown.index("bundle")
+    for words in ("does not exceed 1.5 mm.", "the volume.", "the cameras."):
+        assert words in shown
+
+
+def test_own_detections_have_a_table_with_what_is_not_known(plain: Findings) -> None:
+    known = OwnMethod(
+        method="dlt", n=50, predicted=50, rmse_mm=0.125, over_best=1.0, stated=50, covered=40, coverage95=0.8,
+        model_misfit=True, extrapolated=3, expected_mm=NAN, reasons=(),
+    )  # fmt: skip
+    refused = known.model_copy(
+        update={"method": "affine", "predicted": 0, "rmse_mm": NAN, "model_misfit": None}
+    )
+    own = OwnResult(name="my-shoot", held_out=(("z-1",),), trained=390, methods=(known, refused))
+    result = plain.result.model_copy(update={"detections": (own,)})
+    shown = html(detections_section(replace(plain, result=result)))
+    for words in ("my-shoot", "dlt*", "0.125", "0.800", "3 of 50"):
+        assert words in shown
+    assert "nan" not in shown
+    assert "On detections of your own" in distortion_page(replace(plain, result=result)).text()
