@@ -3,16 +3,11 @@
 import numpy as np
 
 from labcal.bench.distortion.case import Measured
-from labcal.bench.distortion.cell_summary import summarised
-from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.lines import lines_of
-from labcal.bench.distortion.network_answer import network_answer
+from labcal.bench.distortion.measurements import Measurements
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.plan import load_plan
-from labcal.bench.distortion.result import DistortionResult, family_figures
-from labcal.bench.distortion.sensitivity import sensitivities
-from labcal.bench.distortion.winners import winners
 
 GROWTH = {"hybrid": 0.05, "two-plane": 0.2, "bundle": 2.0, "ray-net": 0.5, "mlp": 9.0, "dlt": 20.0}
 """By how much the error over the oracle's grows with the strength."""
@@ -33,25 +28,8 @@ def made_up_findings(name: str, changes: tuple[str, ...] = (), seeds: int | None
             for number, method in enumerate(plan.methods)
         )
         figures.append(CaseFigures(trained=case.cell.points, beyond_pinhole_px=1.0, methods=methods))
-    lines = lines_of(cases, figures)
-    summaries = summarised(lines)
-    usual = [one for one in summaries if one.cell.is_usual]
-    result = DistortionResult(
-        bench="distortion",
-        quick=False,
-        checks=tuple(distortion_checks(summaries)),
-        notes=tuple(failure_notes(summaries)),
-        plan=plan,
-        plan_sha256=plan.sha256,
-        first_seed=0,
-        cases=len(cases),
-        answer=tuple(network_answer(usual)),
-        families=tuple(family_figures(usual)),
-        winners=tuple(winners(usual)),
-        outside=tuple(family_figures(usual, Measured.OUTSIDE)),
-        sensitivity=tuple(sensitivities(lines)),
-    )
-    return Findings(result, summaries, "labcal bench distortion -o DIR")
+    measured = Measurements(plan, 0, len(cases), lines_of(cases, figures))
+    return Findings(measured.result(quick=False), measured.summaries, "labcal bench distortion -o DIR")
 
 
 def _method(

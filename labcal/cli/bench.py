@@ -73,9 +73,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and show the table."""
     from rich.console import Group
 
-    from labcal.bench.distortion.bench import plan_of
     from labcal.bench.distortion.cost import announcement
     from labcal.bench.distortion.method_seconds import seconds_table
+    from labcal.bench.distortion.requested_plan import plan_of
     from labcal.bench.distortion.result import DistortionResult, distortion_table
     from labcal.pipeline import BenchSettings, bench
     from labcal.report.bench import bench_table

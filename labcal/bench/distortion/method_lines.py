@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 
@@ -115,11 +116,25 @@ def ratio_axis(axes: Axes) -> None:
     axes.axhline(1.0, color=QUIET.drawn, linewidth=0.8, zorder=0)  # so that there is something to scale
     axes.set_yscale("log")
     low, high = axes.get_ylim()
-    axes.set_yticks(_ticks(low, high))
+    _plain_ticks(axes.yaxis, low, high)
     axes.set_ylim(low, high)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_locator(NullLocator())
     plain_axes(axes)
+
+
+def ratio_axis_across(axes: Axes) -> None:
+    """Make the x axis one of ratios: logarithmic, with plain numbers, and a line at 1."""
+    axes.axvline(1.0, color=QUIET.drawn, linewidth=0.8, zorder=0)
+    axes.set_xscale("log")
+    low, high = axes.get_xlim()
+    _plain_ticks(axes.xaxis, low, high)
+    axes.set_xlim(low, high)
+    plain_axes(axes)
+
+
+def _plain_ticks(axis: Axis, low: float, high: float) -> None:
+    axis.set_ticks(_ticks(low, high))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())
 
 
 def _ticks(low: float, high: float) -> list[float]:

@@ -6,12 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from labcal.bench.distortion.curves import svg_text
-from labcal.bench.distortion.method_lines import method_looks
+from labcal.bench.distortion.method_lines import method_looks, ratio_axis_across
 from labcal.bench.distortion.sensitivity import Sensitivity
-from labcal.report.inline_svg import GROUND, QUIET
-from labcal.report.page_axes import plain_axes
+from labcal.report.inline_svg import GROUND
 
-_INCH_BY_FAULT, _INCH_BESIDES, _WIDTH_INCH = 0.5, 1.3, 6.5
+_INCH_BY_FAULT, _INCH_BESIDES, _WIDTH_INCH = 0.5, 1.3, 5.6
 _BAND = 0.7
 """Share of a line's height over which its methods are spread."""
 
@@ -39,8 +38,6 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
     figure = Figure(figsize=(_WIDTH_INCH, height), layout="constrained")
     axes = figure.subplots()
     figure.suptitle(title, fontsize=9)
-    axes.axvline(1.0, color=QUIET.drawn, linewidth=0.8, zorder=0)
-    axes.set_xscale("log")
     for number, (method, look) in enumerate(looks.items()):
         shift = _BAND * (number - 0.5 * (len(looks) - 1)) / len(looks)
         colour, mark = look.colour, look.mark
@@ -56,7 +53,7 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
     axes.set_yticks(range(len(faults)), faults)
     axes.set_ylim(len(faults) - 0.5, -0.5)
     axes.tick_params(labelsize=7)
-    plain_axes(axes)
+    ratio_axis_across(axes)
     axes.grid(visible=False, axis="y")
     figure.supxlabel("error with the fault over that without it (x: refused)", fontsize=8)
     figure.legend(loc="outside lower center", ncols=len(looks), fontsize=8, frameon=False)

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from labcal.bench.distortion.bench import bench_distortion, plan_of
+from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.plan import load_plan
+from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
 from labcal.run.progress import NoProgress

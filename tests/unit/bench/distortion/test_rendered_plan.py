@@ -6,10 +6,11 @@ import pytest
 
 from labcal import pipeline
 from labcal.bench.distortion import bench
-from labcal.bench.distortion.bench import bench_distortion, plan_of
+from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.case import Source
 from labcal.bench.distortion.cost import expected_seconds
 from labcal.bench.distortion.plan import load_plan
+from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.settings import BenchSettings
 from labcal.cli import main
 from labcal.errors import DeviceError, InputError

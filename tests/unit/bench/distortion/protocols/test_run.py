@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from labcal.bench.distortion import bench
-from labcal.bench.distortion.bench import bench_distortion, plan_of
+from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.distortion.protocols.figures import ORACLE
@@ -17,6 +17,7 @@ from labcal.bench.distortion.protocols.registry import PROTOCOLS
 from labcal.bench.distortion.protocols.result import ProtocolResult
 from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.protocols.tables import protocol_table
+from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.distortion.result import distortion_table
 from labcal.bench.settings import BenchSettings
 from labcal.cli.console import rendered
