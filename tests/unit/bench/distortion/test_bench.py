@@ -82,7 +82,7 @@ def test_a_case_that_cannot_be_drawn_is_a_line_with_its_reason(
     assert made.checks[0].ok
     page = (tmp_path / "out" / "page.html").read_text(encoding="utf-8")
     assert "see none of the 60 training points" in page
-    assert "--set methods=dlt,two-plane --seeds 1 -o DIR" in page
+    assert "--set methods=dlt,two-plane --set faults=none --seeds 1 -o DIR" in page
 
 
 @pytest.mark.slow

@@ -17,6 +17,7 @@ from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.cli.console import rendered
 from labcal.errors import InputError
 from labcal.estimators.dlt import Dlt
+from labcal.report.inline_svg import GROUND
 
 CELL = Cell("brown", 0.0, 1e-4, 140, Layout.PLANES)
 CASE = Case(CELL, 3, ("dlt",), (Measured.WITHIN,), 300)
@@ -34,7 +35,7 @@ def test_a_pitch_costs_an_exact_method_its_share_of_the_distance_from_dot_0_0(ex
     distance from dot (0, 0) along the board.
     """
     data = data_with(f"pitch-{excess}")
-    found = region_figures(Dlt().fit(data.X, data.Y), data, Measured.WITHIN, CELL.noise_px)
+    found = region_figures(Dlt().fit(data.X, data.Y), data, Measured.WITHIN)
     p = data.tests[Measured.WITHIN].p
     distance = np.linalg.norm((p - data.Y.min(axis=0))[:, :2], axis=1)
     expected = excess / (1.0 + excess) * np.sqrt((distance**2).mean())
@@ -132,7 +133,7 @@ def test_table_and_figure_show_what_is_noticed_refused_and_not_measured() -> Non
     ]  # fmt: skip
     (axes,) = sensitivity_figure(found, "title").axes
     marks = {tuple(mark.get_xydata()[0]): mark for mark in axes.lines if len(mark.get_xydata()) == 1}
-    assert [(place, mark.get_markerfacecolor() == "white") for place, mark in marks.items()] == [
+    assert [(place, mark.get_markerfacecolor() == GROUND.drawn) for place, mark in marks.items()] == [
         ((4.0, 0.0), False), ((5.0, 1.0), True), ((0.985, 2.0), False)
     ]  # fmt: skip
     assert list(sensitivity_figures(found)) == ["sensitivity-brown.svg"]
