@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from labcal.bench.distortion.plan import load_plan
+from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.distortion.result import DistortionResult
+from labcal.bench.settings import BenchSettings
 from labcal.cli import build_parser
 from labcal.run.documents import read_document
 
@@ -25,7 +26,15 @@ def test_it_is_of_the_command_that_the_page_names(committed: DistortionResult) -
     command = re.search(r"^labcal (bench distortion .*)$", page, re.MULTILINE)
     assert command is not None
     given = build_parser("bench").parse_args(shlex.split(command[1]))
-    plan = load_plan(given.plan or ("quick" if given.quick else "full"), given.overrides, (), given.seeds)
+    plan = plan_of(
+        BenchSettings(
+            quick=given.quick,
+            plan=given.plan,
+            overrides=given.overrides,
+            seeds=given.seeds,
+            rendered=given.rendered,
+        )
+    )
     assert committed.plan_sha256 == plan.sha256 == committed.plan.sha256
     assert committed.plan == plan
     assert (committed.quick, committed.first_seed) == (given.quick, given.seed)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from labcal.bench.distortion.bench import bench_distortion
+from labcal.bench.distortion.case import Source
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.settings import BenchSettings
@@ -28,7 +29,7 @@ def test_faults_are_measured_in_reference_cells_of_the_plan_and_after_all_others
     faulty = [case for case in plan.cases(5) if case.cell.fault != "none"]
     assert [case.cell.fault for case in faulty] == ["pitch-0.001", "bend-2"]
     assert {case.seed for case in faulty} == {5}
-    assert [case for case in plan.cases(5) if case.pictures is None][-2:] == faulty
+    assert [case for case in plan.cases(5) if case.cell.source is Source.SIMULATED][-2:] == faulty
     reference = {replace(case.cell, fault="none") for case in faulty}
     assert reference < set(plan.cells())
     assert (faulty[0].cell.noise_px, faulty[0].cell.points) == (min(plan.noise_px), max(plan.points))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from labcal import pipeline
-from labcal.bench.distortion import bench
+from labcal.bench.distortion import requested_plan
 from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.case import Source
 from labcal.bench.distortion.cost import expected_seconds
@@ -82,7 +82,7 @@ def test_a_machine_that_cannot_render_is_told_before_anything_begins(
     def no_library() -> Path:
         raise DeviceError("no LLVM")
 
-    monkeypatch.setattr(bench, "ensure_llvm", no_library)
+    monkeypatch.setattr(requested_plan, "ensure_llvm", no_library)
     with pytest.raises(DeviceError, match="no LLVM"):
         bench_distortion(tmp_path / "out", BenchSettings(quick=True, rendered=True), NoProgress())
     assert not any(tmp_path.iterdir())
