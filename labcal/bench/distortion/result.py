@@ -57,6 +57,8 @@ class FamilyFigures(BaseModel):
 class DistortionResult(BenchResult):
     """Checks, and what they were measured by."""
 
+    command: str
+    """The command line that measures the same again."""
     plan: Plan
     plan_sha256: str
     first_seed: int
