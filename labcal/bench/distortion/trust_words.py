@@ -21,8 +21,8 @@ def trust_entries(result: DistortionResult) -> list[tuple[str, str]]:
     Notes
     -----
     The rules. A method is *near* the oracle in a family up to the strength at which, and below which, every
-    cell has a figure and none more than `NEAR` times the oracle's error; it is *far* from `FAR` times on. Only
-    cells with enough training points count. Coverage is right between 0.93 and 0.97.
+    cell has a figure and none more than `NEAR` times the oracle's error; it is *far* from `FAR` times on.
+    Only cells with enough training points count. Coverage is right between 0.93 and 0.97.
     """
     entries = []
     for method in result.plan.methods:
