@@ -29,7 +29,9 @@ def made_up_findings(name: str, changes: tuple[str, ...] = (), seeds: int | None
         )
         figures.append(CaseFigures(trained=case.cell.points, beyond_pinhole_px=1.0, methods=methods))
     measured = Measurements(plan, 0, len(cases), lines_of(cases, figures))
-    return Findings(measured.result(quick=False), measured.summaries, "labcal bench distortion -o DIR")
+    return Findings(
+        measured.result(quick=False, command="labcal bench distortion -o DIR"), measured.summaries
+    )
 
 
 def _method(

@@ -34,13 +34,13 @@ class CommittedResults(SphinxDirective, Generic[Result]):
 
     def run(self) -> list[nodes.Node]:
         """Return what the result file says, and its hash."""
-        path = Path(self.env.doc2path(self.env.docname)).parent / self.arguments[0]
+        path = (Path(self.env.doc2path(self.env.docname)).parent / self.arguments[0]).resolve()
         self.env.note_dependency(str(path))
         if not path.is_file():
             return self.parse_text_to_nodes(_ABSENT.format(command=self.command))
         result = read_document(self.model, "result file", path)
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        name = path.relative_to(self.env.srcdir).as_posix()
+        name = path.relative_to(Path(self.env.srcdir).resolve()).as_posix()
         return [
             *self.content_of(result),
             *self.parse_text_to_nodes(f"{self.note}From `docs/{name}`, SHA-256 `{digest}`.\n"),

@@ -63,8 +63,8 @@ def bench(
     ----------
     what : {"render", "detect", "solve", "distortion"}
     folder : path
-        The folder to appear, with ``results.json``. ``distortion`` also writes ``page.html``, one page of all
-        that it found, and ``results.csv``, a line for each case, method and region.
+        The folder to appear, with ``results.json``. ``distortion`` also writes ``index.html``, one page of
+        all that it found, and ``results.csv``, a line for each case, method and region.
     settings : BenchSettings, optional
     progress : Progress, optional
 

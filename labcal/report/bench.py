@@ -1,15 +1,19 @@
 """The document of ``labcal bench``: figures against their limits."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict
 from rich.table import Table
 from rich.text import Text
 
+from labcal.errors import InputError
 from labcal.extras import optional_module
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.report.values import Measured
+from labcal.run.file_reading import MOST_OF_A_DOCUMENT, read_text
+from labcal.run.json_reading import json_content
 
 if TYPE_CHECKING:
     import pandas
@@ -81,6 +85,21 @@ class BenchResult(PublicObject, BaseModel):
             for check in self.checks
         ]
         return [HtmlTable(("check", "value", "limit", ""), rows)]
+
+
+def bench_of(path: Path) -> str | None:
+    """Return the benchmark whose ``results.json`` a file is; None if it is none, or cannot be read.
+
+    Parameters
+    ----------
+    path : Path
+    """
+    try:
+        content = json_content(read_text(path, "document of results", MOST_OF_A_DOCUMENT), str(path))
+    except InputError:
+        return None
+    bench = content.get("bench") if isinstance(content, dict) else None
+    return bench if isinstance(bench, str) else None
 
 
 def bench_table(result: BenchResult) -> Table:

@@ -181,7 +181,8 @@ def read_reproduction(folder: AnyPath) -> Reproduction:
     folder = as_path(folder)
     path = folder / RESULTS
     if not path.is_file():
+        makers = "'labcal reproduce' or 'labcal bench distortion'"
         raise InputError(
-            f"{folder} holds no results: it has no {RESULTS}. Give the folder that 'labcal reproduce' made."
+            f"{folder} holds no results: it has no {RESULTS}. Give the folder that {makers} made."
         )
     return read_document(Reproduction, "document of results", path)

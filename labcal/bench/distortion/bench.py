@@ -15,12 +15,11 @@ from labcal.bench.distortion.own_detections.result import own_lines
 from labcal.bench.distortion.own_detections.run import measured_detections
 from labcal.bench.distortion.page.command import command_line
 from labcal.bench.distortion.page.findings import Findings
-from labcal.bench.distortion.page.page import distortion_page
+from labcal.bench.distortion.page.page import PAGE, distortion_page
 from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.distortion.result import DistortionResult
 from labcal.bench.settings import BenchSettings
-from labcal.report.page.output import PageOutput
 from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import usable_cores
@@ -32,7 +31,7 @@ from labcal.run.unfinished import unfinished_folder
 
 
 def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) -> DistortionResult:
-    """Measure every case of a plan, and write ``results.csv``, ``results.json``, figures and ``page.html``.
+    """Measure every case of a plan, and write ``results.csv``, ``results.json``, figures and ``index.html``.
 
     Parameters
     ----------
@@ -70,10 +69,10 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
         make_folder(working / "figures")
         for name, text in measured.figures().items():
             write_file(working / "figures" / name, text, force=True)
-        result = measured.result(quick=settings.quick)
+        result = measured.result(quick=settings.quick, command=command_line(settings))
         write_file(working / "results.json", to_json(result) + "\n", force=True)
-        page = distortion_page(Findings(result, measured.summaries, command_line(settings), table))
-        PageOutput(working / "page.html", force=True).write(page)
+        page = distortion_page(Findings(result, measured.summaries, table))
+        write_file(working / PAGE, page.text(), force=True)
     return result
 
 

@@ -70,17 +70,20 @@ class Measurements:
             figures_of(self.usual) | rendered_figures(self.rendered) | sensitivity_figures(self.sensitivity)
         )
 
-    def result(self, *, quick: bool) -> DistortionResult:
+    def result(self, *, quick: bool, command: str) -> DistortionResult:
         """Return the document ``results.json``.
 
         Parameters
         ----------
         quick : bool
             The plan is a short one.
+        command : str
+            The command line that measures the same again.
         """
         return DistortionResult(
             bench="distortion",
             quick=quick,
+            command=command,
             checks=tuple(distortion_checks(self.summaries)),
             notes=(*failure_notes(self.summaries), *rendered_notes(self.rendered)),
             plan=self.plan,

@@ -46,6 +46,8 @@ class FamilyFigures(BaseModel):
     flagged: int
     """Cells in which every seed is flagged `model-misfit`."""
     cells: int
+    missing: int = 0
+    """Cells in which no seed has a figure, so that they count in none of these."""
     miscovered: int = 0
     """Cells with neither a coverage of 0.93 to 0.97 nor a flag."""
     overconfident: int = 0
@@ -57,6 +59,8 @@ class FamilyFigures(BaseModel):
 class DistortionResult(BenchResult):
     """Checks, and what they were measured by."""
 
+    command: str
+    """The command line that measures the same again."""
     plan: Plan
     plan_sha256: str
     first_seed: int
@@ -96,6 +100,7 @@ def family_figures(
             coverage95=_median([one.coverage95 for one in group]),
             flagged=sum(one.flagged_misfit for one in group),
             cells=len(group),
+            missing=sum(not one.over_oracle >= 0.0 for one in group),
             miscovered=sum(map(coverage_is_wrong, group)),
             overconfident=sum(one.unflagged_coverage95 < LOW_COVERAGE for one in group),
             silent=sum(one.over_oracle > FAR and not one.flagged_misfit for one in group),

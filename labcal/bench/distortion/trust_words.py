@@ -20,9 +20,9 @@ def trust_entries(result: DistortionResult) -> list[tuple[str, str]]:
 
     Notes
     -----
-    The rules. A method is *near* the oracle in a family up to the strength at which, and below which, no cell
-    has more than `NEAR` times the oracle's error; it is *far* from `FAR` times on. Only cells with enough
-    training points count. Coverage is right between 0.93 and 0.97.
+    The rules. A method is *near* the oracle in a family up to the strength at which, and below which, every
+    cell has a figure and none more than `NEAR` times the oracle's error; it is *far* from `FAR` times on.
+    Only cells with enough training points count. Coverage is right between 0.93 and 0.97.
     """
     entries = []
     for method in result.plan.methods:
@@ -41,6 +41,8 @@ def _sentences(within: Sequence[FamilyFigures], outside: Sequence[FamilyFigures]
     if far != near:
         yield f"At most {FAR:g} times: {far}."
     yield f"Worst: {_worst_words(within)}."
+    if missing := _total(within, lambda one: one.missing):
+        yield f"It has no figure in {missing} of {counted(_total(within, lambda one: one.cells), 'cell')}."
     yield from _coverage_words(within)
     yield from _silence_words(within)
     if _worst(outside):
@@ -69,7 +71,7 @@ def reach_words(figures: Sequence[FamilyFigures], limit: float) -> str:
 def _reach(own: Sequence[FamilyFigures], limit: float) -> str:
     """Return in words how far the strengths of a family keep within a limit; empty where none does."""
     kept = 0
-    while kept < len(own) and own[kept].worst <= limit:
+    while kept < len(own) and own[kept].worst <= limit and not own[kept].missing:
         kept += 1
     if kept == len(own):
         return "at every strength"

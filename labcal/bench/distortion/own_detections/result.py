@@ -12,6 +12,7 @@ from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFi
 from labcal.bench.distortion.own_detections.case import OwnCase
 from labcal.bench.distortion.own_detections.measuring import HELD_OUT
 from labcal.report.values import Measured as Figure
+from labcal.wording import counted
 
 _NAN = float("nan")
 LAYOUT = "views"
@@ -103,7 +104,7 @@ def own_table(result: OwnResult) -> Table:
     """Return the errors of all methods on detections of one's own, for people."""
     parts = len(result.held_out)
     views = sum(map(len, result.held_out))
-    how = f"{views} views held out" + (f", in {parts} parts" if parts > 1 else "")
+    how = f"{counted(views, 'view')} held out" + (f", in {parts} parts" if parts > 1 else "")
     table = Table(title=f"Detections {result.name}: {how}")
     table.add_column("method", overflow="fold")
     for column in ("RMS error, mm", "over the best", "coverage", "expected, mm", "extrapolated"):
@@ -113,12 +114,17 @@ def own_table(result: OwnResult) -> Table:
             table.add_row(one.method, "-", "-", "-", "-", "-")
             continue
         cells = [one.method + ("*" if one.model_misfit else ""), f"{one.rmse_mm:.4g}", f"{one.over_best:.2f}"]
-        cells += [f"{one.coverage95:.3f}", f"{one.expected_mm:.4g}", f"{one.extrapolated} of {one.n}"]
+        known = ((one.coverage95, ".3f"), (one.expected_mm, ".4g"))
+        cells += [format(value, form) if np.isfinite(value) else "-" for value, form in known]
+        cells.append(f"{one.extrapolated} of {one.n}")
         table.add_row(*cells)
-    table.caption = (
-        "Against the places that the stage gives, whose own errors are in the figures. "
-        "*: flagged model-misfit, from training data alone."
-    )
+    reasons = [f"{one.method}: {reason}" for one in result.methods for reason in one.reasons]
+    legend = [
+        "Against the places that the stage gives, whose own errors are in the figures.",
+        "*: flagged model-misfit, from training data alone.",
+    ]
+    table.caption = "\n".join([*legend, *reasons])
+    table.caption_justify = "left"
     return table
 
 

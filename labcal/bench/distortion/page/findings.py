@@ -17,22 +17,19 @@ _MOST_NOISES = 2
 
 @dataclass(frozen=True)
 class Findings:
-    """Results and summaries of a benchmark, with the command that gives them.
+    """Results and summaries of a benchmark, as the sections of its page read them.
 
     Attributes
     ----------
     result : DistortionResult
     summaries : sequence of CellSummary
         Of all cells, those with a fault or of other pixels, too.
-    command : str
-        The command line that measures the same again.
     results_csv : str
         The text of ``results.csv``.
     """
 
     result: DistortionResult
     summaries: Sequence[CellSummary]
-    command: str
     results_csv: str = ""
 
     @property

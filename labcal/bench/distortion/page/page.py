@@ -6,6 +6,8 @@ from labcal.bench.distortion.page.sections import SECTIONS
 from labcal.report.page.document import Page
 from labcal.report.page.provenance import Provenance
 
+PAGE = "index.html"
+"""Its name in the folder of results."""
 _LEAD = (
     "Pairs of simulated cameras that depart from the pinhole step by step. Every method is trained on the "
     "same noisy pixels of points at known places, and measured on points that it was not trained on."
@@ -27,6 +29,6 @@ def distortion_page(findings: Findings) -> Page:
         heading="How far methods can be trusted as distortion grows",
         lead=_LEAD,
         sections=sections,
-        provenance=Provenance.of(findings.command, ()),
+        provenance=Provenance.of(findings.result.command, ()),
         opening=answer_parts(findings),
     )

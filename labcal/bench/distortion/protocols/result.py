@@ -68,9 +68,9 @@ class ProtocolResult(BaseModel):
     methods: tuple[ProtocolMethod, ...]
     published: tuple[PublishedFigure, ...]
     same: tuple[str, ...]
-    """What is as in the publication."""
+    """Parts of the measurement that are as in the publication."""
     different: tuple[str, ...]
-    """What is not, or is not known."""
+    """Parts that are not, or of which nothing is known."""
 
 
 Found = tuple[ProtocolCase, ProtocolCaseFigures | str]

@@ -175,7 +175,7 @@ _QUANTITIES = (
     Quantity("RMS error of Y", "um"),
     Quantity("RMS error of Z travel", "um"),
 )
-_SOURCE = "StereoComplex, docs/PYCASO_Z_SWEEP.md (github.com/jeffwitz/StereoComplex, commit 60b48f7)"
+_SOURCE = "StereoComplex (github.com/jeffwitz/StereoComplex, commit 60b48f7), PYCASO_Z_SWEEP.md"
 _SAME = (
     "the pair, the lenses, the board, the depths, the drawing of pictures, blur and noise",
     "training and test views at the same depths",

@@ -54,7 +54,7 @@ def test_a_regressor_of_ones_own_by_one_command_and_by_one_call(
     assert status in {0, 1}
     settings = pipeline.BenchSettings(quick=True, methods=(name,), overrides=SMALL, seeds=1)
     made = pipeline.bench("distortion", tmp_path / "python", settings)
-    for file in ("results.csv", "results.json", "page.html", "figures/error-brown-planes.svg"):
+    for file in ("results.csv", "results.json", "index.html", "figures/error-brown-planes.svg"):
         assert (tmp_path / "command" / file).read_bytes() == (tmp_path / "python" / file).read_bytes()
     assert isinstance(made, DistortionResult)
     assert json.loads((tmp_path / "python" / "results.json").read_text()) == plain_data(made)
@@ -66,6 +66,23 @@ def test_a_regressor_of_ones_own_by_one_command_and_by_one_call(
     shown = rendered(distortion_table(made), sys.stdout)
     assert "two-plane" in shown
     assert max(map(len, shown.split("labcal bench")[0].splitlines())) <= 80
+
+
+def test_report_makes_the_page_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench, "usable_cores", lambda: 1)
+    settings = pipeline.BenchSettings(
+        quick=True, overrides=(*SMALL[:-1], "faults=pitch,out-of-focus"), seeds=1
+    )
+    pipeline.bench("distortion", tmp_path / "out", settings)
+    page = tmp_path / "out" / "index.html"
+    before = page.read_bytes()
+    page.unlink()
+    assert main(["report", str(tmp_path / "out")]) == 0
+    assert page.read_bytes() == before
+    table = tmp_path / "out" / "results.csv"
+    table.write_text(table.read_text().replace("brown,0.4", "brown,much", 1))
+    assert main(["report", str(tmp_path / "out")]) == 2
+    assert page.read_bytes() == before
 
 
 def test_a_case_that_cannot_be_drawn_is_a_line_with_its_reason(
@@ -80,7 +97,7 @@ def test_a_case_that_cannot_be_drawn_is_a_line_with_its_reason(
         "The cameras of 'brown_0.4_0.1_60_planes_0' see none of the 60 training points."
     }
     assert made.checks[0].ok
-    page = (tmp_path / "out" / "page.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
     assert "see none of the 60 training points" in page
     assert "--set methods=dlt,two-plane --set faults=none --seeds 1 -o DIR" in page
 
@@ -94,5 +111,5 @@ def test_two_processes_give_the_bytes_of_one(tmp_path: Path, monkeypatch: pytest
         pipeline.bench("distortion", tmp_path / str(cores), settings)
     made = tmp_path / "1"
     assert (made / "figures" / "outside-brown-planes.svg").is_file()
-    for file in [*made.glob("results.*"), made / "page.html", *(made / "figures").iterdir()]:
+    for file in [*made.glob("results.*"), made / "index.html", *(made / "figures").iterdir()]:
         assert file.read_bytes() == (tmp_path / "2" / file.relative_to(tmp_path / "1")).read_bytes(), file

@@ -33,9 +33,11 @@ def test_what_no_flag_warns_of_is_counted(summary: Make) -> None:
         replace(summary("dlt", (2.1,), 0.5), flagged_misfit=True, unflagged_coverage95=float("nan")),
         summary("dlt", (1.9,), 0.99),
         summary("dlt", (1.0,), 0.95),
+        summary("dlt", (), float("nan"), reasons=("too few points",)),
     ]
     (one,) = family_figures(cells)
-    assert (one.cells, one.flagged, one.miscovered, one.overconfident, one.silent) == (4, 1, 2, 1, 1)
+    assert one.missing == 1
+    assert (one.cells, one.flagged, one.miscovered, one.overconfident, one.silent) == (5, 1, 2, 1, 1)
 
 
 def test_spread_levels_keep_both_ends() -> None:

@@ -117,7 +117,7 @@ def test_the_plan_of_the_page_is_the_plan(findings: Findings, text: str, tmp_pat
 def test_results_that_are_too_long_stand_beside_the_page_alone(
     findings: Findings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    long = Findings(findings.result, findings.summaries, "", "a,b\n1,2\n")
+    long = Findings(findings.result, findings.summaries, "a,b\n1,2\n")
 
     def held() -> list[str]:
         return [asset.name for part in plan_section(long).parts for asset in part.assets]

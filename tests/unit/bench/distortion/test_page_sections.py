@@ -48,7 +48,7 @@ def test_the_curve_of_pictures_is_of_pictures_alone(plain: Findings) -> None:
     ]
     figures = [one.model_copy(update={"over_oracle": 3.25}) for one in plain.result.families]
     result = plain.result.model_copy(update={"rendered": tuple(figures)})
-    shown = html(rendered_section(Findings(result, [*plain.summaries, *pictured], "")))
+    shown = html(rendered_section(Findings(result, [*plain.summaries, *pictured])))
     assert shown.count('<figure class="chart"') == 1
     assert "noise of the sensor" in shown
     assert "3.25" in shown

@@ -33,6 +33,12 @@ def test_a_method_reaches_as_far_as_it_keeps_within_the_limit(worst: tuple[float
     assert reach_words(own[::-1], 1.1) == words
 
 
+def test_a_method_does_not_reach_where_it_refuses() -> None:
+    own = [figures("water", 0.0, 1.0), figures("water", 1.0, 1.0, missing=1)]
+    assert reach_words(own, 1.1) == "water without distortion"
+    assert "It has no figure in 1 of 4 cells." in entry(own, [])
+
+
 def test_families_of_one_reach_are_named_together() -> None:
     own = [figures(family, 1.0, worst) for family, worst in (("a", 1.0), ("b", 9.0), ("c", 1.0))]
     assert reach_words(own, 1.1) == "a, c at every strength"
