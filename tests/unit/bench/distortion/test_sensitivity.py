@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured
-from labcal.bench.distortion.cell_data import CellData, cell_data
+from labcal.bench.distortion.cell_data import CellData, cell_data, lattice
 from labcal.bench.distortion.figures import RegionFigures
 from labcal.bench.distortion.lines import Line
 from labcal.bench.distortion.measuring import region_figures
@@ -16,6 +16,8 @@ from labcal.bench.distortion.sensitivity_figures import sensitivity_figure, sens
 from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.families.registry import family_by_name
 from labcal.bench.families.volume import TABLE
+from labcal.bench.faults.planned_planes import PlannedPlanes
+from labcal.bench.faults.wrong_boards import bent
 from labcal.cli.console import rendered
 from labcal.errors import InputError
 from labcal.estimators.dlt import Dlt
@@ -56,19 +58,17 @@ def test_noise_and_tests_are_the_same_with_a_fault_and_without(fault: str) -> No
         assert np.array_equal(one, other)
 
 
-def noise_of(data: CellData, stretch: float) -> np.ndarray:
-    """Return the pixels minus the exact ones of boards that are stretched from dot (0, 0), (n, 4)."""
-    origin = np.array([*TABLE.low[:2], 0.0])
-    p = origin + (data.Y - origin) * [stretch, stretch, 1.0]
+def test_dots_that_a_fault_moves_out_of_the_picture_are_left_out_and_take_their_noise_along() -> None:
+    without, data = cell_data(CASE), data_with("bend-500")
     pair = family_by_name(CELL.family).pair(CELL.strength, CASE.seed)
-    return np.asarray(data.X - np.concatenate([camera.project(p).q for camera in pair], axis=1))
-
-
-def test_dots_that_a_fault_moves_out_of_the_picture_are_left_out() -> None:
-    without, data = cell_data(CASE), data_with("pitch-0.5")
-    assert 16 < len(data.X) == len(data.Y) < len(without.Y)
+    declared = TABLE.planes(*lattice(CELL.points))
+    assert np.array_equal(declared, without.Y)
+    exact = bent(PlannedPlanes.of(declared, pair, CASE.seed), 500.0)
     kept = (without.Y[:, None] == data.Y).all(axis=2).any(axis=1)
-    assert np.abs(noise_of(data, 1.5) - noise_of(without, 1.0)[kept]).max() < 1e-9
+    assert 16 < kept.sum() == len(data.X) == len(data.Y) < len(without.Y)
+    assert not kept[: len(data.Y)].all()
+    noise = without.X - np.concatenate([camera.project(without.Y).q for camera in pair], axis=1)
+    assert np.abs(data.X - exact[kept].reshape(-1, 4) - noise[kept]).max() < 1e-9
     with pytest.raises(InputError, match="takes the layout 'planes'"):
         data_with("pitch-0.5", layout=Layout.VOLUME)
 
