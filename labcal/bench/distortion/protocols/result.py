@@ -68,9 +68,9 @@ class ProtocolResult(BaseModel):
     methods: tuple[ProtocolMethod, ...]
     published: tuple[PublishedFigure, ...]
     same: tuple[str, ...]
-    """What is as in the publication."""
+    """Conditions that are as in the publication."""
     different: tuple[str, ...]
-    """What is not, or is not known."""
+    """Conditions that are not, or are not known."""
 
 
 Found = tuple[ProtocolCase, ProtocolCaseFigures | str]
