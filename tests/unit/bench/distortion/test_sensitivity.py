@@ -14,6 +14,8 @@ from labcal.bench.distortion.measuring import region_figures
 from labcal.bench.distortion.sensitivity import Sensitivity, sensitivities
 from labcal.bench.distortion.sensitivity_figures import sensitivity_figure, sensitivity_figures
 from labcal.bench.distortion.sensitivity_table import sensitivity_table
+from labcal.bench.families.registry import family_by_name
+from labcal.bench.families.volume import TABLE
 from labcal.cli.console import rendered
 from labcal.errors import InputError
 from labcal.estimators.dlt import Dlt
@@ -54,9 +56,19 @@ def test_noise_and_tests_are_the_same_with_a_fault_and_without(fault: str) -> No
         assert np.array_equal(one, other)
 
 
+def noise_of(data: CellData, stretch: float) -> np.ndarray:
+    """Return the pixels minus the exact ones of boards that are stretched from dot (0, 0), (n, 4)."""
+    origin = np.array([*TABLE.low[:2], 0.0])
+    p = origin + (data.Y - origin) * [stretch, stretch, 1.0]
+    pair = family_by_name(CELL.family).pair(CELL.strength, CASE.seed)
+    return np.asarray(data.X - np.concatenate([camera.project(p).q for camera in pair], axis=1))
+
+
 def test_dots_that_a_fault_moves_out_of_the_picture_are_left_out() -> None:
     without, data = cell_data(CASE), data_with("pitch-0.5")
     assert 16 < len(data.X) == len(data.Y) < len(without.Y)
+    kept = (without.Y[:, None] == data.Y).all(axis=2).any(axis=1)
+    assert np.abs(noise_of(data, 1.5) - noise_of(without, 1.0)[kept]).max() < 1e-9
     with pytest.raises(InputError, match="takes the layout 'planes'"):
         data_with("pitch-0.5", layout=Layout.VOLUME)
 
