@@ -15,17 +15,14 @@ from labcal.cameras.mathematics import NUMPY
 from labcal.cameras.optics import INTRINSICS
 from labcal.cameras.window import FlatWindow
 
-PLACE = 3
-"""Both tilts (rad) and the distance (mm) of a flat window."""
-
 
 @dataclass(frozen=True)
 class FreeParameters:
     """The free parameters of a camera.
 
     Of a lens formula fx fy cx cy and all coefficients, without cx and cy where its rays are parallel; of a
-    prescription, whose glass is known, f cx cy. Of a flat window its place: both tilts and the distance. A
-    wavy window is known or not there.
+    prescription, whose glass is known, f cx cy. Of a flat window its place: both tilts and the distance; of
+    an interface also the refractive index behind it. A wavy window is known or not there.
     """
 
     camera: Camera
@@ -47,13 +44,8 @@ class FreeParameters:
     def values(self) -> Float64[np.ndarray, " free"]:
         """The parameters: intrinsics (px), coefficients, window."""
         camera = self.camera
-        window = camera.window
-        place = (
-            (np.radians(window.tilt_x_deg), np.radians(window.tilt_y_deg), window.distance_mm)
-            if isinstance(window, FlatWindow)
-            else ()
-        )
-        return np.array([*self._intrinsics, *camera.padded_dist[: camera.model.coefficients], *place])
+        coefficients = camera.padded_dist[: camera.model.coefficients]
+        return np.array([*self._intrinsics, *coefficients, *self._of_window])
 
     @property
     def deviations(self) -> Float64[np.ndarray, " free"]:
@@ -84,15 +76,7 @@ class FreeParameters:
             dist[: camera.model.coefficients] = values[self.coefficients]
         window = camera.window
         if isinstance(window, FlatWindow):
-            a, b, distance = values[-PLACE:]
-            window = FlatWindow(
-                distance_mm=float(distance),
-                tilt_x_deg=float(np.degrees(a)),
-                tilt_y_deg=float(np.degrees(b)),
-                thickness_mm=window.thickness_mm,
-                glass_index=window.glass_index,
-                behind_index=window.behind_index,
-            )
+            window = window.moved(tuple(values[-len(self._of_window) :].tolist()))
         K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
         return replace(camera, K=K, dist=dist, window=window)
 
@@ -128,7 +112,7 @@ class FreeParameters:
         parameters = dual_parameters(camera, m, intrinsics, (*free[self.coefficients], *rest))
         if not isinstance(camera.window, FlatWindow):
             return parameters
-        glass = camera.window.formula(m, free[-PLACE:])
+        glass = camera.window.formula(m, free[-len(self._of_window) :])
         return (*intrinsics, *glass, *parameters[camera.optics.lens_at :])
 
     @property
@@ -137,6 +121,11 @@ class FreeParameters:
         if self.camera.model.parallel:
             return self.camera.intrinsics[:2]
         return self.camera.intrinsics[1:] if self._prescribed else self.camera.intrinsics
+
+    @property
+    def _of_window(self) -> tuple[float, ...]:
+        """The free ones of a flat window."""
+        return self.camera.window.free if isinstance(self.camera.window, FlatWindow) else ()
 
     @property
     def _prescribed(self) -> bool:

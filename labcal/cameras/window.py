@@ -27,7 +27,8 @@ class FlatWindow(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    kind: Literal["flat"] = "flat"
+    kind: Literal["flat", "interface"] = "flat"
+    """With known refractive indices; or before an unknown medium, whose index a calibration finds."""
     distance_mm: Length
     """From the camera's origin to the near face, along the window's normal."""
     tilt_x_deg: Annotated[float, Field(gt=-80, lt=80)] = 0.0
@@ -42,15 +43,41 @@ class FlatWindow(BaseModel):
     @property
     def parameters(self) -> tuple[float, ...]:
         """The normal (away from the camera), distance, thickness, and both indices."""
-        place = (np.radians(self.tilt_x_deg), np.radians(self.tilt_y_deg), self.distance_mm)
-        return tuple(float(number) for number in self.formula(NUMPY, place))
+        return tuple(float(number) for number in self.formula(NUMPY, self.free))
 
-    def formula(self, m: Mathematics, place: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Return :attr:`parameters` of the same window at a place: both tilts (rad) and the distance (mm)."""
-        a, b, distance = place
+    @property
+    def free(self) -> tuple[float, ...]:
+        """What a calibration may find: both tilts (rad), the distance (mm), and of an interface its index."""
+        place = (float(np.radians(self.tilt_x_deg)), float(np.radians(self.tilt_y_deg)), self.distance_mm)
+        return place if self.kind == "flat" else (*place, self.behind_index)
+
+    def moved(self, free: tuple[float, ...]) -> "FlatWindow":
+        """Return the same window with other :attr:`free` parameters.
+
+        Raises
+        ------
+        ValueError
+            There is no such window (pydantic's).
+        """
+        a, b, distance, *behind = map(float, free)
+        return FlatWindow(
+            kind=self.kind,
+            distance_mm=distance,
+            tilt_x_deg=float(np.degrees(a)),
+            tilt_y_deg=float(np.degrees(b)),
+            thickness_mm=self.thickness_mm,
+            glass_index=self.glass_index,
+            behind_index=behind[0] if behind else self.behind_index,
+        )
+
+    def formula(self, m: Mathematics, free: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return :attr:`parameters` of the same window with other :attr:`free` parameters."""
+        a, b, distance, *behind = free
         normal = (m.sin(b) * m.cos(a), -m.sin(a), m.cos(b) * m.cos(a))
-        rest = (self.thickness_mm, self.glass_index, self.behind_index)
-        return (*normal, distance, *(0.0 * distance + number for number in rest))
+        thickness, glass, index = (
+            0.0 * distance + number for number in (self.thickness_mm, self.glass_index, self.behind_index)
+        )
+        return (*normal, distance, thickness, glass, behind[0] if behind else index)
 
 
 class Wave(BaseModel):

@@ -78,7 +78,7 @@ class Bundle(CameraEstimator):
             As of `fit`.
         """
         pixels, points = self._training(X, Y)
-        self.single_output_, self.n_outputs_ = False, points.shape[1]
+        self.single_output_, self.n_outputs_, self.own_scale_ = False, points.shape[1], 1.0
         self._keep([_known(camera) for camera in resected], points)
         self.residual_covariance_ = self._residual_covariance(pixels, points)
         return self

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
+from labcal.calibrate.resection.interface import resect_through_interface
 from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.errors import InputError
@@ -91,13 +92,28 @@ class Hybrid(CameraEstimator):
     def _simplified(self, found: FittedCamera, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
         """Return the likeliest of a camera with a field and those with a simpler lens formula.
 
-        The coefficients that predict held-out dots best without a field may stand in its way.
+        The coefficients that predict held-out dots best without a field may stand in its way. The simpler
+        formulas are tried behind an interface, too, as to water; one that needs no field ends the search.
         """
-        candidates = [found]
-        for lens in itertools.takewhile(lambda lens: lens != found.camera.lens, _SIMPLER):
+        known, best = log_predictive_density(found, q, p), found
+        in_air: list[ResectedCamera] = []
+        for lens in _SIMPLER:
             try:
-                start = resect(self.method, q, p, camera_of_lens(lens, size, None))
+                in_air.append(resect(self.method, q, p, camera_of_lens(lens, size, None)))
             except InputError:  # too far off to begin with
                 continue
-            candidates.append(fitted_camera(start, q, p))
-        return max(candidates, key=lambda camera: log_predictive_density(camera, q, p))
+            behind = resect_through_interface(q, p, in_air[-1])
+            if behind is None:
+                continue
+            camera = fitted_camera(behind, q, p)
+            density = log_predictive_density(camera, q, p)
+            if density > known:
+                known, best = density, camera
+                if camera.fitted is None:
+                    return camera
+        for start in itertools.takewhile(lambda start: start.camera.lens != found.camera.lens, in_air):
+            camera = fitted_camera(start, q, p)
+            density = log_predictive_density(camera, q, p)
+            if density > known:
+                known, best = density, camera
+        return best

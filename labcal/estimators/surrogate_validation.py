@@ -42,6 +42,8 @@ class Surrogate:
         Of the pixels, px squared.
     limit_mm : float
         RMS 3-D error that the noise leaves where cameras are known exactly.
+    camera_error : float64 array, (n, 3)
+        A draw, by point, of how far the surrogate's cameras are from the real ones by their covariance, mm.
     hybrid_seconds : float
         Duration of the fit of `hybrid`.
     """
@@ -51,6 +53,7 @@ class Surrogate:
     X: Float64[np.ndarray, "n inputs"]
     covariance: Float64[np.ndarray, "n cameras 2 2"]
     limit_mm: float
+    camera_error: Vectors3
     hybrid_seconds: float
 
 
@@ -98,10 +101,14 @@ def surrogate_of(
         return None
     noise = np.array([camera.noise_px for camera in cameras])
     covariance = np.tile(noise[:, None, None] ** 2 * np.eye(2), (len(p), 1, 1, 1))
-    limit = covariance_at(measured_by(cameras, q), p, q, covariance)
+    imagers = measured_by(cameras, q)
+    limit = covariance_at(imagers, p, q, covariance)
+    with_own = [camera.pixel_covariance(q[:, i], p, covariance[:, i]) for i, camera in enumerate(cameras)]
+    own = covariance_at(imagers, p, q, np.stack(with_own, axis=1)) - limit
     q = q + noise[:, None] * random.standard_normal(q.shape)
     limit_mm = float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
-    return Surrogate(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm, hybrid_seconds)
+    error = _drawn(own, random)
+    return Surrogate(hybrid, p, q.reshape(len(p), -1), covariance, limit_mm, error, hybrid_seconds)
 
 
 def fit_unless_surrogate(
@@ -113,8 +120,9 @@ def fit_unless_surrogate(
     estimator has the same parameters, and `bundle` with the same lens takes its resected cameras.
 
     The covariances of other methods are calibrated on the points of the surrogate, which they have not seen.
-    Those of methods with cameras are not: the surrogate's cameras are made of the same formulas, and are no
-    better than theirs.
+    The surrogate's own error counts as well: the difference of a method from an efficient one is not
+    correlated with the error of the latter (Hausman 1978), so that their variances add up. Methods with
+    cameras are not calibrated: the surrogate's cameras are made of the same formulas, and are no better.
     """
     if surrogate is None:
         return estimator.fit(X, Y)
@@ -125,7 +133,9 @@ def fit_unless_surrogate(
         return estimator.fit_resected(X, Y, surrogate.hybrid.resected_)
     estimator.fit(X, Y)
     if not isinstance(estimator, CameraEstimator):
-        estimator.calibrate_covariance(surrogate.X, surrogate.covariance, surrogate.p)
+        estimator.calibrate_covariance(
+            surrogate.X, surrogate.covariance, surrogate.p + surrogate.camera_error
+        )
     return estimator
 
 
@@ -147,6 +157,16 @@ def validate_on(estimator: PointEstimator, surrogate: Surrogate) -> ExpectedErro
     return ExpectedError(
         rmse, surrogate.limit_mm, float(within_ellipsoids(error, covariance, CONFIDENCE).mean())
     )
+
+
+def _drawn(
+    covariance: Float64[np.ndarray, "n 3 3"], random: np.random.Generator
+) -> Float64[np.ndarray, "n 3"]:
+    """Return normal errors of covariances, whose variances below zero are rounding; 0 where one is NaN."""
+    known = np.isfinite(covariance).all(axis=(1, 2))
+    variance, axes = np.linalg.eigh(np.where(known[:, None, None], covariance, 0.0))
+    white = random.standard_normal(variance.shape) * np.sqrt(np.maximum(variance, 0.0))
+    return np.asarray((axes @ white[:, :, None])[:, :, 0])
 
 
 def _points_within(Y: Vectors3, random: np.random.Generator) -> Float64[np.ndarray, "drawn 3"]:

@@ -18,7 +18,7 @@ from labcal.run.cluster_greeting import wait_for_greeting
 from labcal.run.cluster_local import local_cluster
 from labcal.run.cluster_work import Installation, mismatch, perform
 
-ANSWER_S = 7.0
+ANSWER_S = 5.0
 """Time within which a scheduler has to answer."""
 _CLOSE_S = 2.0
 CONNECT_S = 2.0

@@ -113,7 +113,7 @@ class Case:
     sources: tuple[str, ...] = ()
     """Digests of the files of methods of one's own: a case is measured anew where one has changed."""
     pictures: Pictures | None = None
-    """Views and rays of a case whose pixels are detected in rendered pictures."""
+    """The pictures in which the dots are detected; None of simulated pixels."""
 
     @property
     def key(self) -> str:

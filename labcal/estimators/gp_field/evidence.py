@@ -9,14 +9,20 @@ from jaxtyping import Float64
 from scipy.optimize import minimize
 
 from labcal.estimators.gp_field.kernel import FieldKernel
+from labcal.rng import generator
 
-_BOUNDS = np.log([[1e-4, 1e10], [0.02, 30.0], [0.02, 30.0], [1.0, 200.0]])
+_BOUNDS = np.log([[1e-4, 1e10], [0.02, 30.0], [0.02, 30.0], [2.0 * np.pi, 200.0]])
 """Of the field's variance over the noise's, of the lengths across and along, and of the wavenumber, if there
 is one; the inputs' training range is about 1."""
 _RATIOS, _ACROSS, _ALONG = (1.0, 1e2, 1e4, 1e6), (0.06, 0.12, 0.25, 0.5), (0.6, 2.0, 8.0)
 """Of all of these together, the search begins at the likeliest."""
-_PERIODS, _TRAINS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.6), (0.3, 1.0, 3.0)
-"""Of waves, and the lengths over which they decay: here, too, the search begins at the likeliest."""
+_WAVENUMBERS, _TRAINS = tuple(2.0 * np.pi * np.arange(1.5, 10.5, 0.4)), (0.4, 2.0)
+"""Of waves, and the lengths over which their trains decay: the search begins at the likeliest place of each
+train. Trains across all of the picture tell wavenumbers apart that differ by half a turn over it."""
+_LOUD = (1e2, 1e4)
+"""Ratios of variances of waves; one of a field without waves is none of theirs, if that has missed them."""
+_GLANCED = 300
+"""Points, drawn from all, that tell where the search for waves begins."""
 _WORTH = 6.0
 """Gain of the logarithm of the likelihood from which on a field is there: by chance, three numbers more gain
 this once in some hundred cases (Wilks 1938: half a chi-square)."""
@@ -151,10 +157,22 @@ class _Restricted:
         cost = self.cost(without)
         if self.cost(_NOWHERE) - cost < _WORTH:
             return without
-        ratio, _, along = np.exp(without).tolist()
-        places = product((ratio,), _TRAINS, (along,), (2.0 * np.pi / period for period in _PERIODS))
-        best = self.best_from(min((np.log(place) for place in places), key=self.cost))
+        along = float(np.exp(without[2]))
+        glance = self._thinned()
+        ends = []
+        for train in _TRAINS:
+            starts = (np.log(place) for place in product(_LOUD, (train,), (along,), _WAVENUMBERS))
+            ends.append(self.best_from(min(starts, key=glance.cost)))
+        best = min(ends, key=self.cost)
         return best if cost - self.cost(best) >= _WORTH else without
+
+    def _thinned(self) -> "_Restricted":
+        """Return that of some of the points."""
+        n = len(self.x)
+        if n <= _GLANCED:
+            return self
+        some = np.sort(generator(0, "waves of a field").permutation(n)[:_GLANCED])
+        return _Restricted(self.x[some], self.residual[some], self.by_camera[some])
 
     def cost(self, logs: Logs) -> float:
         """Return it, the noise's variance being the best one."""

@@ -48,7 +48,9 @@ def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera
     ideal = _fitted(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
     if ideal is None:
         return FittedCamera(start.placed, start.covariance, start.sigma_px)
-    arrived = _fitted(_Stage(ideal.found, ideal.scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
+    # At the places of the lens formula alone waves have harmonics: those not found there are looked for anew.
+    scale = ideal.scale if ideal.scale.kernel.wavenumber > 0.0 else None
+    arrived = _fitted(_Stage(ideal.found, scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
     best = ideal if arrived is None or arrived.likelihood < ideal.likelihood else arrived
     return best.camera
 

@@ -20,6 +20,12 @@ CAMERAS = {
         K, "brown-k1k2", np.array([-0.2, 0.05, 0.0, 0.0, 0.0]), np.eye(4), SIZE,
         window=FlatWindow(distance_mm=200.0, tilt_x_deg=20.0, tilt_y_deg=-5.0, behind_index=WATER),
     ),
+    "interface": Camera(
+        K, "brown-k1k2", np.array([-0.2, 0.05, 0.0, 0.0, 0.0]), np.eye(4), SIZE,
+        window=FlatWindow(
+            kind="interface", distance_mm=200.0, tilt_x_deg=20.0, thickness_mm=0.0, behind_index=1.2
+        ),
+    ),
     "prescription": Camera(
         K, "prescription", np.zeros(5), np.eye(4), SIZE, load_prescription("webcam-doublet")
     ),
@@ -44,7 +50,14 @@ def test_derivatives_are_those_of_the_projection(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "count"),
-    [("brown5", 9), ("rational8", 12), ("fisheye-kb4", 8), ("water", 9), ("prescription", 3)],
+    [
+        ("brown5", 9),
+        ("rational8", 12),
+        ("fisheye-kb4", 8),
+        ("water", 9),
+        ("interface", 10),
+        ("prescription", 3),
+    ],
 )
 def test_what_is_free(name: str, count: int) -> None:
     parameters = FreeParameters(CAMERAS[name])

@@ -110,6 +110,28 @@ def test_where_the_lens_is_right_there_is_no_field() -> None:
     assert 0.93 <= covered <= 0.97
 
 
+def test_an_unknown_medium_behind_a_window_is_an_interface_and_needs_no_field(tmp_path: Path) -> None:
+    """An index between those of air and water: found, and kept in the model's file."""
+    wet = Simulated(pair(FlatWindow(distance_mm=200.0, tilt_x_deg=18.0, behind_index=1.2)), 3)
+    every_third = slice(None, None, 3)
+    X, Y = (values[every_third] for values in wet.training)
+    hybrid = Hybrid(image_sizes=SIZES).fit(X, Y)
+    np.testing.assert_array_equal(hybrid.field_px_, 0.0)
+    for camera in hybrid.cameras_:
+        assert isinstance(camera.window, FlatWindow)
+        assert camera.window.behind_index == pytest.approx(1.2, abs=0.03)
+    ratio, covered = wet.outcome(hybrid)
+    assert ratio <= 1.05
+    assert 0.93 <= covered <= 0.97
+    model = Model(hybrid, ("left", "right"), SIZES, TrainingBox.of(X, Y))
+    save_model(tmp_path / "model", model, force=False)
+    loaded, asked = load_model(tmp_path / "model").estimator, wet.q.reshape(1000, -1)
+    for kept, made in zip(
+        *(one.predict_with_covariance(asked, wet.covariance) for one in (loaded, hybrid)), strict=True
+    ):
+        assert kept.tobytes() == made.tobytes()
+
+
 def test_training_data_alone_tell_whom_to_trust(
     waves: Simulated, hybrid: Hybrid, surrogate: Surrogate
 ) -> None:

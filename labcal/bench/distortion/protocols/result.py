@@ -68,9 +68,9 @@ class ProtocolResult(BaseModel):
     methods: tuple[ProtocolMethod, ...]
     published: tuple[PublishedFigure, ...]
     same: tuple[str, ...]
-    """Parts of the measurement that are as in the publication."""
+    """Conditions that are as in the publication."""
     different: tuple[str, ...]
-    """Parts that are not, or of which nothing is known."""
+    """Conditions that are not, or are not known."""
 
 
 Found = tuple[ProtocolCase, ProtocolCaseFigures | str]

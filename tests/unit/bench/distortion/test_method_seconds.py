@@ -57,7 +57,7 @@ def test_who_takes_from_the_hybrid_is_told_its_seconds(monkeypatch: pytest.Monke
     data = cell_data(Case(CELL, 0, ("hybrid",), BOTH, 50))
     hybrid = Hybrid("brown5", measuring._SIZES).fit(data.X, data.Y)
     known = np.zeros((1, 2, 2, 2))
-    surrogate = Surrogate(hybrid, data.Y[:1], data.X[:1], known, 1.0, hybrid_seconds=7.0)
+    surrogate = Surrogate(hybrid, data.Y[:1], data.X[:1], known, 1.0, np.zeros((1, 3)), hybrid_seconds=7.0)
     monkeypatch.setattr(measuring, "surrogate_of", lambda *_of: surrogate)
     monkeypatch.setattr(measuring, "validate_on", lambda *_of: None)
     settings = {"hybrid": {"lens": "brown5"}, "bundle": {"lens": "pinhole"}}

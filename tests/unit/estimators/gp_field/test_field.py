@@ -59,6 +59,24 @@ def test_the_period_of_waves_is_found_and_a_smooth_field_has_none() -> None:
     assert smooth.kernel.wavenumber == 0.0
 
 
+def three_waves(wavenumber: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return places and waves of one period, any direction and phase, with noise."""
+    random = np.random.default_rng(seed)
+    x = random.uniform(0.0, 1.0, (140, 3)) * [0.6, 0.6, 1.0]
+    angle, phase, turn = random.uniform(0.0, 2.0 * np.pi, (3, 3))
+    height = np.sin(wavenumber * x[:, :2] @ np.stack([np.cos(angle), np.sin(angle)]) + phase)
+    waves = 3.0 * np.stack([height @ np.cos(turn), height @ np.sin(turn)], axis=1)
+    return x, waves + 0.02 * random.standard_normal((140, 2))
+
+
+def test_trains_that_cross_the_picture_are_not_missed_for_short_ones() -> None:
+    x, residual = three_waves(41.0, 0)
+    found, _ = field_scale(x, residual, np.zeros((140, 2, 0)))
+    assert found.kernel.wavenumber == pytest.approx(41.0, rel=0.005)
+    assert found.kernel.across > 1.0
+    assert found.noise_px == pytest.approx(0.02, rel=0.15)
+
+
 @EITHER
 def test_slopes_are_those_of_the_field(kernel: FieldKernel) -> None:
     field = PixelField(FieldScale(kernel, 1.3, 0.1, 0.0), X, wavy(X))

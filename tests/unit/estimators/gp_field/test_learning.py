@@ -6,7 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from labcal.bench.distortion.case import Case, Cell, Layout
+from labcal.bench.distortion.cell_data import cell_data
+from labcal.bench.families.cameras import PERIOD_PX, SIZE
+from labcal.calibrate.resection.lens_choice import camera_of_lens
+from labcal.calibrate.resection.resected import resect
 from labcal.estimators.gp_field import learning
+from labcal.estimators.gp_field.fitted_camera import Asked
 
 
 def rounds(*fields: tuple[float, float]) -> list[SimpleNamespace]:
@@ -36,3 +42,15 @@ def test_rounds_that_do_not_come_to_rest_are_judged_by_likelihood(
     monkeypatch.setattr(learning, "_rounds", lambda *_: iter(ends))
     found = inspect.unwrap(learning._fitted)(None, None, None, None)  # without the checks of types
     assert found is (None if taken is None else ends[taken])
+
+
+def test_waves_that_show_only_where_light_arrives_are_found() -> None:
+    """Strong ones: as a function of where light would have arrived, they have harmonics."""
+    data = cell_data(Case(Cell("wavy-pane", 1.0, 0.02, 140, Layout.PLANES), 11, (), (), 0))
+    q, p = data.X[:, :2], data.Y
+    start = resect("test", q, p, camera_of_lens("pinhole", SIZE, None))
+    fitted = learning.fitted_camera(start, q, p).fitted
+    assert fitted is not None
+    assert fitted.asked is Asked.ARRIVED
+    period = 2.0 * np.pi * SIZE[0] / fitted.field.scale.kernel.wavenumber
+    assert period == pytest.approx(PERIOD_PX, rel=0.01)
