@@ -31,7 +31,10 @@ def through(camera: Camera, seed: int) -> tuple[np.ndarray, ResectedCamera]:
     return q, resect("test", q, POINTS, camera_of_lens("pinhole", SIZE, None))
 
 
-@pytest.mark.parametrize(("tilt_deg", "index"), [(9.0, 1.1), (-18.0, 1.2), (30.0, 1.333), (10.0, 1.5)])
+@pytest.mark.parametrize(
+    ("tilt_deg", "index"),
+    [pytest.param(9.0, 1.1, marks=pytest.mark.slow), (-18.0, 1.2), (30.0, 1.333), (10.0, 1.5)],
+)
 def test_distance_tilt_and_index_are_found_and_their_covariance_is_right(
     tilt_deg: float, index: float
 ) -> None:
