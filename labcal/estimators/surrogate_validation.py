@@ -43,7 +43,8 @@ class Surrogate:
     limit_mm : float
         RMS 3-D error that the noise leaves where cameras are known exactly.
     camera_error : float64 array, (n, 3)
-        A draw, by point, of how far the surrogate's cameras are from the real ones by their covariance, mm.
+        A draw, by point, of how far the surrogate's cameras are from the real ones by their covariance, mm;
+        0 where a camera has a field.
     hybrid_seconds : float
         Duration of the fit of `hybrid`.
     """
@@ -103,8 +104,10 @@ def surrogate_of(
     covariance = np.tile(noise[:, None, None] ** 2 * np.eye(2), (len(p), 1, 1, 1))
     imagers = measured_by(cameras, q)
     limit = covariance_at(imagers, p, q, covariance)
-    with_own = [camera.pixel_covariance(q[:, i], p, covariance[:, i]) for i, camera in enumerate(cameras)]
-    own = covariance_at(imagers, p, q, np.stack(with_own, axis=1)) - limit
+    own = np.zeros_like(limit)
+    if all(camera.fitted is None for camera in cameras):
+        with_own = [camera.pixel_covariance(q[:, i], p, covariance[:, i]) for i, camera in enumerate(cameras)]
+        own = covariance_at(imagers, p, q, np.stack(with_own, axis=1)) - limit
     q = q + noise[:, None] * random.standard_normal(q.shape)
     limit_mm = float(np.sqrt(np.trace(limit, axis1=1, axis2=2).mean()))
     error = _drawn(own, random)
@@ -120,9 +123,10 @@ def fit_unless_surrogate(
     estimator has the same parameters, and `bundle` with the same lens takes its resected cameras.
 
     The covariances of other methods are calibrated on the points of the surrogate, which they have not seen.
-    The surrogate's own error counts as well: the difference of a method from an efficient one is not
-    correlated with the error of the latter (Hausman 1978), so that their variances add up. Methods with
-    cameras are not calibrated: the surrogate's cameras are made of the same formulas, and are no better.
+    Where a lens formula explains all, the surrogate's own error counts as well: the difference of a method
+    from an efficient one is not correlated with the error of the latter (Hausman 1978), so that their
+    variances add up. Below a field a method may be the better one, and its difference holds the field's error
+    already. Methods with cameras are not calibrated: the surrogate's are made of the same formulas.
     """
     if surrogate is None:
         return estimator.fit(X, Y)
