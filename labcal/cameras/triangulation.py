@@ -14,7 +14,9 @@ from labcal.geometry.covariances import positive_definite
 from labcal.geometry.rays import closest_points
 
 STEPS = 10
-"""Gauss-Newton steps; from the rays' meeting point three are enough."""
+"""Most Gauss-Newton steps; from the rays' meeting point three are enough."""
+_ARRIVED_MM = 1e-9
+"""Step of all points below which the next one, which is smaller by far, is of no use."""
 _RESOLVED = 1e14
 """Condition of a normal matrix beyond which float64 resolves no point."""
 
@@ -118,7 +120,10 @@ def refined(
         known = known & np.isfinite(gradient).all(axis=1) & np.isfinite(normal).all(axis=(1, 2))
         known[known] = np.linalg.cond(normal[known]) < _RESOLVED
         cov[known] = np.linalg.inv(normal[known])
-        p[known] -= np.einsum("nij,nj->ni", cov[known], gradient[known])
+        step = np.einsum("nij,nj->ni", cov[known], gradient[known])
+        p[known] -= step
+        if not (np.abs(step) > _ARRIVED_MM).any():
+            break
     p[~known] = np.nan
     cov[~known] = np.nan
     return TriangulatedPoints(p, cov, known)
