@@ -25,6 +25,9 @@ _TILTS_DEG = ((0.0, 0.0), (20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0))
 residuals before the first step do not tell from where."""
 _GLANCE, _LOOK = Stopping(max_epochs=8, min_gradient=1e-3), Stopping(max_epochs=25, min_gradient=1e-3)
 """Of every start, and of the best one."""
+_GLIMPSED = 0.5
+"""Of the squared residuals without an interface. After the glance less than 0.2 of them is left in water, and
+more than 0.8 behind waves or with a lens of another kind."""
 _SHARE = 0.5
 """Of the RMS residual without an interface, above which there is none: where refraction is what the lens
 formula does not explain, a tenth is left, or less."""
@@ -60,8 +63,12 @@ def resect_through_interface(q: Pixels, p: Vectors3, without: ResectedCamera) ->
     ends = [_stepped(PlacedCamera(start, middle), q, p, _GLANCE) for start in _starts(q, p, camera)]
     if not ends:
         return None
-    best = _stepped(min(ends, key=lambda end: _square(end.camera, q, p)), q, p, _LOOK)
-    if not _square(best.camera, q, p) < _SHARE**2 * float((without.residual**2).sum()):
+    best = min(ends, key=lambda end: _square(end.camera, q, p))
+    squares = float((without.residual**2).sum())
+    if not _square(best.camera, q, p) < _GLIMPSED * squares:
+        return None
+    best = _stepped(best, q, p, _LOOK)
+    if not _square(best.camera, q, p) < _SHARE**2 * squares:
         return None
     found = adjusted(best, q, p, UniformNoise(1.0), NEAR)
     return adjusted(found.placed, q, p, UniformNoise(max(found.sigma_px, 1e-6)), NEAR)
