@@ -60,11 +60,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     made = _page_of(arguments.folder)
     page = arguments.folder / "index.html"
-    same = page.is_file() and page.read_bytes() == made.text.encode()
-    force = arguments.force or is_as_made(page) or same
-    claim_outputs([FileOutput(page, made.kind, arguments.folder)], [arguments.folder / RESULTS], force=force)
-    write_file(page, made.text, force=force)
-    renew(page)
+    if not (page.is_file() and page.read_bytes() == made.text.encode()):  # also in a copy, which has no mark
+        force = arguments.force or is_as_made(page)
+        claimed = [FileOutput(page, made.kind, arguments.folder)]
+        claim_outputs(claimed, [arguments.folder / RESULTS], force=force)
+        write_file(page, made.text, force=force)
+        renew(page)
     for file in made.missing_pictures:
         session.warn(f"The picture {file} cannot be shown on the page.")
     session.emit(ReportResult(str(page), made.missing_pictures), f"{page}: {made.summary}.")
@@ -95,11 +96,13 @@ def _bench_page(folder: Path, bench: str) -> _MadePage:
     from labcal.bench.distortion.kept_results import read_findings
     from labcal.bench.distortion.page.page import distortion_page
     from labcal.errors import InputError
-    from labcal.report.page.document import PAGE_KIND
+    from labcal.report.page.document import INNER_PAGE_KIND
     from labcal.report.reproduction import RESULTS
 
     if bench != "distortion":
         figures = folder / RESULTS
         raise InputError(f"{folder} is of 'labcal bench {bench}', which has no page. See {figures}.")
     findings = read_findings(folder)
-    return _MadePage(distortion_page(findings).text(), PAGE_KIND, counted(findings.result.cases, "case"))
+    return _MadePage(
+        distortion_page(findings).text(), INNER_PAGE_KIND, counted(findings.result.cases, "case")
+    )

@@ -69,12 +69,26 @@ def _plainly(fault: ErrorDetails, model: type[BaseModel] | None) -> str:
             return _not_among(given, str(context["expected"]))
         case "union_tag_invalid":
             return _not_among(context["tag"], str(context["expected_tags"]))
-    for name, words in _BOUNDS.items():
-        if fault["type"] == name:
-            return f"{shown(given)} should be {words} {next(iter(context.values()))}"
+    if expected := _expected(fault):
+        return f"{shown(given)} should be {expected}"
     return clipped(fault["msg"].removeprefix("Value error, "), 400).rstrip(".")
 
 
+def _expected(fault: ErrorDetails) -> str:
+    """Return the kind or the bound of a value that a fault is about; an empty text where there is none."""
+    if bound := _BOUNDS.get(fault["type"]):
+        return f"{bound} {next(iter(fault.get('ctx', {}).values()))}"
+    return _KINDS.get(fault["type"], "")
+
+
+_LIST, _MAPPING = "a list, in brackets: [..., ...]", "a mapping of keys to values"
+_KINDS = {
+    "tuple_type": _LIST,
+    "list_type": _LIST,
+    "dict_type": _MAPPING,
+    "mapping_type": _MAPPING,
+    "model_type": _MAPPING,
+}
 _BOUNDS = {
     "greater_than": "more than",
     "greater_than_equal": "at least",

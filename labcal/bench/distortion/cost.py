@@ -3,6 +3,7 @@
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.protocols.registry import PROTOCOLS
 from labcal.run.machine import usable_cores
+from labcal.wording import counted
 
 _SECONDS = {
     "hybrid": (2.0, 20.0),
@@ -56,4 +57,5 @@ def announcement(plan: Plan) -> str:
     cores = usable_cores()
     needed = plain_time(expected_seconds(plan, cores))
     count = plan.case_count + plan.seeds * len(plan.protocols)
-    return f"{count:,} cases of {len(plan.methods)} methods: about {needed} on {cores} cores"
+    cases = f"{count:,} case" if count == 1 else f"{count:,} cases"
+    return f"{cases} of {counted(len(plan.methods), 'method')}: about {needed} on {counted(cores, 'core')}"

@@ -2,7 +2,7 @@
 
 from typing import Annotated, TypeVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from labcal.bench.distortion.protocols.registry import protocol_by_name
 from labcal.bench.families.registry import family_by_name
@@ -12,10 +12,26 @@ Level = TypeVar("Level")
 
 
 def each_once(levels: tuple[Level, ...]) -> tuple[Level, ...]:
-    """Return levels of which none stands twice."""
-    if len(set(levels)) < len(levels):
-        raise ValueError("a level stands twice; name each once")
+    """Return levels of which none stands twice.
+
+    Results are named by six digits of a number, so that numbers which agree in these count as the same.
+    """
+    if len({_six_digits(level) for level in levels}) < len(levels):
+        raise ValueError(
+            "a level stands twice; name each once, numbers with other digits among the first six"
+        )
     return levels
+
+
+def _six_digits(level: object) -> object:
+    return f"{level:g}" if isinstance(level, float) else level
+
+
+def _no_truth_value(value: object) -> object:
+    """Return what a file says of a number; true and false would count as 1 and 0."""
+    if isinstance(value, bool):
+        raise ValueError(f"{str(value).lower()} is no number")  # noqa: TRY004 -- pydantic shows ValueError alone
+    return value
 
 
 def _known_family(name: str) -> str:
@@ -31,6 +47,8 @@ Levels = Annotated[tuple[Level, ...], Field(min_length=1, max_length=_MOST_LEVEL
 FamilyName = Annotated[str, AfterValidator(_known_family)]
 ProtocolName = Annotated[str, AfterValidator(_known_protocol)]
 MethodName = Annotated[str, Field(min_length=1, max_length=200)]
-Strength = Annotated[float, Field(ge=0.0, le=1.0)]
-Noise = Annotated[float, Field(ge=1e-4, le=20.0)]
-Points = Annotated[int, Field(ge=16, le=4000)]
+NUMBER = BeforeValidator(_no_truth_value)
+"""Annotation of a number, in whose place a file must not say true or false."""
+Strength = Annotated[float, NUMBER, Field(ge=0.0, le=1.0)]
+Noise = Annotated[float, NUMBER, Field(ge=1e-4, le=20.0)]
+Points = Annotated[int, NUMBER, Field(ge=16, le=4000)]

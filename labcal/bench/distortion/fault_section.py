@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bench.distortion.case import NO_FAULT, Cell, Layout
+from labcal.bench.distortion.factor_levels import NUMBER, Level, each_once
 from labcal.bench.faults.registry import fault_named
 
 _MOST_FAULTS = 1000
@@ -32,6 +33,8 @@ FaultNames = Annotated[
     AfterValidator(_without_none),
 ]
 """Names of faults with their sizes."""
+_Some = Annotated[tuple[Level, ...], AfterValidator(each_once)]
+"""Some of the plan's levels of a factor."""
 
 
 class FaultSection(BaseModel):
@@ -50,15 +53,15 @@ class FaultSection(BaseModel):
 
     kinds: FaultNames = ()
     """Names of faults with their sizes."""
-    families: tuple[str, ...] = ()
+    families: _Some[str] = ()
     """Of the plan's families; all of them where left out."""
-    strengths: tuple[float, ...] = ()
+    strengths: _Some[Annotated[float, NUMBER]] = ()
     """Of the plan's strengths; the middle one where left out."""
-    noise_px: tuple[float, ...] = ()
+    noise_px: _Some[Annotated[float, NUMBER]] = ()
     """Of the plan's; the least where left out."""
-    points: tuple[int, ...] = ()
+    points: _Some[Annotated[int, NUMBER]] = ()
     """Of the plan's; the most where left out."""
-    seeds: Annotated[int, Field(ge=1)] | None = None
+    seeds: Annotated[int, NUMBER, Field(ge=1)] | None = None
     """Number of seeds, at most the plan's; all of them where left out."""
 
     @model_validator(mode="before")

@@ -1,6 +1,6 @@
 """Figures of one case: what every method made of the same data."""
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, NonNegativeInt
 
 from labcal.report.values import Measured as Figure
 
@@ -11,19 +11,19 @@ class RegionFigures(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     measured: str
-    n: int
+    n: NonNegativeInt
     """Points that were measured."""
-    predicted: int
+    predicted: NonNegativeInt
     """Points for which the method gives a place."""
     rmse_mm: Figure
     """Root mean square of the 3-D error of those."""
     oracle_mm: Figure
     """The same of the oracle, at the same points."""
-    stated: int
+    stated: NonNegativeInt
     """Points of these with a covariance."""
-    covered: int
+    covered: NonNegativeInt
     """Errors within their 95% ellipsoids."""
-    extrapolated: int
+    extrapolated: NonNegativeInt
     """Points that are flagged as outside the trained volume."""
     predict_seconds: float = 0.0
     """Duration of the prediction of these points with their covariances."""

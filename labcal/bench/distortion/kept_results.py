@@ -1,6 +1,8 @@
 """Results of a benchmark of distortion that were written before: the findings of a folder."""
 
+from collections import Counter
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -8,9 +10,10 @@ from pydantic import ValidationError
 from labcal.bench.distortion.case import Cell, Layout, Source
 from labcal.bench.distortion.cell_summary import summarised
 from labcal.bench.distortion.figures import RegionFigures
-from labcal.bench.distortion.lines import HEADER, Line
+from labcal.bench.distortion.lines import HEADER, Line, line_cells
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.result import DistortionResult
+from labcal.errors import InputError
 from labcal.run.documents import read_document
 from labcal.run.tables import damaged_line, read_table
 
@@ -27,10 +30,11 @@ def read_findings(folder: Path) -> Findings:
     Raises
     ------
     InputError
-        A file is missing, damaged, or of another version.
+        A file is missing, damaged, edited, or of another version or another run than the other one.
     """
     result = read_document(DistortionResult, "document of results", folder / RESULTS)
     lines = read_lines(folder / TABLE)
+    _require_of_one_run(result, lines, folder)
     return Findings(result, summarised(lines), (folder / TABLE).read_text(encoding="utf-8"))
 
 
@@ -40,9 +44,32 @@ def read_lines(path: Path) -> list[Line]:
     Raises
     ------
     InputError
-        It cannot be read, or a line is damaged.
+        It cannot be read, or a line is damaged or edited.
     """
     return list(_lines(path))
+
+
+_Place = tuple[str, Cell, str, int]
+"""Method, cell, region and seed."""
+
+
+def _require_of_one_run(result: DistortionResult, lines: list[Line], folder: Path) -> None:
+    """Raise unless a table has each line that a plan asks for, and no other one."""
+    plan = result.plan
+    cases = plan.model_copy(update={"methods": ()}).cases(result.first_seed)  # imports no method of one's own
+    asked: Counter[_Place] = Counter(
+        (method, case.cell, str(region), case.seed)
+        for case in cases
+        for method, region in product(plan.methods, case.regions)
+    )
+    there: Counter[_Place] = Counter((line.method, line.cell, line.measured, line.seed) for line in lines)
+    if asked != there:
+        missing, strange = (asked - there).total(), (there - asked).total()
+        raise InputError(
+            f"{TABLE} and {RESULTS} in {folder} are not of one run, or edited: of the lines that the plan "
+            f"asks for {missing} are missing, and {strange} are there besides. Give the folder as it was "
+            "made, or measure again."
+        )
 
 
 def _lines(path: Path) -> Iterator[Line]:
@@ -51,9 +78,14 @@ def _lines(path: Path) -> Iterator[Line]:
         if row["source"] == Source.DETECTIONS:
             continue
         try:
-            yield _line(row)
-        except (ValueError, ValidationError) as error:
+            line = _line(row)
+            as_made = [repr(one) if isinstance(one, float) else str(one) for one in line_cells(line)]
+        except (KeyError, ValueError, ValidationError, ZeroDivisionError) as error:
             raise damaged_line(path, number, cells) from error
+        if as_made != cells:
+            other = next(name for name, one, now in zip(HEADER, as_made, cells, strict=True) if one != now)
+            raise damaged_line(path, number, cells, f"its {other} does not follow from the other cells")
+        yield line
 
 
 def _line(row: dict[str, str]) -> Line:

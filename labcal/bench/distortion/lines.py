@@ -89,10 +89,17 @@ def results_table(lines: Sequence[Line], further: Iterable[Sequence[object]] = (
 
     Further lines, which are not of a cell, come last.
     """
-    return table_text(HEADER, chain(map(_cells, lines), further))
+    return table_text(HEADER, chain(map(line_cells, lines), further))
 
 
-def _cells(line: Line) -> list[object]:
+def line_cells(line: Line) -> list[object]:
+    """Return the cells of a line, in the order of the columns.
+
+    Raises
+    ------
+    KeyError
+        There is no such family.
+    """
     cell, one, nan = line.cell, line.figures, float("nan")
     factors: list[object] = [line.method, cell.family, cell.strength]
     factors += [FAMILIES[cell.family].known_as(cell.strength), cell.stated_noise_px, cell.points]

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
 from labcal.bench.distortion.factor_levels import (
+    NUMBER,
     FamilyName,
     Levels,
     MethodName,
@@ -58,9 +59,9 @@ class Plan(BaseModel):
     """Training points; the grids on planes may have a few more."""
     layout: Levels[Layout]
     measured: Levels[Measured]
-    seeds: Annotated[int, Field(ge=1, le=10**9)]
+    seeds: Annotated[int, NUMBER, Field(ge=1, le=10**9)]
     """Number of seeds: repetitions with other noise, other points and other waves."""
-    tests: Annotated[int, Field(ge=10, le=100_000)] = 1000
+    tests: Annotated[int, NUMBER, Field(ge=10, le=100_000)] = 1000
     """Points to measure in each region."""
     settings: Mapping[str, Mapping[str, Setting]] = Field(default_factory=dict)
     """Constructor arguments by method that differ from its defaults."""

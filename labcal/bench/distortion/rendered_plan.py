@@ -9,7 +9,7 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Pictures, Source
-from labcal.bench.distortion.factor_levels import FamilyName, Levels, Strength
+from labcal.bench.distortion.factor_levels import NUMBER, FamilyName, Levels, Strength
 from labcal.bench.distortion.fault_section import FaultNames
 from labcal.bench.families.volume import COLS, ROWS
 from labcal.bench.faults.faulty_scene import require_rendered
@@ -42,11 +42,11 @@ class RenderedPlan(BaseModel):
 
     families: Levels[FamilyName] = ("brown", "water")
     strengths: Levels[Strength] = (0.0, 0.3, 0.6, 1.0)
-    views: Annotated[int, Field(ge=2, le=100)] = 4
+    views: Annotated[int, NUMBER, Field(ge=2, le=100)] = 4
     """Heights of the board to train on; there is a test view half-way between each two."""
-    spp: Annotated[int, Field(ge=1, le=4096)] = 32
+    spp: Annotated[int, NUMBER, Field(ge=1, le=4096)] = 32
     """Rays a pixel."""
-    seeds: Annotated[int, Field(ge=1, le=10**6)] = 1
+    seeds: Annotated[int, NUMBER, Field(ge=1, le=10**6)] = 1
     """Number of seeds: repetitions with other noise of the sensor and other waves."""
     faults: Annotated[FaultNames, AfterValidator(_can_be_rendered)] = ()
     """Faults of the pictures to train on, each measured in every family at the middle strength."""

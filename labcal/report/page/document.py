@@ -8,13 +8,15 @@ from labcal.report.page.asset import Asset
 from labcal.report.page.part import Part
 from labcal.report.page.provenance import Provenance
 from labcal.report.page.templates import rendered
-from labcal.run.file_kinds import FileKind
+from labcal.run.file_kinds import FileKind, recognised_by
 from labcal.run.file_marks import HTML_COMMENT
 
 _HEAD_BYTES = 1024
 _MADE_BY = b'<meta name="generator" content="labcal">'
 PAGE_KIND = FileKind("a page of labcal", lambda content: _MADE_BY in content[:_HEAD_BYTES], HTML_COMMENT)
 """A page that is an output by itself."""
+INNER_PAGE_KIND = recognised_by(PAGE_KIND.name, PAGE_KIND.recognises)
+"""A page in a folder of results, whose mark tells whether somebody has edited the page."""
 
 
 @dataclass(frozen=True)

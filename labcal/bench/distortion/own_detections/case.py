@@ -1,6 +1,6 @@
 """Views of one's own that are held out together, and the methods that are measured on them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from labcal.bench.distortion.case import Setting
@@ -53,13 +53,14 @@ class OwnCase:
         return f"{self.name}_{self.fold}"
 
 
-def held_out_parts(shoot: Shoot, detections: Detections) -> list[tuple[str, ...]]:
+def held_out_parts(shoot: Shoot, detected: Collection[str]) -> list[tuple[str, ...]]:
     """Return the views that are held out together: the test views, or else every fifth of the training views.
 
     Parameters
     ----------
     shoot : Shoot
-    detections : Detections
+    detected : collection of str
+        The views of which there are detections.
 
     Raises
     ------
@@ -67,7 +68,7 @@ def held_out_parts(shoot: Shoot, detections: Detections) -> list[tuple[str, ...]
         There are too few views to hold one out.
     """
     poses = shoot.nominal_poses()
-    there = [view for view in shoot.views() if view.name in poses and view.name in set(detections.views)]
+    there = [view for view in shoot.views() if view.name in poses and view.name in detected]
     tested = tuple(view.name for view in there if view.role is Role.TEST)
     trained = [view.name for view in there if view.role is Role.TRAIN]
     if tested and trained:

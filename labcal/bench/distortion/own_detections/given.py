@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
 
+from labcal.bench.distortion.own_detections.case import held_out_parts
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.interop.conversion import CORNERS
@@ -67,7 +68,8 @@ def own_detections(paths: Sequence[str]) -> list[OwnDetections]:
     Raises
     ------
     InputError
-        A file cannot be read, its shoot is not known, or the target was held in the hand.
+        A file cannot be read, its shoot is not known, the target was held in the hand, or there are too few
+        views to hold one out.
     """
     found: list[OwnDetections] = []
     for path in paths:
@@ -77,6 +79,8 @@ def own_detections(paths: Sequence[str]) -> list[OwnDetections]:
                 f"The target in {one.shoot.folder} was held in the hand, so that nobody knows where its dots "
                 "were, and methods cannot be measured against it. Give views of a target on a stage."
             )
+        views = [view.name for view in one.shoot.views()] if one.detections is None else one.detections.views
+        held_out_parts(one.shoot, set(views))  # tells now, before any work, whether there are enough
         names = {other.name for other in found}
         numbered = chain([one.name], (f"{one.name}-{number}" for number in count(2)))
         found.append(replace(one, name=next(name for name in numbered if name not in names)))

@@ -91,7 +91,7 @@ def own_lines(results: Sequence[OwnResult], header: Sequence[str], seed: int) ->
     for result in results:
         for one in result.methods:
             cells: dict[str, object] = one.model_dump(exclude={"model_misfit", "reasons", "over_best"})
-            cells |= dict.fromkeys(("strength", "noise_px", "beyond_pinhole_px"), _NAN)
+            cells |= dict.fromkeys(("strength", "noise_px", "beyond_pinhole_px", "pixel_error_px"), _NAN)
             cells |= dict.fromkeys(("oracle_mm", "over_oracle"), _NAN)
             cells |= {"family": result.name, "layout": LAYOUT, "points": result.trained}
             cells |= {"source": str(Source.DETECTIONS), "fault": NO_FAULT, "measured": HELD_OUT}

@@ -51,7 +51,7 @@ def measured_detections(
             OwnCase(
                 found.name, fold, found.shoot, dots, held_out, plan.methods, seed, plan.settings, plan.sources
             )
-            for fold, held_out in enumerate(held_out_parts(found.shoot, dots))
+            for fold, held_out in enumerate(held_out_parts(found.shoot, set(dots.views)))
         ]
     if not cases:
         return []

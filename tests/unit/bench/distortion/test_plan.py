@@ -1,5 +1,6 @@
 """Plans: those that ship, changes to them, and refusals before anything begins."""
 
+import json
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.case import Source
+from labcal.bench.distortion.cost import announcement
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.settings import BenchSettings
@@ -71,6 +73,7 @@ def test_levels_methods_and_seeds_are_changed() -> None:
         ({"overrides": ("strengths=0,1.5",)}, "'1.5' should be at most 1"),
         ({"overrides": ("strengths",)}, "takes a factor and its levels"),
         ({"overrides": ("points=60,60",)}, "a level stands twice"),
+        ({"overrides": ("strengths=0.1234567,0.1234568",)}, "a level stands twice"),
         ({"overrides": ("methods=hybird",)}, "Did you mean 'hybrid'"),
         ({"overrides": ("faults=pich-0.01",)}, "Did you mean 'pitch'"),
         ({"overrides": ("faults=pitch-2",)}, "above 0 and at most 0.5"),
@@ -97,15 +100,50 @@ def test_what_cannot_be_measured_is_refused_at_once(
         ("faults: {kinds: [bend-1], strengths: [0.5]}", r"names 0.5 of `strengths`, which the plan does not"),
         ("faults: {kinds: [bend-1], familes: [brown]}", "the nearest one is 'families'"),
         ("faults: [bent-1]", "Did you mean 'bend'"),
+        ("faults: {kinds: [bend-1], families: [brown, brown]}", "faults.families: a level stands twice"),
+        ("faults: {kinds: [bend-1], seeds: true}", "faults.seeds: true is no number"),
+        ("faults: bend-1", "'bend-1' should be a mapping of keys to values"),
+        ("protocols: z-travel", r"'z-travel' should be a list, in brackets"),
+        ("rendered: {spp: true}", "rendered.spp: true is no number"),
+        ("rendered: {strengths: [false]}", "false is no number"),
+        ("settings: {dlt: {lens: auto}}", "'dlt' has no settings, but 'lens' of it is given"),
+        ("settings: {mlp: {max_epochs: many}}", "'max_epochs' of mlp is a whole number, by default 5000"),
+        ("settings: {mlp: {max_epochs: true}}", "but True is given"),
+        ("settings: {mlp: {goal: true}}", "'goal' of mlp is a number"),
+        ("settings: {mlp: {max_epochs: 2.5}}", "but 2.5 is given"),
     ],
 )
 def test_a_plan_of_ones_own_is_checked(text: str, said: str, tmp_path: Path) -> None:
     plan = load_plan("quick", ["families=brown", "methods=dlt,mlp"])
     file = tmp_path / "plan.yaml"
-    own = plan.model_dump(mode="json", exclude={"settings", "description", "faults"})
+    own = plan.model_dump(mode="json", exclude={"settings", "description", "faults", "protocols", "rendered"})
     file.write_text("\n".join(f"{key}: {value}" for key, value in own.items()) + "\n" + text + "\n")
     with pytest.raises(InputError, match=said):
         plan_of(BenchSettings(plan=str(file)))
+
+
+@pytest.mark.parametrize("factor", ["strengths", "noise_px", "points", "seeds", "tests"])
+def test_a_truth_value_is_no_number(factor: str, tmp_path: Path) -> None:
+    content = load_plan("quick").model_dump(mode="json")
+    content[factor] = [True] if isinstance(content[factor], list) else True
+    file = tmp_path / "plan.yaml"
+    file.write_text(json.dumps(content))
+    with pytest.raises(InputError, match=rf"{factor}.*: true is no number"):
+        load_plan(str(file))
+
+
+@pytest.mark.parametrize(
+    ("seeds", "said"), [(1, "1 case of 1 method: about"), (2, "2 cases of 1 method: about")]
+)
+def test_the_announcement_counts_in_words(seeds: int, said: str) -> None:
+    assert announcement(load_plan("smallest", ["methods=dlt"], seeds=seeds)).startswith(said)
+
+
+def test_a_whole_number_is_a_setting_that_is_a_number(tmp_path: Path) -> None:
+    content = load_plan("quick", ["methods=mlp"]).model_dump(mode="json")
+    file = tmp_path / "plan.yaml"
+    file.write_text(json.dumps(content | {"settings": {"mlp": {"goal": 0, "hidden": "8"}}}))
+    assert plan_of(BenchSettings(plan=str(file))).settings == {"mlp": {"goal": 0, "hidden": "8"}}
 
 
 def test_a_billion_cases_are_refused_with_the_time_that_they_would_take() -> None:

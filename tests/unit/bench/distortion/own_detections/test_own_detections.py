@@ -112,13 +112,13 @@ def test_without_test_views_every_view_is_held_out_once(
     tmp_path: Path, dots: Detections, grid: DotGrid, poses: Poses
 ) -> None:
     shoot = staged(tmp_path / "shoot", grid, poses, tested=())
-    parts = held_out_parts(shoot, dots)
+    parts = held_out_parts(shoot, set(dots.views))
     assert len(parts) == 5
     assert sorted(view for part in parts for view in part) == sorted(poses)
     two = dots.where(np.isin(dots.view, ["pose-0", "pose-1"]))
-    assert held_out_parts(shoot, two) == [("pose-0",), ("pose-1",)]
+    assert held_out_parts(shoot, set(two.views)) == [("pose-0",), ("pose-1",)]
     with pytest.raises(InputError, match="1 training views have a pose; at least 2 are needed"):
-        held_out_parts(shoot, dots.where(dots.view == "pose-3"))
+        held_out_parts(shoot, {"pose-3"})
 
 
 def test_a_table_of_others_holds_what_our_own_does(
@@ -147,7 +147,9 @@ def test_a_method_that_refuses_and_views_without_dots_have_their_reasons(
     assert found.methods[0].reasons == ("No dot of the views held out was measured by all cameras.",)
     (line,) = own_lines([found], HEADER, 0)
     assert len(line) == len(HEADER)
-    assert dict(zip(HEADER, line, strict=True))["reason"] == found.methods[0].reasons[0]
+    named = dict(zip(HEADER, line, strict=True))
+    assert named["reason"] == found.methods[0].reasons[0]
+    assert {"known_as", "model_misfit"} == {column for column, cell in named.items() if cell == ""}
     assert "dlt: No dot of the views held out" in str(own_table(found).caption)
 
 
@@ -172,6 +174,19 @@ def test_lines_stand_in_the_tidy_table_and_two_processes_give_the_bytes_of_one(
     assert all(line["over_oracle"] == line["oracle_mm"] == "nan" for line in own)
     assert all(float(line["rmse_mm"]) > 0.0 and line["measured"] == "held-out" for line in own)
     assert {line["source"] for line in lines} == {"simulated", "detections"}
+
+
+@pytest.mark.parametrize("table", ["", "detections.csv"])
+def test_too_few_views_are_refused_before_the_folder_is_begun(
+    table: str, tmp_path: Path, dots: Detections, grid: DotGrid, poses: Poses
+) -> None:
+    shoot = staged(tmp_path / "shoot", grid, {"pose-0": poses["pose-0"]})
+    if table:
+        (shoot.folder / table).write_text(detections_csv(dots.where(dots.view == "pose-0")))
+    settings = BenchSettings(plan="smallest", overrides=("methods=dlt",), detections=(str(shoot.folder),))
+    with pytest.raises(InputError, match="1 training views have a pose; at least 2 are needed"):
+        bench_distortion(tmp_path / "out", settings, NoProgress())
+    assert [path.name for path in tmp_path.iterdir()] == ["shoot"]
 
 
 def test_what_cannot_be_measured_is_refused_at_once(
