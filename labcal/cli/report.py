@@ -97,9 +97,12 @@ def _bench_page(folder: Path, bench: str) -> _MadePage:
     from labcal.errors import InputError
     from labcal.report.page.document import PAGE_KIND
     from labcal.report.reproduction import RESULTS
+    from labcal.run.file_kinds import recognised_by
 
     if bench != "distortion":
         figures = folder / RESULTS
         raise InputError(f"{folder} is of 'labcal bench {bench}', which has no page. See {figures}.")
     findings = read_findings(folder)
-    return _MadePage(distortion_page(findings).text(), PAGE_KIND, counted(findings.result.cases, "case"))
+    # Of a page in a folder the mark of the folder has the digest, and not the page itself.
+    kind = recognised_by("a page of 'labcal bench distortion'", PAGE_KIND.recognises)
+    return _MadePage(distortion_page(findings).text(), kind, counted(findings.result.cases, "case"))
