@@ -47,7 +47,7 @@ class FlatWindow(BaseModel):
 
     @property
     def free(self) -> tuple[float, ...]:
-        """What a calibration may find: both tilts (rad), the distance (mm), and of an interface its index."""
+        """Free parameters: both tilts (rad), the distance (mm), and of an interface its refractive index."""
         place = (float(np.radians(self.tilt_x_deg)), float(np.radians(self.tilt_y_deg)), self.distance_mm)
         return place if self.kind == "flat" else (*place, self.behind_index)
 

@@ -25,7 +25,9 @@ def add_parser(commands: CommandGroup) -> None:
         "distortion: how far each method can be trusted as distortion grows",
     )
     parser.add_argument(
-        "--quick", action="store_true", help="fewer pictures; some ten minutes in place of an hour"
+        "--quick",
+        action="store_true",
+        help="fewer pictures or cases; some ten minutes in place of an hour, or of days (distortion)",
     )
     parser.add_argument(
         "--only",
@@ -42,7 +44,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--plan",
         metavar="NAME-or-FILE",
-        help="of distortion: quick, full (default), or a YAML file with factors and levels of yours",
+        help="of distortion: smallest (one cell), quick (as --quick), full (default, for a cluster), or a "
+        "YAML file with factors and levels of yours",
     )
     parser.add_argument(
         "--set",
@@ -50,7 +53,9 @@ def add_parser(commands: CommandGroup) -> None:
         default=[],
         metavar="factor=level[,level]",
         dest="overrides",
-        help="of distortion: levels in the place of the plan's: --set families=water --set strengths=0,0.5,1",
+        help="of distortion: levels in place of the plan's: --set families=water --set strengths=0,0.5,1. "
+        "factors: methods, families, strengths, noise_px, points, layout, measured, faults, protocols; with "
+        "--rendered also rendered.families and so on",
     )
     parser.add_argument(
         "--detections",
@@ -58,7 +63,12 @@ def add_parser(commands: CommandGroup) -> None:
         help="of distortion: measure the methods also on views of yours of a target on a stage: folders of "
         "shoots, or detections.csv or corners.vnl beside their shoot.json",
     )
-    parser.add_argument("--seeds", type=positive_number, metavar="N", help="of distortion: number of seeds")
+    parser.add_argument(
+        "--seeds",
+        type=positive_number,
+        metavar="N",
+        help="of distortion: number of repetitions, with the seeds S, S + 1, ...",
+    )
     parser.add_argument(
         "--rendered",
         action="store_true",

@@ -8,6 +8,7 @@ from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary
 from labcal.report.bench import Check, at_most
 from labcal.run.user_code import SEPARATOR
+from labcal.wording import counted
 
 HYBRID, HYBRID_LIMIT, ENOUGH_POINTS = "hybrid", 1.10, 130
 LOW_COVERAGE, HIGH_COVERAGE = 0.93, 0.97
@@ -27,12 +28,12 @@ def distortion_checks(summaries: Sequence[CellSummary]) -> list[Check]:
         judged = [one for one in within if one.cell.family == family and counts_for_hybrid(one)]
         if judged:
             worst = max(one.over_oracle if one.over_oracle > 0.0 else float("inf") for one in judged)
-            name = f"hybrid, {family}: RMS error over the oracle's, worst of {len(judged)} cells"
+            name = f"hybrid, {family}: RMS error over the oracle's, worst of {counted(len(judged), 'cell')}"
             checks.append(at_most(name, worst, HYBRID_LIMIT))
     for method in dict.fromkeys(one.method for one in summaries if SEPARATOR not in one.method):
         cells = [one for one in summaries if one.method == method]
         wrong = sum(map(coverage_is_wrong, cells))
-        name = f"{method}: of {len(cells)} cells with neither a coverage of 0.93 to 0.97 nor a flag"
+        name = f"{method}: cells with neither a coverage of 0.93 to 0.97 nor a flag, of {len(cells)}"
         checks.append(at_most(name, float(wrong), 0.0))
     return checks
 

@@ -17,7 +17,9 @@ _SECONDS = {
     "ray-net": (30.0, 100.0),
 }
 """Of one case on one core: what it takes at least, and what a thousand points add, by the square of their
-number. `bundle` takes the cameras of `hybrid`, which is fitted in every case."""
+number. `bundle` takes the cameras of `hybrid`."""
+_ALWAYS = "hybrid"
+"""It is fitted in every case, whatever the methods: the flags of all of them come from it."""
 _OTHER = (1.0, 10.0)
 _PICTURE, _RAYS = 1.0, 0.04
 """Seconds of a picture: what the sensor and the detector take, and each ray a pixel."""
@@ -41,7 +43,8 @@ def expected_seconds(plan: Plan, workers: int) -> float:
 def _fitting_seconds(plan: Plan, points: int) -> float:
     """Return how long all methods take on one core for a number of training points."""
     share = (points / 1000.0) ** 2
-    return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in plan.methods))
+    fitted = {*plan.methods, _ALWAYS}
+    return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in fitted))
 
 
 def plain_time(seconds: float) -> str:
@@ -49,7 +52,7 @@ def plain_time(seconds: float) -> str:
     for unit, name in ((_YEAR, "years"), (_DAY, "days"), (_HOUR, "hours"), (_MINUTE, "minutes")):
         if seconds >= 2.0 * unit:
             return f"{seconds / unit:,.0f} {name}"
-    return f"{seconds:.0f} seconds"
+    return counted(max(round(seconds), 1), "second")
 
 
 def announcement(plan: Plan) -> str:
@@ -57,5 +60,6 @@ def announcement(plan: Plan) -> str:
     cores = usable_cores()
     needed = plain_time(expected_seconds(plan, cores))
     count = plan.case_count + plan.seeds * len(plan.protocols)
-    cases = f"{count:,} case" if count == 1 else f"{count:,} cases"
-    return f"{cases} of {counted(len(plan.methods), 'method')}: about {needed} on {counted(cores, 'core')}"
+    cases = f"{count:,} {'case' if count == 1 else 'cases'}"
+    methods = counted(len(plan.methods), "method")
+    return f"{cases} of {methods}: about {needed} on {counted(cores, 'core')}"

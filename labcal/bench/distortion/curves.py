@@ -1,7 +1,7 @@
 """Figures of a benchmark of distortion: errors over strength and over points, and coverage."""
 
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import matplotlib as mpl
 import numpy as np
@@ -23,6 +23,9 @@ from labcal.report.inline_svg import LINE
 from labcal.report.page_axes import plain_axes
 
 _PANEL_INCH, _MOST_ACROSS, _MOST_DOWN = 2.6, 4, 6
+
+_ALL_STRENGTHS = (-0.05, 1.05)
+"""Limits of an axis from the pinhole to the strongest distortion, with a margin."""
 
 
 def figures_of(summaries: Sequence[CellSummary]) -> dict[str, str]:
@@ -59,6 +62,7 @@ def error_figure(cells: Sequence[CellSummary], title: str) -> Figure:
         own = [one for one in cells if (one.cell.points, one.cell.noise_px) == (points, noise)]
         draw_methods(axes, [_point(one, one.cell.strength, _errors(one)) for one in own], looks)
         axes.set_title(f"{points:g} points, {_noise(own)}")
+    _reach_over_strengths(panels.values(), cells)
     return _finished(figure, "strength of the distortion", "error over the oracle's", ratio_axis)
 
 
@@ -88,7 +92,15 @@ def coverage_figure(cells: Sequence[CellSummary], title: str) -> Figure:
         axes.axhspan(LOW_COVERAGE, HIGH_COVERAGE, color=LINE.drawn, zorder=0)
         axes.set_title(f"{points:g} points, {noise:g} px")
         axes.set_ylim(0.0, 1.03)
+    _reach_over_strengths(panels.values(), cells)
     return _finished(figure, "strength of the distortion", "coverage of 95% ellipsoids", plain_axes)
+
+
+def _reach_over_strengths(panels: Iterable[Axes], cells: Sequence[CellSummary]) -> None:
+    """Show all strengths on the x axis where the cells have a single one, which gives the axis no scale."""
+    if len({one.cell.strength for one in cells}) == 1:
+        for axes in panels:
+            axes.set_xlim(*_ALL_STRENGTHS)
 
 
 def _point(one: CellSummary, x: float, values: tuple[float, float, float]) -> MethodPoint:

@@ -105,5 +105,7 @@ def _beside_bundle(summaries: Sequence[CellSummary], networks: set[str]) -> list
     better = [one for one in pairs if one.decided and one.network_over_other < 1.0]
     where = f" ({listed(_places(better))})" if better else ""
     count = f"{len(better)} of {counted(len(pairs), 'cell')}"
-    beside = f"in {count} with distortion{where}."
-    return [f"Beside the bundle adjustment, which assumes a lens model, the best network is better {beside}"]
+    compared = f"in {count} with distortion{where}."
+    return [
+        f"Compared with bundle adjustment, which assumes a lens model, the best network is better {compared}"
+    ]

@@ -55,6 +55,6 @@ def sensitivity_figure(found: Sequence[Sensitivity], title: str) -> Figure:
     axes.tick_params(labelsize=7)
     ratio_axis_across(axes)
     axes.grid(visible=False, axis="y")
-    figure.supxlabel("error with the fault over that without it (x: refused)", fontsize=8)
+    axes.set_xlabel("error with the fault over that without it (x: refused)", fontsize=8)
     figure.legend(loc="outside lower center", ncols=len(looks), fontsize=8, frameon=False)
     return figure

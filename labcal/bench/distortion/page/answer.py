@@ -7,10 +7,14 @@ from labcal.report.page.part import Part
 from labcal.report.page.prose import Prose, Tone
 from labcal.report.page.written import Written
 
-_NONE = "The plan has no network and another method in the same cell, so that it gives no answer."
+_NONE = (
+    "This run does not say: no cell has figures of both a network and another method. Add networks "
+    "to the plan, as with --method mlp-bayes,mlp."
+)
 _RULE = (
-    "The rule: within the trained volume, the best network of a cell is compared with the best other method, "
-    f"seed by seed on the same data. It counts as better, or as worse, if its error differs by more than "
+    "The rule: a cell is a combination of family, strength, noise, number of points and layout. Within the "
+    "trained volume, the best network of a cell is compared with the best other method, seed by seed on the "
+    f"same data. It counts as better, or as worse, if its error differs by more than "
     f"{MARGIN - 1.0:.0%} in every seed."
 )
 

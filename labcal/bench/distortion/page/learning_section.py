@@ -11,7 +11,7 @@ from labcal.report.page.prose import Prose
 _MOST_STRENGTHS = 3
 _HOW = (
     "The same error over the number of training points: without distortion, in between, and at its worst, as "
-    "far as the plan has them. A line that is flat and high does not want more points, but another method."
+    "far as the plan has them. Where a line is flat and high, more points do not help; another method may."
 )
 
 

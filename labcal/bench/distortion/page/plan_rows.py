@@ -4,6 +4,8 @@ from collections.abc import Mapping
 
 from labcal.bench.distortion.result import DistortionResult
 
+_NONE = "none"
+
 
 def plan_rows(result: DistortionResult) -> list[list[str]]:
     """Return the plan of a result, a row for each factor, and its hash.
@@ -33,6 +35,10 @@ def setting_words(settings: Mapping[str, object]) -> str:
 
 
 def _levels(value: object) -> str:
+    """Return levels in words; a section of the plan has those of its keys that it sets."""
+    if isinstance(value, Mapping):
+        given = {key: one for key, one in value.items() if one is not None and one != []}
+        return "; ".join(f"{key} {_levels(one)}" for key, one in given.items()) or _NONE
     if isinstance(value, list | tuple):
-        return ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in value)
-    return str(value)
+        return ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in value) or _NONE
+    return _NONE if value is None else str(value)

@@ -32,7 +32,7 @@ def plan_section(findings: Findings) -> Section:
     result = findings.result
     levels = PageTable(
         "plan",
-        f"Every combination is measured: {counted(result.cases, 'case')}.",
+        f"Every combination is measured, each fault in its reference cells: {counted(result.cases, 'case')}.",
         [Column("factor", Side.LEFT), Column("levels", Side.WIDE)],
         plan_rows(result),
     )

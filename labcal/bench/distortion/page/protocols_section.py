@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from labcal.bench.distortion.page.findings import Findings
+from labcal.bench.distortion.protocols.number_words import number_words
 from labcal.bench.distortion.protocols.result import ProtocolFigure, ProtocolResult
 from labcal.report.page.document import Section
 from labcal.report.page.download import table_download
@@ -14,7 +15,8 @@ from labcal.report.page.table import MISSING, Column, PageTable, Side
 
 _HOW = (
     "All methods by the protocols of others, so that figures compare: medians over the seeds, their range in "
-    "brackets, and what the authors published."
+    "brackets, and what the authors published. 'Exact cameras' is the oracle, which "
+    "triangulates the same pixels with the true cameras."
 )
 _HEADER = ("method", "quantity", "unit", "median", "low", "high")
 
@@ -40,7 +42,9 @@ def _table(result: ProtocolResult) -> PageTable:
     rows = [[one.method, *map(_cell, one.figures)] for one in result.methods]
     for method in dict.fromkeys(one.method for one in result.published):
         values = {
-            one.quantity: _number(one.value, one.unit) for one in result.published if one.method == method
+            one.quantity: number_words(one.value, one.unit)
+            for one in result.published
+            if one.method == method
         }
         rows.append([f"published: {method}", *(values.get(name, MISSING) for name, _ in quantities)])
     columns = [
@@ -73,17 +77,12 @@ def _statements(result: ProtocolResult) -> list[tuple[str, str]]:
 
 
 def _joined(lines: Sequence[str]) -> str:
-    return " ".join(line if line.endswith(".") else f"{line}." for line in lines)
+    sentences = (line if line.endswith(".") else f"{line}." for line in lines)
+    return " ".join(line[:1].upper() + line[1:] for line in sentences)
 
 
 def _cell(one: ProtocolFigure) -> str:
     if not np.isfinite(one.median):
         return MISSING
-    middle = _number(one.median, one.unit)
-    if one.low == one.high:
-        return middle
-    return f"{middle} ({_number(one.low, one.unit)} to {_number(one.high, one.unit)})"
-
-
-def _number(value: float, unit: str) -> str:
-    return f"{100.0 * value:.2g}%" if unit == "1" else f"{value:.3g}"
+    middle, low, high = (number_words(each, one.unit) for each in (one.median, one.low, one.high))
+    return middle if low == high else f"{middle} ({low} to {high})"

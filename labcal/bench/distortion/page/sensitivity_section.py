@@ -19,7 +19,7 @@ from labcal.report.page.table import MISSING, Column, PageTable, Side
 _HOW = (
     "A wrong board, a stage that reads wrong, and the mistakes of the rendered laboratory: RMS error with "
     "the fault over that without it, at the same points with the same noise. Filled marks: the fault is "
-    "noticed, by the flag model-misfit or by a refusal; open marks: nothing tells of it."
+    "noticed, by the flag model-misfit or by a refusal; open marks: nothing warns of it."
 )
 _CAPTION = "Median of the cells; *: noticed in all of them"
 

@@ -18,7 +18,11 @@ def trust_section(findings: Findings) -> Section:
     ----------
     findings : Findings
     """
-    points = f"Of cells with {findings.enough} training points or more, over all noises and layouts."
+    points = (
+        f"These words are about the strengths of the plan, in cells with {findings.enough} training points "
+        "or more, over all noises and layouts. The flag model-misfit says that a method errs by more than "
+        "noise explains, or that its covariances are too small; labcal raises it from training data alone."
+    )
     return Section(
         "How far each method can be trusted",
         [Prose((_ORACLE,)), Terms(tuple(trust_entries(findings.result))), Prose((points,), Tone.QUIET)],

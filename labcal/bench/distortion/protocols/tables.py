@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from rich.table import Table
 
+from labcal.bench.distortion.protocols.number_words import number_words
 from labcal.bench.distortion.protocols.registry import protocol_by_name
 from labcal.bench.distortion.protocols.result import Found, ProtocolFigure, ProtocolResult, by_method
 from labcal.run.tables import table_text
@@ -85,4 +86,4 @@ def protocol_table(result: ProtocolResult) -> Table:
 def _cell(one: ProtocolFigure) -> str:
     if not np.isfinite(one.median):
         return "-"
-    return f"{100.0 * one.median:.2g}%" if one.unit == "1" else f"{one.median:.3g}"
+    return number_words(one.median, one.unit)

@@ -77,8 +77,13 @@ def test_report_makes_the_page_again(tmp_path: Path, monkeypatch: pytest.MonkeyP
     page = tmp_path / "out" / "index.html"
     before = page.read_bytes()
     page.unlink()
-    assert main(["report", str(tmp_path / "out")]) == 0
-    assert page.read_bytes() == before
+    for _ in ("missing", "there"):
+        assert main(["report", str(tmp_path / "out")]) == 0
+        assert page.read_bytes() == before
+    page.write_bytes(before.replace(b"</body>", b"my notes</body>"))
+    assert main(["report", str(tmp_path / "out")]) == 2
+    assert b"my notes" in page.read_bytes()
+    assert main(["report", str(tmp_path / "out"), "--force"]) == 0
     table = tmp_path / "out" / "results.csv"
     table.write_text(table.read_text().replace("brown,0.4", "brown,much", 1))
     assert main(["report", str(tmp_path / "out")]) == 2

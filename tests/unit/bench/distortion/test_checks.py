@@ -27,7 +27,7 @@ def test_good_cells_pass(summary: Make) -> None:
 def test_a_hybrid_far_from_the_oracle_fails_where_there_are_points_enough(summary: Make) -> None:
     far = summary("hybrid", (1.05, 1.11, 1.2))
     few = summary("hybrid", (2.0, 2.0, 2.0), cell=replace(CELL, points=129))
-    assert failed([far]) == ["hybrid, water: RMS error over the oracle's, worst of 1 cells"]
+    assert failed([far]) == ["hybrid, water: RMS error over the oracle's, worst of 1 cell"]
     assert failed([few]) == []
     assert failed([replace(few, measured="outside"), replace(far, measured="outside")]) == []
     assert "hybrid above 1.10 of the oracle: water 0.5, 0.1 px, 140 points" in failure_notes([far])[0]

@@ -3,6 +3,7 @@
 import csv
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -94,3 +95,14 @@ def test_a_line_for_each_case_and_method_and_a_median_of_them(tmp_path: Path) ->
     assert [[cell.strip() for cell in row] for row in rows if len(row) == 4] == [
         ["dlt", "0.200", "0.000", "0.400"], ["hybrid", "4.100", "3.500", "0.400"], ["affine", "-", "-", "-"]
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("method", "said"), [("bundle", 1), ("hybrid", 0), ("dlt", 0)])
+def test_a_shared_fit_is_explained_where_a_method_takes_from_it(
+    tmp_path: Path, method: str, said: int
+) -> None:
+    shared = 0.0 if method == "dlt" else 3.5
+    figures = CaseFigures(methods=(MethodFigures(method=method, fit_seconds=0.2, shared_seconds=shared),))
+    file = tmp_path / "timings.csv"
+    file.write_text(timings_table([replace(CASE, methods=(method,))], [figures], [9.0]), encoding="utf-8")
+    assert rendered(seconds_table(file), sys.stdout).count("bundle is faster") == said

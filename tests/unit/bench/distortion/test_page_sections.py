@@ -6,19 +6,23 @@ import pytest
 from made_up_distortion import made_up_findings
 
 from labcal.bench.distortion.case import Source
+from labcal.bench.distortion.fault_section import FaultSection
 from labcal.bench.distortion.own_detections.result import OwnMethod, OwnResult
 from labcal.bench.distortion.page.detections_section import detections_section
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.page.page import distortion_page
+from labcal.bench.distortion.page.plan_rows import plan_rows
 from labcal.bench.distortion.page.protocols_section import protocols_section
 from labcal.bench.distortion.page.rendered_section import rendered_section
 from labcal.bench.distortion.page.sensitivity_section import sensitivity_section
+from labcal.bench.distortion.protocols.number_words import number_words
 from labcal.bench.distortion.protocols.result import (
     ProtocolFigure,
     ProtocolMethod,
     ProtocolResult,
     PublishedFigure,
 )
+from labcal.bench.distortion.rendered_plan import RenderedPlan
 from labcal.report.page.document import Section
 
 ONE = ("methods=dlt,bundle", "families=brown", "strengths=0,1", "noise_px=0.1", "points=140")
@@ -82,7 +86,7 @@ def test_published_figures_stand_below_ours(plain: Findings) -> None:
     assert "0.5 (0.4 to 0.7)" in shown
     assert "2%" in shown
     assert shown.index("published: their network") > shown.index("bundle")
-    for words in ("does not exceed 1.5 mm.", "the volume.", "the cameras."):
+    for words in ("does not exceed 1.5 mm.", "The volume.", "The cameras."):
         assert words in shown
 
 
@@ -101,3 +105,21 @@ def test_own_detections_have_a_table_with_what_is_not_known(plain: Findings) -> 
         assert words in shown
     assert "nan" not in shown
     assert "On detections of your own" in distortion_page(replace(plain, result=result)).text()
+
+
+def test_sections_of_the_plan_are_in_words() -> None:
+    findings = made_up_findings("quick", (*ONE, "faults=pitch-0.001,bend-1"), 1)
+    rows = dict(plan_rows(findings.result))
+    assert rows["faults"] == "kinds pitch-0.001, bend-1; families brown; seeds 1"
+    assert (rows["rendered"], rows["protocols"]) == ("none", "none")
+    pictures = RenderedPlan(families=("brown",), strengths=(0.3,), views=4, spp=8, seeds=1)
+    plan = findings.result.plan.model_copy(update={"rendered": pictures, "faults": FaultSection()})
+    rows = dict(plan_rows(findings.result.model_copy(update={"plan": plan})))
+    assert rows["faults"] == "none"
+    assert rows["rendered"] == "families brown; strengths 0.3; views 4; spp 8; seeds 1"
+
+
+def test_a_share_of_all_is_a_hundred_percent() -> None:
+    assert [number_words(one, "1") for one in (1.0, 0.638, 0.0994, 0.0012, 0.0)] == [
+        "100%", "64%", "9.9%", "0.12%", "0%",
+    ]  # fmt: skip
