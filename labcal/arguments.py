@@ -4,6 +4,7 @@ Each function returns what was given in the form in which it is used, or raises 
 argument between backticks. Arrays are those of :mod:`labcal.arrays`, paths those of :mod:`labcal.paths`.
 """
 
+import os
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from operator import index
@@ -134,6 +135,28 @@ def texts(given: object, name: str) -> tuple[str, ...]:
         if all(isinstance(one, str) for one in every):
             return tuple(str(one) for one in every)
     raise wrong_type(given, "a sequence of texts", name)
+
+
+def path_texts(given: object, name: str) -> tuple[str, ...]:
+    """Return an argument that is a sequence of paths, or one, as texts.
+
+    Raises
+    ------
+    InputTypeError
+        It is something else.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> path_texts([Path("shoots") / "monday", "friday"], "detections")
+    ('shoots/monday', 'friday')
+    """
+    every = [given] if isinstance(given, str | os.PathLike) else given
+    if isinstance(every, Iterable) and not isinstance(every, bytes | Mapping):
+        found = tuple(os.fspath(one) if isinstance(one, os.PathLike) else one for one in every)
+        if all(isinstance(one, str) for one in found):
+            return tuple(map(str, found))
+    raise wrong_type(given, "a sequence of paths", name)
 
 
 def choice_of(given: object, kind: type[Choice], name: str) -> Choice:

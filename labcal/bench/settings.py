@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from labcal.arguments import one_text, set_checked, texts, truth_value, whole_number
+from labcal.arguments import one_text, path_texts, set_checked, texts, truth_value, whole_number
+from labcal.paths import AnyPath, as_text
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class BenchSettings:
     """Methods to measure besides, of a benchmark of methods: names, or ``package.module:Class``."""
     scheduler: str | None = None
     """Of a Dask cluster that does the cases of a benchmark that has many: an address, or ``"local"``."""
-    plan: str | None = None
+    plan: AnyPath | None = None
     """Of the benchmark of distortion: ``quick``, ``full``, or the path of a YAML file."""
     overrides: Sequence[str] = ()
     """Of the benchmark of distortion: levels in the place of the plan's, each ``factor=level,level``."""
@@ -37,7 +38,7 @@ class BenchSettings:
     rendered: bool = False
     """Of the benchmark of distortion: measure cases through rendered pictures, too."""
 
-    detections: Sequence[str] = ()
+    detections: Sequence[AnyPath] = ()
     """Of the benchmark of distortion: folders of shoots on a stage, or tables of their dots."""
 
     def __post_init__(self) -> None:
@@ -55,9 +56,9 @@ class BenchSettings:
             "groups": texts(self.groups, "groups"),
             "methods": texts(self.methods, "methods"),
             "scheduler": None if self.scheduler is None else one_text(self.scheduler, "scheduler"),
-            "plan": None if self.plan is None else one_text(self.plan, "plan"),
+            "plan": None if self.plan is None else as_text(self.plan),
             "overrides": texts(self.overrides, "overrides"),
-            "detections": texts(self.detections, "detections"),
+            "detections": path_texts(self.detections, "detections"),
             "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
             "rendered": truth_value(self.rendered, "rendered"),
         }

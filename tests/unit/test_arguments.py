@@ -183,6 +183,7 @@ BAD_SETTINGS: list[tuple[type, str, tuple[object, ...]]] = [
     (pipeline.ConvertSettings, "only", (3, [3], None)),
     (pipeline.BenchSettings, "quick", ("no",)),
     (pipeline.BenchSettings, "groups", (3, None)),
+    (pipeline.BenchSettings, "detections", (3, None, b"a", {"a": 1}, [3], [b"a"])),
     (pipeline.ReproduceSettings, "experiments", (3, [1], None)),
     (pipeline.ReproduceSettings, "seeds", (0, "x")),
     (pipeline.ReproduceSettings, "workers", (0, 1.5)),
@@ -195,6 +196,12 @@ def test_a_setting_of_a_wrong_kind_is_refused_by_name(
 ) -> None:
     for value in values:
         refused(lambda given: settings(**{name: given}), value, name=f"`{name}`" if value != "" else name)
+
+
+def test_paths_of_a_benchmark_are_texts_or_paths() -> None:
+    given = pipeline.BenchSettings(plan=Path("mine.yaml"), detections=[Path("monday"), "friday"])
+    assert (given.plan, given.detections) == ("mine.yaml", ("monday", "friday"))
+    assert pipeline.BenchSettings(detections=Path("monday")).detections == ("monday",)  # type: ignore[arg-type]
 
 
 def test_numbers_of_numpy_are_numbers() -> None:

@@ -62,10 +62,11 @@ def coverage_is_wrong(summary: CellSummary) -> bool:
 
 
 def failure_notes(summaries: Sequence[CellSummary]) -> list[str]:
-    """Return which cells miss a limit, the worst first, for people."""
+    """Return which methods have no figure, and which cells miss a limit, the worst first, for people."""
     summaries = [one for one in summaries if one.cell.is_usual]
     far = sorted(filter(hybrid_is_far, summaries), key=lambda one: -one.over_oracle)
-    notes = _noted("hybrid above 1.10 of the oracle", far, lambda one: f"{one.over_oracle:.3f}")
+    notes = _without_figures(summaries)
+    notes += _noted("hybrid above 1.10 of the oracle", far, lambda one: f"{one.over_oracle:.3f}")
     for method in dict.fromkeys(one.method for one in summaries if SEPARATOR not in one.method):
         wrong = [one for one in summaries if one.method == method and coverage_is_wrong(one)]
         wrong.sort(key=lambda one: -abs(one.unflagged_coverage95 - 0.95))
@@ -78,6 +79,18 @@ def failure_notes(summaries: Sequence[CellSummary]) -> list[str]:
 def _no_gap(summaries: Iterable[CellSummary]) -> Check:
     empty = [one for one in summaries if not one.over_oracle >= 0.0 and not one.reasons]
     return at_most("cells with neither a figure nor a reason", float(len(empty)), 0.0)
+
+
+def _without_figures(summaries: Sequence[CellSummary]) -> list[str]:
+    """Return the first reason of each method that has no figure in any cell."""
+    notes = []
+    for method in dict.fromkeys(one.method for one in summaries):
+        cells = [one for one in summaries if one.method == method]
+        if any(one.over_oracle >= 0.0 for one in cells):
+            continue
+        reason = next((reason for one in cells for reason in one.reasons), "no reason is known")
+        notes.append(f"{method} has no figure in any cell: {reason}")
+    return notes
 
 
 def _noted(what: str, cells: Sequence[CellSummary], figure: Callable[[CellSummary], str]) -> list[str]:

@@ -10,6 +10,7 @@ from labcal.bench.distortion.cell_data import CellData, cell_data
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.preparation import prepared_method
 from labcal.bench.distortion.rendered_data import rendered_data
+from labcal.bench.distortion.sensible_places import sensible_places
 from labcal.bench.families.cameras import SIZE
 from labcal.errors import DeviceError, LabcalError
 from labcal.estimators.estimator import PointEstimator
@@ -106,6 +107,7 @@ def region_figures(estimator: PointEstimator, data: CellData, region: Measured) 
     began = time.perf_counter()
     found, stated = estimator.predict_with_covariance(X, tests.covariance)
     seconds = time.perf_counter() - began
+    found = sensible_places(found)
     error, oracle = found - tests.p, tests.oracle - tests.p
     known = np.isfinite(error).all(axis=1) & np.isfinite(oracle).all(axis=1)
     states = positive_definite(stated) & known

@@ -166,8 +166,15 @@ def load_plan(
         The file cannot be read, or a level is not allowed.
     """
     content, changed = description_content("plan", FOLDER, name), []
+    seen: set[str] = set()
     for change in changes:
         factor, equals, levels = change.partition("=")
+        if factor in seen:
+            raise InputError(
+                f"`overrides` changes '{factor}' twice, and only one could hold. Give all its levels at "
+                "once, separated by commas."
+            )
+        seen.add(factor)
         if factor not in (*FACTORS, *RENDERED_FACTORS):
             raise UnknownNameError("factor", factor, (*FACTORS, *RENDERED_FACTORS))
         if not equals or not levels:

@@ -7,6 +7,7 @@ from labcal.bench.distortion.plan import FULL, QUICK, Plan, load_plan
 from labcal.bench.distortion.rendered_plan import RenderedPlan, is_rendered_change
 from labcal.bench.settings import BenchSettings
 from labcal.errors import InputError
+from labcal.paths import as_text
 from labcal.render.llvm import ensure_llvm
 
 MOST_CASES = 200_000
@@ -25,7 +26,13 @@ def plan_of(settings: BenchSettings) -> Plan:
     DeviceError
         There is no LLVM library for the renderer.
     """
-    name = settings.plan or (QUICK if settings.quick else FULL)
+    name = QUICK if settings.quick else FULL
+    if settings.plan is not None:
+        if settings.quick:
+            raise InputError(
+                "`quick=True` and `plan` both name a plan, and only one can be measured. Leave one out."
+            )
+        name = as_text(settings.plan)
     plan = load_plan(name, settings.overrides, settings.methods, settings.seeds)
     plan = plan.model_copy(update={"rendered": _rendered_plan(plan, settings)})
     if plan.case_count > MOST_CASES:

@@ -15,7 +15,7 @@ from labcal.correspond.measure import detections_of, measure_pictures
 from labcal.correspond.sources import shoot_sources
 from labcal.errors import InputError
 from labcal.estimators.fitting import on_stage
-from labcal.paths import as_path
+from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 
@@ -56,12 +56,12 @@ class OwnDetections:
         return replace(self, detections=detections_of(found))
 
 
-def own_detections(paths: Sequence[str]) -> list[OwnDetections]:
+def own_detections(paths: Sequence[AnyPath]) -> list[OwnDetections]:
     """Return detections by the paths that are given.
 
     Parameters
     ----------
-    paths : sequence of str
+    paths : sequence of str or os.PathLike
         Each the folder of a shoot, or a table of its dots: labcal's ``detections.csv`` or mrcal's
         ``corners.vnl``, in the folder of the shoot or naming its pictures.
 

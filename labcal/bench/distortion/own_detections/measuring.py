@@ -8,6 +8,7 @@ from numpy.linalg import LinAlgError
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.own_detections.case import OwnCase
 from labcal.bench.distortion.preparation import prepared_method
+from labcal.bench.distortion.sensible_places import sensible_places
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
 from labcal.correspond.points import PointFlag
@@ -70,7 +71,7 @@ def _measured_method(
 def _figures(case: OwnCase, model: Model, tests: Detections) -> RegionFigures:
     found = reconstruct_centres(model, tests, case.shoot.target).points
     dots = match(tests, case.shoot.cameras)  # the lines of `found`
-    error = found.point - stage_points(dots, case.shoot.target, case.shoot.nominal_poses())
+    error = sensible_places(found.point) - stage_points(dots, case.shoot.target, case.shoot.nominal_poses())
     known = np.isfinite(error).all(axis=1)
     states = positive_definite(found.covariance) & known
     square = (error[known] ** 2).sum(axis=1)

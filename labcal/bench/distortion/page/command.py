@@ -3,6 +3,7 @@
 import shlex
 
 from labcal.bench.settings import BenchSettings
+from labcal.paths import as_text
 
 
 def command_line(settings: BenchSettings) -> str:
@@ -22,13 +23,13 @@ def command_line(settings: BenchSettings) -> str:
     if settings.quick:
         words.append("--quick")
     if settings.plan is not None:
-        words += ["--plan", settings.plan]
+        words += ["--plan", as_text(settings.plan)]
     for change in settings.overrides:
         words += ["--set", change]
     if settings.rendered:
         words.append("--rendered")
     if settings.detections:
-        words += ["--detections", ",".join(settings.detections)]
+        words += ["--detections", ",".join(map(as_text, settings.detections))]
     if settings.methods:
         words += ["--method", ",".join(settings.methods)]
     if settings.seeds is not None:

@@ -9,6 +9,7 @@ from labcal.bench.distortion.protocols.case import ProtocolCase
 from labcal.bench.distortion.protocols.figures import ORACLE, ProtocolCaseFigures, ProtocolMethodFigures
 from labcal.bench.distortion.protocols.protocol import Protocol, ProtocolData
 from labcal.bench.distortion.protocols.registry import protocol_by_name
+from labcal.bench.distortion.sensible_places import sensible_places
 from labcal.errors import LabcalError
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
@@ -52,6 +53,7 @@ def _measured_method(
         found, stated = fitted.predict_with_covariance(data.q.reshape(len(data.q), -1), data.covariance)
     except (LabcalError, LinAlgError) as error:
         return ProtocolMethodFigures(method=method, reason=f"{type(error).__name__}: {error}")
+    found = sensible_places(found)
     if not np.isfinite(found).all(axis=1).any():
         return ProtocolMethodFigures(method=method, reason="the method gives no place for any point")
     return ProtocolMethodFigures(

@@ -53,6 +53,16 @@ def test_a_cell_with_neither_figure_nor_reason_fails(summary: Make) -> None:
     assert failed([replace(nothing, reasons=("too few points",))]) == []
 
 
+def test_a_method_without_any_figure_is_named_with_its_reason(summary: Make) -> None:
+    broken = summary("my_module:Mine", (), float("nan"), reasons=("its 'fit' failed [/b]",))
+    elsewhere = replace(broken, cell=replace(CELL, strength=1.0))
+    good = summary("dlt", (1.0,))
+    assert failure_notes([broken, elsewhere, good]) == [
+        "my_module:Mine has no figure in any cell: its 'fit' failed [/b]"
+    ]
+    assert failure_notes([broken, summary("my_module:Mine", (3.0,)), good]) == []
+
+
 def line(covered: int, *, misfit: bool, extrapolated: int = 0, rmse_mm: float = 2.0) -> Line:
     figures = RegionFigures(
         measured="within", n=100, predicted=100, rmse_mm=rmse_mm, oracle_mm=1.0, stated=100,

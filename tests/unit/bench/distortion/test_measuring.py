@@ -55,6 +55,26 @@ def test_too_small_a_covariance_covers_too_little(data: CellData) -> None:
     assert abs(found.coverage95 - 0.4247) < 4.0 * np.sqrt(0.4247 * 0.5753 / found.n)
 
 
+class FarAway(TruthAndNoise):
+    """A method that gives all places but the first one beyond all sense."""
+
+    def predict_with_covariance(
+        self,
+        X: Float64[np.ndarray, "n inputs"],
+        pixel_covariance: Float64[np.ndarray, "n cameras 2 2"],
+    ) -> tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, "n 3 3"]]:
+        """Return them; squares of the second place are infinite."""
+        found, stated = super().predict_with_covariance(X, pixel_covariance)
+        found[1:], found[1] = 1e10, 1e200
+        return found, stated
+
+
+def test_places_beyond_all_sense_are_no_places(data: CellData) -> None:
+    found = region_figures(FarAway(data, 1.0), data, Measured.WITHIN)
+    assert (found.n, found.predicted, found.stated, found.extrapolated) == (2000, 1, 1, 0)
+    assert 0.0 < found.rmse_mm < 20.0
+
+
 @pytest.mark.slow
 def test_a_refusal_is_a_line_with_its_reason_and_stops_no_other_method() -> None:
     cell = Cell("brown", 0.5, 0.1, 60, Layout.PLANES)

@@ -9,7 +9,7 @@ import pytest
 
 from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.case import Source
-from labcal.bench.distortion.cost import announcement
+from labcal.bench.distortion.cost import announcement, plain_time
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.settings import BenchSettings
@@ -65,7 +65,10 @@ def test_levels_methods_and_seeds_are_changed() -> None:
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"plan": "quik"}, "Did you mean 'quick'"),
+        ({"plan": "quik", "quick": False}, "Did you mean 'quick'"),
+        ({"plan": "", "quick": False}, "There is no plan named ''"),
+        ({"plan": "full"}, "both name a plan"),
+        ({"overrides": ("strengths=0", "strengths=1")}, "changes 'strengths' twice"),
         ({"overrides": ("strength=1",)}, "Did you mean 'strengths'"),
         ({"overrides": ("families=watre",)}, "Did you mean 'water'"),
         ({"overrides": ("layout=plane",)}, "did you mean 'planes'"),
@@ -87,7 +90,7 @@ def test_what_cannot_be_measured_is_refused_at_once(
     settings: dict[str, object], said: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=said):
-        bench_distortion(tmp_path / "out", BenchSettings(quick=True, **settings), NoProgress())  # type: ignore[arg-type]
+        bench_distortion(tmp_path / "out", BenchSettings(**({"quick": True} | settings)), NoProgress())  # type: ignore[arg-type]
     assert not any(tmp_path.iterdir())
 
 
@@ -137,6 +140,10 @@ def test_a_truth_value_is_no_number(factor: str, tmp_path: Path) -> None:
 )
 def test_the_announcement_counts_in_words(seeds: int, said: str) -> None:
     assert announcement(load_plan("smallest", ["methods=dlt"], seeds=seeds)).startswith(said)
+
+
+def test_a_second_is_one() -> None:
+    assert (plain_time(1.2), plain_time(2.0)) == ("1 second", "2 seconds")
 
 
 def test_a_whole_number_is_a_setting_that_is_a_number(tmp_path: Path) -> None:
