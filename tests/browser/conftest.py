@@ -122,10 +122,13 @@ def reproduction_file(tmp_path: Path, made_up: Reproduction) -> Path:
     return path
 
 
+FAULTS = "faults=pitch-0.001,bend-1"
+
+
 @pytest.fixture(scope="session")
 def distortion_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of the benchmark of distortion, with invented figures of nine methods and two layouts."""
-    few = ("families=brown,water", "strengths=0,0.4,1", "noise_px=0.02,0.1", "points=60,140")
-    path = tmp_path_factory.mktemp("distortion") / "page.html"
+    few = ("families=brown,water", "strengths=0,0.4,1", "noise_px=0.02,0.1", "points=60,140", FAULTS)
+    path = tmp_path_factory.mktemp("distortion") / "index.html"
     path.write_text(distortion_page(made_up_findings("full", few, 2)).text(), encoding="utf-8")
     return path
