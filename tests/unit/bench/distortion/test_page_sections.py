@@ -55,6 +55,7 @@ def test_the_curve_of_pictures_is_of_pictures_alone(plain: Findings) -> None:
     shown = html(rendered_section(Findings(result, [*plain.summaries, *pictured])))
     assert shown.count('<figure class="chart"') == 1
     assert "noise of the sensor" in shown
+    assert "brown, rendered: strength 1 is k1 -0.5." in shown
     assert "3.25" in shown
 
 
@@ -64,6 +65,7 @@ def test_faults_that_are_noticed_in_every_cell_are_marked() -> None:
     assert shown.count('<figure class="chart"') == 1
     assert "pitch-0.001" in shown
     assert "bend-1" in shown
+    assert "excess of all distances on the board" in shown
 
 
 def test_published_figures_stand_below_ours(plain: Findings) -> None:
