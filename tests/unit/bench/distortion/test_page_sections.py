@@ -15,6 +15,7 @@ from labcal.bench.distortion.page.plan_rows import plan_rows
 from labcal.bench.distortion.page.protocols_section import protocols_section
 from labcal.bench.distortion.page.rendered_section import rendered_section
 from labcal.bench.distortion.page.sensitivity_section import sensitivity_section
+from labcal.bench.distortion.page.trust_section import trust_section
 from labcal.bench.distortion.protocols.number_words import number_words
 from labcal.bench.distortion.protocols.result import (
     ProtocolFigure,
@@ -125,3 +126,9 @@ def test_a_share_of_all_is_a_hundred_percent() -> None:
     assert [number_words(one, "1") for one in (1.0, 0.638, 0.0994, 0.0012, 0.0)] == [
         "100%", "64%", "9.9%", "0.12%", "0%",
     ]  # fmt: skip
+
+
+def test_the_error_of_the_oracle_is_given_in_millimetres(plain: Findings) -> None:
+    cells = [replace(one, oracle_mm=0.4 + 0.2 * one.cell.strength) for one in plain.summaries]
+    shown = html(trust_section(replace(plain, summaries=cells)))
+    assert "RMS error is 0.4 to 0.6 mm at 0.1 px of noise." in shown
