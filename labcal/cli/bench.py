@@ -15,7 +15,7 @@ def add_parser(commands: CommandGroup) -> None:
         "bench",
         run,
         "Measure how good labcal is, every figure against its limit, and write results.json.",
-        example="labcal bench render --quick -o out/bench-render",
+        example="labcal bench render --quick -o out/bench\n  labcal bench distortion --quick -o out/lenses",
     )
     parser.add_argument(
         "what",
@@ -53,7 +53,7 @@ def add_parser(commands: CommandGroup) -> None:
         default=[],
         metavar="factor=level[,level]",
         dest="overrides",
-        help="of distortion: levels in place of the plan's: --set families=water --set strengths=0,0.5,1. "
+        help="of distortion: levels in place of the plan's: --set families=water --set strengths=0,0.5,1; "
         "factors: methods, families, strengths, noise_px, points, layout, measured, faults, protocols; with "
         "--rendered also rendered.families and so on",
     )

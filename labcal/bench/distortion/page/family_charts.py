@@ -60,12 +60,19 @@ def family_charts(findings: Findings, kind: ChartKind) -> list[Beside]:
             name = f"{kind.name}-{family}" if len(layouts) == 1 else f"{kind.name}-{family}-{layout}"
             with page_style():
                 svg = inline_svg(kind.draw(cells, title), name, f"{title}: {kind.shows}")
-            caption = f"{title}: {_strengths(family, cells)}."
+            caption = f"{title}: {strength_words(family, cells)}."
             charts.append(Chart(name, svg, caption, cell_download(f"{name}.csv", cells)))
     return [Beside(tuple(charts))] if charts else []
 
 
-def _strengths(family: str, cells: Sequence[CellSummary]) -> str:
-    """Return what the greatest strength of a figure is, as people know it."""
+def strength_words(family: str, cells: Sequence[CellSummary]) -> str:
+    """Return what the greatest strength of a figure is, as people know it.
+
+    Parameters
+    ----------
+    family : str
+    cells : sequence of CellSummary
+        Of the family.
+    """
     greatest = max(one.cell.strength for one in cells)
     return f"strength {greatest:g} is {FAMILIES[family].known_as(greatest)}"

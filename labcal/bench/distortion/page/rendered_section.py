@@ -3,6 +3,7 @@
 from labcal.bench.distortion.case import Source
 from labcal.bench.distortion.curves import error_figure
 from labcal.bench.distortion.page.cell_table import cell_download
+from labcal.bench.distortion.page.family_charts import strength_words
 from labcal.bench.distortion.page.family_table import family_table
 from labcal.bench.distortion.page.findings import Findings
 from labcal.report.inline_svg import inline_svg, page_style
@@ -14,7 +15,7 @@ from labcal.report.page.prose import Prose
 _HOW = (
     "The same cameras take rendered pictures of a board on a stage, and labcal's detector measures its dots. "
     "The oracle triangulates the same detected dots with the true cameras: what the detector errs by is in "
-    "both."
+    "both. Open marks are flagged model-misfit. Answer, winners and checks are without these figures."
 )
 
 
@@ -33,7 +34,14 @@ def rendered_section(findings: Findings) -> Section | None:
             name = f"rendered-{family}"
             with page_style():
                 svg = inline_svg(error_figure(own, family), name, f"{family}: errors through pictures")
-            charts.append(Chart(name, svg, f"{family}, rendered.", cell_download(f"{name}.csv", own)))
+            charts.append(
+                Chart(
+                    name,
+                    svg,
+                    f"{family}, rendered: {strength_words(family, own)}.",
+                    cell_download(f"{name}.csv", own),
+                )
+            )
     rendered = findings.result.rendered
     if not rendered:
         return None

@@ -8,6 +8,7 @@ from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.sensitivity import Sensitivity
 from labcal.bench.distortion.sensitivity_figures import sensitivity_figure
 from labcal.bench.distortion.trust_words import ratio_words
+from labcal.bench.faults.registry import fault_named
 from labcal.report.inline_svg import inline_svg, page_style
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
@@ -50,18 +51,24 @@ def _table(found: Sequence[Sensitivity]) -> PageTable:
     methods = list(dict.fromkeys(one.method for one in found))
     rows = [
         [
-            fault,
+            label,
+            _meaning(fault),
             *(
-                _cell([one for one in found if (one.label, one.method) == (fault, method)])
+                _cell([one for one in found if (one.label, one.method) == (label, method)])
                 for method in methods
             ),
         ]
-        for fault in dict.fromkeys(one.label for one in found)
+        for label, fault in {one.label: one.fault for one in found}.items()
     ]
-    columns = [Column("fault", Side.LEFT), *map(Column, methods)]
+    columns = [Column("fault", Side.LEFT), Column("its number", Side.LEFT), *map(Column, methods)]
     header = tuple(name for name in Sensitivity.model_fields if name != "reasons")
     file = table_download("sensitivity.csv", header, [[getattr(one, key) for one in found] for key in header])
     return PageTable("sensitivity", _CAPTION, columns, rows, file)
+
+
+def _meaning(fault: str) -> str:
+    kind = fault_named(fault).kind
+    return kind.size if kind.has_size else MISSING
 
 
 def _cell(cells: Sequence[Sensitivity]) -> str:

@@ -15,6 +15,7 @@ from labcal.bench.distortion.page.plan_rows import plan_rows
 from labcal.bench.distortion.page.protocols_section import protocols_section
 from labcal.bench.distortion.page.rendered_section import rendered_section
 from labcal.bench.distortion.page.sensitivity_section import sensitivity_section
+from labcal.bench.distortion.page.trust_section import trust_section
 from labcal.bench.distortion.protocols.number_words import number_words
 from labcal.bench.distortion.protocols.result import (
     ProtocolFigure,
@@ -55,6 +56,7 @@ def test_the_curve_of_pictures_is_of_pictures_alone(plain: Findings) -> None:
     shown = html(rendered_section(Findings(result, [*plain.summaries, *pictured])))
     assert shown.count('<figure class="chart"') == 1
     assert "noise of the sensor" in shown
+    assert "brown, rendered: strength 1 is k1 -0.5." in shown
     assert "3.25" in shown
 
 
@@ -64,6 +66,7 @@ def test_faults_that_are_noticed_in_every_cell_are_marked() -> None:
     assert shown.count('<figure class="chart"') == 1
     assert "pitch-0.001" in shown
     assert "bend-1" in shown
+    assert "excess of all distances on the board" in shown
 
 
 def test_published_figures_stand_below_ours(plain: Findings) -> None:
@@ -123,3 +126,9 @@ def test_a_share_of_all_is_a_hundred_percent() -> None:
     assert [number_words(one, "1") for one in (1.0, 0.638, 0.0994, 0.0012, 0.0)] == [
         "100%", "64%", "9.9%", "0.12%", "0%",
     ]  # fmt: skip
+
+
+def test_the_error_of_the_oracle_is_given_in_millimetres(plain: Findings) -> None:
+    cells = [replace(one, oracle_mm=0.4 + 0.2 * one.cell.strength) for one in plain.summaries]
+    shown = html(trust_section(replace(plain, summaries=cells)))
+    assert "RMS error is 0.4 to 0.6 mm at 0.1 px of noise." in shown
