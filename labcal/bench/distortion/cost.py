@@ -41,10 +41,10 @@ def expected_seconds(plan: Plan, workers: int) -> float:
 
 
 def _fitting_seconds(plan: Plan, points: int) -> float:
-    """Return how long all methods take on one core for a number of training points."""
+    """Return how long all methods, and `hybrid` in any case, take on one core for a number of points."""
     share = (points / 1000.0) ** 2
     fitted = {*plan.methods, _ALWAYS}
-    return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in fitted))
+    return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in sorted(fitted)))
 
 
 def plain_time(seconds: float) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.distortion.case import Source
-from labcal.bench.distortion.cost import announcement, plain_time
+from labcal.bench.distortion.cost import announcement, expected_seconds, plain_time
 from labcal.bench.distortion.plan import load_plan
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.settings import BenchSettings
@@ -140,6 +140,13 @@ def test_a_truth_value_is_no_number(factor: str, tmp_path: Path) -> None:
 )
 def test_the_announcement_counts_in_words(seeds: int, said: str) -> None:
     assert announcement(load_plan("smallest", ["methods=dlt"], seeds=seeds)).startswith(said)
+
+
+def test_the_time_of_a_quick_method_holds_the_fit_of_the_surrogate() -> None:
+    dlt, both = (
+        load_plan("smallest", [f"methods={names}", "points=4000"]) for names in ("dlt", "dlt,hybrid")
+    )
+    assert expected_seconds(dlt, 1) == expected_seconds(both, 1) > 100.0
 
 
 def test_a_second_is_one() -> None:
