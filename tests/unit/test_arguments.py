@@ -166,7 +166,7 @@ BAD_SETTINGS: list[tuple[type, str, tuple[object, ...]]] = [
     (pipeline.FitSettings, "free_dots", ("yes", None)),
     (pipeline.FitSettings, "hold_out", (None, 1.5, True, b"a", [3])),
     (pipeline.HandheldSettings, "lenses", (None, 3, "")),
-    (pipeline.HandheldSettings, "start", ("rig.json", 3)),
+    (pipeline.HandheldSettings, "start", (["rig.json"], 3)),
     (pipeline.HandheldSettings, "free_dots", ("no", None)),
     (pipeline.HandheldSettings, "eccentricity_rounds", (-1, 1.5, "2", None)),
     (pipeline.RenderSettings, "spp", (0, "x", 1.5, True)),
