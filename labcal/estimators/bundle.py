@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from labcal.arrays import Pixels, Vectors3
@@ -78,7 +79,7 @@ class Bundle(CameraEstimator):
             As of `fit`.
         """
         pixels, points = self._training(X, Y)
-        self.single_output_, self.n_outputs_, self.own_scale_ = False, points.shape[1], 1.0
+        self.single_output_, self.n_outputs_, self.own_scale_ = False, points.shape[1], np.array(1.0)
         self._keep([_known(camera) for camera in resected], points)
         self.residual_covariance_ = self._residual_covariance(pixels, points)
         return self

@@ -44,12 +44,12 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         Fitted attributes that are a number or a text, kept in a model file beside the arrays.
     residual_covariance_ : float64 array, (3, 3)
         Mean product of the errors of X, Y and Z on the training data, mm squared; smaller with fewer outputs.
-    own_scale_ : float64
+    own_scale_ : float64 array, ()
         Factor of the covariance that the method itself causes, besides the noise of pixels; 1 unless
         `calibrate_covariance` was called.
     """
 
-    own_scale_: float = 1.0
+    own_scale_: Float64[np.ndarray, ""] = np.array(1.0)
     fitted_facts: ClassVar[tuple[str, ...]] = ()
 
     @property
@@ -83,7 +83,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         self.single_output_ = points.ndim == 1
         points = points.reshape(len(points), -1)
         self.n_outputs_ = points.shape[1]
-        self.own_scale_ = 1.0
+        self.own_scale_ = np.array(1.0)
         with self._code_of("fit"):
             self._fit(pixels, points)
         self.residual_covariance_ = self._residual_covariance(pixels, points)
@@ -173,7 +173,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         with self._code_of("predict"):
             found = self._predict(pixels)
             noise, own = self._covariance_parts(pixels, covariance)
-        self.own_scale_ = own_scale(found[:, :COORDINATES] - Y, noise, own, CONFIDENCE)
+        self.own_scale_ = np.array(own_scale(found[:, :COORDINATES] - Y, noise, own, CONFIDENCE))
 
     def stored_arrays(self) -> tuple[FittedArray, ...]:
         """Return the arrays of the fitted estimator that are stored: its own and those of every method."""
