@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.bench.distortion.case import Cell
 from labcal.bench.distortion.lines import Line
+from labcal.bench.distortion.pooling import known_median, pooled_coverage
 
 
 @dataclass(frozen=True)
@@ -77,10 +78,10 @@ def _summary(group: list[Line]) -> CellSummary:
         over_oracle=middle,
         low=low,
         high=high,
-        rmse_mm=_median([one.rmse_mm for one in figures]),
-        oracle_mm=_median([one.oracle_mm for one in figures]),
-        coverage95=_pooled(group),
-        unflagged_coverage95=_pooled([line for line in group if not is_flagged(line)]),
+        rmse_mm=known_median([one.rmse_mm for one in figures]),
+        oracle_mm=known_median([one.oracle_mm for one in figures]),
+        coverage95=pooled_coverage(line.figures for line in group),
+        unflagged_coverage95=pooled_coverage(line.figures for line in group if not is_flagged(line)),
         flagged_misfit=all(line.misfit is True for line in group),
         trained=min(line.trained for line in group),
         by_seed=tuple(ratios.tolist()),
@@ -94,15 +95,3 @@ def is_flagged(line: Line) -> bool:
         return True
     one = line.figures
     return one is not None and 2 * one.extrapolated > one.predicted
-
-
-def _pooled(group: Iterable[Line]) -> float:
-    """Return the coverage of all points of several lines together; NaN of none."""
-    figures = [line.figures for line in group if line.figures is not None]
-    stated = sum(one.stated for one in figures)
-    return sum(one.covered for one in figures) / stated if stated else float("nan")
-
-
-def _median(values: list[float]) -> float:
-    known = [value for value in values if np.isfinite(value)]
-    return float(np.median(known)) if known else float("nan")

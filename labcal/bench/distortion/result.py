@@ -14,6 +14,7 @@ from labcal.bench.distortion.enough_points import with_enough_points
 from labcal.bench.distortion.levels import spread_levels
 from labcal.bench.distortion.own_detections.result import OwnResult, own_table
 from labcal.bench.distortion.plan import Plan
+from labcal.bench.distortion.pooling import known_median
 from labcal.bench.distortion.protocols.result import ProtocolResult
 from labcal.bench.distortion.protocols.tables import protocol_table
 from labcal.bench.distortion.sensitivity import Sensitivity
@@ -95,9 +96,9 @@ def family_figures(
             method=method,
             strength=strength,
             known_as=FAMILIES[family].known_as(strength),
-            over_oracle=_median([one.over_oracle for one in group]),
+            over_oracle=known_median([one.over_oracle for one in group]),
             worst=max((one.over_oracle for one in group if one.over_oracle >= 0.0), default=float("nan")),
-            coverage95=_median([one.coverage95 for one in group]),
+            coverage95=known_median([one.coverage95 for one in group]),
             flagged=sum(one.flagged_misfit for one in group),
             cells=len(group),
             missing=sum(not one.over_oracle >= 0.0 for one in group),
@@ -107,11 +108,6 @@ def family_figures(
         )
         for (family, method, strength), group in groups.items()
     ]
-
-
-def _median(values: Sequence[float]) -> float:
-    known = [value for value in values if np.isfinite(value)]
-    return float(np.median(known)) if known else float("nan")
 
 
 def distortion_table(result: DistortionResult) -> Group:

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict
 
 from labcal.bench.distortion.case import NO_FAULT, Cell, Measured, Source
 from labcal.bench.distortion.lines import Line
+from labcal.bench.distortion.pooling import known_median, pooled_coverage
 from labcal.bench.faults.registry import fault_named
 from labcal.report.values import Measured as Figure
 
@@ -108,13 +109,13 @@ def _sensitivity(group: Sequence[Pair]) -> Sensitivity:
         size=fault.size if fault.kind.has_size else None,
         rmse_mm=rmse,
         usual_mm=before,
-        over_usual=_median([_error(line) / _error(other) for line, other in pairs]),
+        over_usual=known_median([_error(line) / _error(other) for line, other in pairs]),
         added_mm=added,
         added_mm_per_step=added * fault.kind.step / fault.size,
         per=fault.kind.per,
-        coverage95=_coverage(lines),
-        usual_coverage95=_coverage(usual),
-        expected_mm=_median([line.expected_mm for line in lines]),
+        coverage95=pooled_coverage(line.figures for line in lines),
+        usual_coverage95=pooled_coverage(line.figures for line in usual),
+        expected_mm=known_median([line.expected_mm for line in lines]),
         misfit=sum(line.misfit is True for line in lines),
         usual_misfit=sum(line.misfit is True for line in usual),
         refused=sum(_is_refused(line) for line, other in group if other.figures is not None),
@@ -135,15 +136,3 @@ def _error(line: Line) -> float:
 def _rms(values: Iterable[float]) -> float:
     squares = [value**2 for value in values]
     return float(np.sqrt(np.mean(squares))) if squares else float("nan")
-
-
-def _median(values: Sequence[float]) -> float:
-    known = [value for value in values if np.isfinite(value)]
-    return float(np.median(known)) if known else float("nan")
-
-
-def _coverage(lines: Sequence[Line]) -> float:
-    """Return the coverage of all points of several lines together; NaN of none."""
-    figures = [line.figures for line in lines if line.figures is not None]
-    stated = sum(one.stated for one in figures)
-    return sum(one.covered for one in figures) / stated if stated else float("nan")

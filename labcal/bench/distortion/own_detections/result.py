@@ -11,6 +11,7 @@ from labcal.bench.distortion.case import NO_FAULT, Source
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.own_detections.case import OwnCase
 from labcal.bench.distortion.own_detections.measuring import HELD_OUT
+from labcal.bench.distortion.pooling import known_median, pooled_coverage
 from labcal.report.values import Measured as Figure
 from labcal.wording import counted
 
@@ -144,21 +145,19 @@ def _result(name: str, group: Sequence[Part]) -> OwnResult:
 def _method(method: str, group: Sequence[Part]) -> OwnMethod:
     own = [_of_part(part, method) for part in group]
     regions = [region for one in own for region in one.regions]
-    stated, covered = sum(one.stated for one in regions), sum(one.covered for one in regions)
     judged = [one.misfit for one in own if one.reason is None]
-    expected = [one.expected_mm for one in own if np.isfinite(one.expected_mm)]
     return OwnMethod(
         method=method,
         n=sum(one.n for one in regions),
         predicted=sum(one.predicted for one in regions),
         rmse_mm=_pooled(regions),
         over_best=_NAN,
-        stated=stated,
-        covered=covered,
-        coverage95=covered / stated if stated else _NAN,
+        stated=sum(one.stated for one in regions),
+        covered=sum(one.covered for one in regions),
+        coverage95=pooled_coverage(regions),
         model_misfit=None if not judged or None in judged else all(judged),
         extrapolated=sum(one.extrapolated for one in regions),
-        expected_mm=float(np.median(expected)) if expected else _NAN,
+        expected_mm=known_median([one.expected_mm for one in own]),
         reasons=tuple(dict.fromkeys(one.reason for one in own if one.reason is not None)),
     )
 
