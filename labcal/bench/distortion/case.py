@@ -72,6 +72,11 @@ class Cell:
         return self.source is Source.SIMULATED and self.fault == NO_FAULT
 
     @property
+    def is_pictured(self) -> bool:
+        """True if its dots are detected in pictures and nothing is wrong."""
+        return self.source is Source.RENDERED and self.fault == NO_FAULT
+
+    @property
     def stated_noise_px(self) -> float:
         """The noise that is added to each coordinate, px; NaN where the sensor makes it."""
         return self.noise_px if self.source is Source.SIMULATED else float("nan")

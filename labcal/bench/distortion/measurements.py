@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from labcal.bench.distortion.case import NO_FAULT, Measured, Source
+from labcal.bench.distortion.case import Measured
 from labcal.bench.distortion.cell_summary import CellSummary, summarised
 from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.curves import figures_of
@@ -55,9 +55,7 @@ class Measurements:
     @cached_property
     def rendered(self) -> list[CellSummary]:
         """The summaries of cells through pictures, in which nothing is wrong."""
-        return [
-            one for one in self.summaries if one.cell.source is Source.RENDERED and one.cell.fault == NO_FAULT
-        ]
+        return [one for one in self.summaries if one.cell.is_pictured]
 
     @cached_property
     def sensitivity(self) -> list[Sensitivity]:

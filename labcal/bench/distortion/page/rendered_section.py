@@ -1,6 +1,5 @@
 """Section: through rendered pictures."""
 
-from labcal.bench.distortion.case import Source
 from labcal.bench.distortion.curves import error_figure
 from labcal.bench.distortion.page.cell_table import cell_download
 from labcal.bench.distortion.page.family_charts import strength_words
@@ -26,7 +25,7 @@ def rendered_section(findings: Findings) -> Section | None:
     ----------
     findings : Findings
     """
-    pictured = [one for one in findings.summaries if one.cell.source is Source.RENDERED]
+    pictured = [one for one in findings.summaries if one.cell.is_pictured]
     charts = []
     for family in dict.fromkeys(one.cell.family for one in pictured):
         own = [one for one in pictured if one.cell.family == family and one.over_oracle > 0.0]

@@ -53,7 +53,13 @@ def test_the_curve_of_pictures_is_of_pictures_alone(plain: Findings) -> None:
     ]
     figures = [one.model_copy(update={"over_oracle": 3.25}) for one in plain.result.families]
     result = plain.result.model_copy(update={"rendered": tuple(figures)})
-    shown = html(rendered_section(Findings(result, [*plain.summaries, *pictured])))
+    faulty = [
+        replace(one, cell=replace(one.cell, fault="bend-1"), over_oracle=77.5, low=77.5, high=77.5)
+        for one in pictured
+    ]
+    section = rendered_section(Findings(result, [*plain.summaries, *pictured, *faulty]))
+    assert section == rendered_section(Findings(result, [*plain.summaries, *pictured]))
+    shown = html(section)
     assert shown.count('<figure class="chart"') == 1
     assert "noise of the sensor" in shown
     assert "brown, rendered: strength 1 is k1 -0.5." in shown
