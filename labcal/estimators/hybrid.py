@@ -87,9 +87,9 @@ class Hybrid(CameraEstimator):
         found = fitted_camera(start, q, p)
         if self.lens != AUTO or found.fitted is None:
             return found
-        return self._simplified(found, q, p, size)
+        return self._simplified(found, start, q, p)
 
-    def _simplified(self, found: FittedCamera, q: Pixels, p: Vectors3, size: tuple[int, int]) -> FittedCamera:
+    def _simplified(self, found: FittedCamera, start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera:
         """Return the likeliest of a camera with a field and those with a simpler lens formula.
 
         The coefficients that predict held-out dots best without a field may stand in its way. The simpler
@@ -98,10 +98,14 @@ class Hybrid(CameraEstimator):
         known, best = log_predictive_density(found, q, p), found
         in_air: list[ResectedCamera] = []
         for lens in _SIMPLER:
-            try:
-                in_air.append(resect(self.method, q, p, camera_of_lens(lens, size, None)))
-            except InputError:  # too far off to begin with
-                continue
+            if lens == start.camera.lens:
+                in_air.append(start)
+            else:
+                kind = camera_of_lens(lens, start.camera.size, None)
+                try:
+                    in_air.append(resect(self.method, q, p, kind))
+                except InputError:  # too far off to begin with
+                    continue
             behind = resect_through_interface(q, p, in_air[-1])
             if behind is None:
                 continue
@@ -111,8 +115,8 @@ class Hybrid(CameraEstimator):
                 known, best = density, camera
                 if camera.fitted is None:
                     return camera
-        for start in itertools.takewhile(lambda start: start.camera.lens != found.camera.lens, in_air):
-            camera = fitted_camera(start, q, p)
+        for simpler in itertools.takewhile(lambda one: one.camera.lens != found.camera.lens, in_air):
+            camera = fitted_camera(simpler, q, p)
             density = log_predictive_density(camera, q, p)
             if density > known:
                 known, best = density, camera

@@ -1,5 +1,6 @@
 """Expected time of a plan, stated before it starts."""
 
+from labcal.bench.distortion.checks import HYBRID
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.protocols.registry import PROTOCOLS
 from labcal.run.machine import usable_cores
@@ -18,8 +19,6 @@ _SECONDS = {
 }
 """Of one case on one core: what it takes at least, and what a thousand points add, by the square of their
 number. `bundle` takes the cameras of `hybrid`."""
-_ALWAYS = "hybrid"
-"""It is fitted in every case, whatever the methods: the flags of all of them come from it."""
 _OTHER = (1.0, 10.0)
 _PICTURE, _RAYS = 1.0, 0.04
 """Seconds of a picture: what the sensor and the detector take, and each ray a pixel."""
@@ -43,7 +42,7 @@ def expected_seconds(plan: Plan, workers: int) -> float:
 def _fitting_seconds(plan: Plan, points: int) -> float:
     """Return how long all methods, and `hybrid` in any case, take on one core for a number of points."""
     share = (points / 1000.0) ** 2
-    fitted = {*plan.methods, _ALWAYS}
+    fitted = {*plan.methods, HYBRID}  # whose cameras are the surrogate that flags come from
     return sum(least + more * share for least, more in (_SECONDS.get(m, _OTHER) for m in sorted(fitted)))
 
 
