@@ -2,12 +2,12 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict
 
 from labcal.calibrate.resection.placed import PlacedCamera
 from labcal.cameras.record import CameraRecord
@@ -17,12 +17,22 @@ from labcal.estimators.gp_field.fitted_camera import Asked, FittedCamera, Fitted
 from labcal.estimators.gp_field.kernel import FieldKernel
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
+from labcal.estimators.gp_field.waves import ALL_ALIKE, Spread, waves_of
 from labcal.run.json_reading import json_content
 
 FIGURES = 10
 """Of a camera: its noise; of its field amplitude, across, along, wavenumber, noise, gain, and three of its
 places."""
-_RECORDS = TypeAdapter(tuple[CameraRecord, ...])
+
+
+class _Text(BaseModel):
+    """The content of the text."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    cameras: tuple[CameraRecord, ...]
+    asked: tuple[Asked | None, ...]
+    waves: tuple[Spread | None, ...] = ()
+    """None of a file that was written before waves had directions."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +42,8 @@ class FittedArrays:
     Attributes
     ----------
     text : str
-        JSON: the lens formulas' records, and by camera where its field is asked or null.
+        JSON: the lens formulas' records, and by camera where its field is asked, and the directions (radians)
+        and shares of its waves; null where it has none.
     middle : float64 array, (3,)
     figures : float64 array, (cameras, FIGURES)
     covariance : float64 array, (cameras, free, free)
@@ -57,8 +68,8 @@ def free_count(text: str) -> tuple[int, int]:
     InputError
         The text is damaged.
     """
-    cameras, _ = _parsed(text)
-    placed = [record.sensible_camera(str(number)) for number, record in enumerate(cameras, start=1)]
+    records = _parsed(text).cameras
+    placed = [record.sensible_camera(str(number)) for number, record in enumerate(records, start=1)]
     counts = [PlacedCamera(camera, np.zeros(3)).count for camera in placed]
     return len(counts), max(counts, default=0)
 
@@ -69,21 +80,26 @@ def to_arrays(cameras: Sequence[FittedCamera], n: int) -> FittedArrays:
     figures, covariance = np.zeros((len(cameras), FIGURES)), np.zeros((len(cameras), most, most))
     inputs, residuals = np.zeros((len(cameras), n, 3)), np.zeros((len(cameras), n, 2))
     asked: list[str | None] = []
+    waves: list[dict[str, Any] | None] = []
     for number, camera in enumerate(cameras):
         count = camera.placed.count
         covariance[number, :count, :count] = camera.covariance
         figures[number, 0] = camera.noise_px
         asked.append(None if camera.fitted is None else camera.fitted.asked.value)
+        waves.append(None)
         if camera.fitted is None:
             continue
         scale, places = camera.fitted.field.scale, camera.fitted.places
+        if scale.kernel.waves is not None and scale.kernel.waves.spread != ALL_ALIKE:
+            waves[-1] = asdict(scale.kernel.waves.spread)
         figures[number, 1:] = [
             scale.amplitude_px, scale.kernel.across, scale.kernel.along, scale.kernel.wavenumber,
             scale.noise_px, scale.gain, places.width_px, places.farthest, places.span,
         ]  # fmt: skip
         inputs[number], residuals[number] = camera.fitted.field.x, camera.fitted.field.residual
     records = [CameraRecord.of(camera.camera).model_dump(mode="json") for camera in cameras]
-    text = json.dumps({"cameras": records, "asked": asked}, sort_keys=True, allow_nan=False)
+    content = {"cameras": records, "asked": asked, "waves": waves}
+    text = json.dumps(content, sort_keys=True, allow_nan=False)
     return FittedArrays(text, cameras[0].placed.middle, figures, covariance, inputs, residuals)
 
 
@@ -95,30 +111,29 @@ def from_arrays(arrays: FittedArrays, p: Float64[np.ndarray, "n 3"]) -> tuple[Fi
     InputError
         The text is damaged, or does not fit the arrays.
     """
-    records, asked = _parsed(arrays.text)
-    if not len(records) == len(asked) == len(arrays.figures):
+    parsed = _parsed(arrays.text)
+    if not len(parsed.cameras) == len(parsed.asked) == len(arrays.figures):
         raise InputError("The model's cameras do not fit its arrays. Fit it again.")
+    spreads = parsed.waves or (None,) * len(parsed.cameras)
     found = []
-    for number, (record, how) in enumerate(zip(records, asked, strict=True)):
+    for number, (record, how, spread) in enumerate(zip(parsed.cameras, parsed.asked, spreads, strict=True)):
         placed = PlacedCamera(record.camera(), arrays.middle)
-        noise, amplitude, *kernel, field_noise, gain, width, farthest, span = arrays.figures[number].tolist()
+        noise, *figures = arrays.figures[number].tolist()
         fitted = None
         if how is not None:
-            scale = FieldScale(FieldKernel(*kernel), amplitude, field_noise, gain)
+            amplitude, across, along, wavenumber, field_noise, gain, width, farthest, span = figures
+            waves = waves_of(wavenumber, spread or ALL_ALIKE) if wavenumber > 0.0 else None
+            scale = FieldScale(FieldKernel(across, along, waves), amplitude, field_noise, gain)
             field = PixelField(scale, arrays.inputs[number], arrays.residuals[number])
-            fitted = FittedField(field, Places(width, farthest, span), Asked(how), p)
+            fitted = FittedField(field, Places(width, farthest, span), how, p)
         own = slice(placed.count)
         found.append(FittedCamera(placed, arrays.covariance[number, own, own], noise, fitted))
     return tuple(found)
 
 
-def _parsed(text: str) -> tuple[tuple[CameraRecord, ...], list[str | None]]:
+def _parsed(text: str) -> _Text:
+    content = json_content(text, "The text of the model's cameras")
     try:
-        content: Any = json_content(text, "The text of the model's cameras")
-        records = _RECORDS.validate_python(content["cameras"])
-        asked = [None if how is None else Asked(how).value for how in content["asked"]]
-    except InputError:
-        raise
-    except (ValueError, KeyError, TypeError, RecursionError, ValidationError) as error:
+        return _Text.model_validate(content)
+    except (ValueError, RecursionError) as error:
         raise InputError(f"The model's cameras cannot be read: {error}. Fit it again.") from error
-    return records, asked

@@ -15,7 +15,8 @@ from labcal.errors import InputError
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.names import Name
 
-VERSION = 4
+OLDEST, VERSION = 4, 5
+"""Of the files that are read, and of those that are written. Before 5, waves of a field had no directions."""
 """Version of the format that this program writes, and the one that it reads."""
 
 _MOST_COLUMNS = 2000
@@ -109,7 +110,7 @@ def header_of(path: Path, text: str | None) -> ModelHeader:
             f"The model {path} is of version {version}, but this labcal reads up to {VERSION}. Install a "
             "newer labcal."
         )
-    if isinstance(version, int) and version < VERSION:
+    if isinstance(version, int) and version < OLDEST:
         raise InputError(
             f"The model {path} is of version {version}, which is not read any more. Fit it again."
         )

@@ -9,8 +9,7 @@ from jaxtyping import Float64
 from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.held_out import folds, simplest
 from labcal.calibrate.lens_candidates import AUTO, OF_POINTS
-from labcal.calibrate.lens_prior import PriorWidth
-from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted, adjusted_with_prior, resect
+from labcal.calibrate.resection.resected import NEAR, ResectedCamera, adjusted_with_prior, resect
 from labcal.cameras.camera import Camera
 from labcal.cameras.lens import LENGTH, LENSES, PRESCRIPTION, undistorted_dist
 from labcal.cameras.prescription import load_prescription, prescription_names
@@ -93,7 +92,7 @@ def camera_of_lens(lens: str, size: tuple[int, int], window: FlatWindow | None) 
 def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str) -> _Trial | None:
     """Return how a lens model does, or None where it cannot be fitted.
 
-    Where all points leave the lens open, so that its coefficients are held tighter, so do a part of them.
+    A part of the points is fitted with the prior of all of them: the camera that is tried is one estimator.
     """
     try:
         whole = resect(method, q, p, camera_of_lens(lens, size, None))
@@ -101,20 +100,13 @@ def _trial(method: str, q: Pixels, p: Vectors3, size: tuple[int, int], lens: str
         return None
     if not _sees_all_between(whole.camera, q):
         return None
+    noise = UniformNoise(max(whole.sigma_px, 1e-6))
     squares = []
     for out in folds(q, np.linalg.norm(transform(whole.camera.T_cam_world, p), axis=1)):
-        part = _part(whole, q[~out], p[~out])
+        part = adjusted_with_prior(whole.placed, q[~out], p[~out], noise, NEAR, whole.held)
         residual = ((part.camera.project(p[out]).q - q[out]) ** 2).sum(axis=1)
         squares.append(np.where(np.isfinite(residual), residual, np.inf))
     return _Trial(whole, np.concatenate(squares))
-
-
-def _part(whole: ResectedCamera, q: Pixels, p: Vectors3) -> ResectedCamera:
-    """Return the camera of a part of the points."""
-    noise = UniformNoise(max(whole.sigma_px, 1e-6))
-    if whole.held is PriorWidth.NARROW:
-        return adjusted_with_prior(whole.placed, q, p, noise, NEAR, whole.held)
-    return adjusted(whole.placed, q, p, noise, NEAR)
 
 
 def _sees_all_between(camera: Camera, q: Pixels) -> bool:

@@ -41,18 +41,23 @@ def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera
     squares with the field as correlated noise, since otherwise its pose absorbs the field. Where the rounds
     do not come to rest, camera and field drift off together, and the likeliest round is taken. Some
     displacements are a smoother function of where light arrives than of where it would have arrived: both are
-    tried, and the likelier one is taken.
+    tried, and the likelier one is taken. So are waves and none, where the first round does not decide.
     """
     if start.sigma_px < _EXACT_PX:
         return FittedCamera(start.placed, start.covariance, start.sigma_px)
     ideal = _fitted(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
     if ideal is None:
         return FittedCamera(start.placed, start.covariance, start.sigma_px)
-    # At the places of the lens formula alone waves have harmonics: those not found there are looked for anew.
-    scale = ideal.scale if ideal.scale.kernel.wavenumber > 0.0 else None
-    arrived = _fitted(_Stage(ideal.found, scale, ideal.arrived(q)), q, p, Asked.ARRIVED)
-    best = ideal if arrived is None or arrived.likelihood < ideal.likelihood else arrived
-    return best.camera
+    known = [ideal]
+    if ideal.waves is not None:
+        waves = _fitted(_Stage(ideal.found, ideal.waves, ideal.found.camera.project(p).q), q, p, Asked.IDEAL)
+        known += [] if waves is None else [waves]
+    for begun in tuple(known):
+        # At the places of the lens formula alone waves have harmonics: those not found are looked for anew.
+        scale = begun.scale if begun.scale.kernel.waves is not None else None
+        arrived = _fitted(_Stage(begun.found, scale, begun.arrived(q)), q, p, Asked.ARRIVED)
+        known += [] if arrived is None else [arrived]
+    return max(known, key=lambda one: one.likelihood).camera
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,8 @@ class _Learned:
     restricted: float
     """The restricted log-likelihood of the scale."""
     fitted: FittedField
+    waves: FieldScale | None
+    """Of waves that are as likely, of the first round."""
 
     @property
     def camera(self) -> FittedCamera:
@@ -111,11 +118,12 @@ def _fitted(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | N
 
 def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Learned]:
     """Yield camera and field after each round, until no field is required."""
-    found, scale, at = stage.found, stage.scale, stage.at
+    found, scale, at, waves = stage.found, stage.scale, stage.at, None
     for _ in range(ROUNDS):
         camera = found.camera
         x = Places.of(camera, p).inputs(camera, at, p)
-        scale, likelihood = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
+        likely = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
+        scale, waves = likely.scale, waves or likely.waves
         if scale.amplitude_px == 0.0:
             return
         found = adjusted(found.placed, q, p, CorrelatedNoise(scale.root(x)), NEAR)
@@ -126,7 +134,8 @@ def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Le
         camera = found.camera
         places = Places.of(camera, p)
         field = PixelField(scale, places.inputs(camera, at, p), -found.residual)
-        end = _Learned(found, scale, likelihood, FittedField(field, places, asked, np.array(p)))
+        fitted = FittedField(field, places, asked, np.array(p))
+        end = _Learned(found, scale, likely.likelihood, fitted, waves)
         if asked is Asked.ARRIVED:
             at = end.arrived(q)
         yield end

@@ -1,5 +1,6 @@
 """The hybrid and the bundle on cameras that a lens formula explains, and on ones that none does."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from labcal.cameras.triangulation import triangulate
 from labcal.cameras.window import WATER, FlatWindow, Wave, WavyWindow
 from labcal.errors import InputError
 from labcal.estimators.bundle import Bundle
+from labcal.estimators.gp_field.waves import AllDirections
 from labcal.estimators.hybrid import Hybrid
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import load_model, save_model
@@ -96,6 +98,32 @@ def test_waves_are_learned_and_their_uncertainty_known(waves: Simulated, hybrid:
     ratio, covered = waves.outcome(Bundle("pinhole", SIZES).fit(*waves.training))
     assert ratio > 10.0
     assert covered < 0.5
+
+
+def test_the_directions_of_waves_are_kept_in_a_models_file_and_older_files_have_none(
+    waves: Simulated, hybrid: Hybrid, tmp_path: Path
+) -> None:
+    for camera in hybrid.fitted_cameras_:
+        assert camera.fitted is not None
+        found = camera.fitted.field.scale.kernel.waves
+        assert found is not None
+        assert found.wavenumber * 300.0 / SIZE[0] == pytest.approx(2.0 * np.pi, rel=0.01)
+        largest = np.degrees(found.spread.directions)[np.argsort(found.spread.shares)[-4:]]
+        assert np.abs(largest[:, None] - [20.0, 100.0]).min(axis=0).max() < 5.0
+    model = Model(hybrid, ("left", "right"), SIZES, TrainingBox.of(*waves.training))
+    save_model(tmp_path / "model", model, force=False)
+    asked = waves.q[:50].reshape(50, -1)
+    assert (
+        load_model(tmp_path / "model").estimator.predict(asked).tobytes() == hybrid.predict(asked).tobytes()
+    )
+    older = load_model(tmp_path / "model").estimator
+    assert isinstance(older, Hybrid)
+    content = json.loads(older.cameras_text_)
+    del content["waves"]
+    older.cameras_text_ = json.dumps(content)
+    for camera in older.fitted_cameras_:
+        assert camera.fitted is not None
+        assert isinstance(camera.fitted.field.scale.kernel.waves, AllDirections)
 
 
 def test_where_the_lens_is_right_there_is_no_field() -> None:

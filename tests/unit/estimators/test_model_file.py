@@ -14,7 +14,7 @@ from labcal.errors import InputError, OutputError, UnknownNameError
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import ModelKind, load_model, model_kind, save_model
-from labcal.estimators.model_header import ModelHeader
+from labcal.estimators.model_header import VERSION, ModelHeader
 from labcal.estimators.networks.mlp import Mlp
 from labcal.estimators.networks.mlp_bayes import MlpBayes
 from labcal.estimators.networks.ray_net import RayNet
@@ -119,8 +119,8 @@ def test_a_pickle_is_refused_and_does_not_run(tmp_path: Path) -> None:
 
 
 def test_a_newer_version_is_refused_by_its_number(saved: Path) -> None:
-    rewritten(saved, lambda header: header.update(version=5, something_new=True))
-    with pytest.raises(InputError, match=r"version 5.*Install a newer"):
+    rewritten(saved, lambda header: header.update(version=VERSION + 1, something_new=True))
+    with pytest.raises(InputError, match=rf"version {VERSION + 1}.*Install a newer"):
         load_model(saved)
 
 

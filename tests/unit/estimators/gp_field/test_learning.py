@@ -44,9 +44,10 @@ def test_rounds_that_do_not_come_to_rest_are_judged_by_likelihood(
     assert found is (None if taken is None else ends[taken])
 
 
-def test_waves_that_show_only_where_light_arrives_are_found() -> None:
+@pytest.mark.parametrize(("noise_px", "seed"), [(0.02, 11), (0.1, 1)], ids=["missed", "as likely as none"])
+def test_waves_that_show_only_where_light_arrives_are_found(noise_px: float, seed: int) -> None:
     """Strong ones: as a function of where light would have arrived, they have harmonics."""
-    data = cell_data(Case(Cell("wavy-pane", 1.0, 0.02, 140, Layout.PLANES), 11, (), (), 0))
+    data = cell_data(Case(Cell("wavy-pane", 1.0, noise_px, 140, Layout.PLANES), seed, (), (), 0))
     q, p = data.X[:, :2], data.Y
     start = resect("test", q, p, camera_of_lens("pinhole", SIZE, None))
     fitted = learning.fitted_camera(start, q, p).fitted
