@@ -75,6 +75,7 @@ def _refuse_plan(settings: BenchSettings) -> None:
         "seeds": settings.seeds,
         "rendered": settings.rendered or None,
         "detections": settings.detections or None,
+        "yes": settings.yes or None,
     }
     for name, value in given.items():
         if value is not None:

@@ -5,6 +5,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from labcal.bench.distortion.case import Case
+from labcal.bench.distortion.cost import require_consent
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures
 from labcal.bench.distortion.lines import HEADER, lines_of, results_table
 from labcal.bench.distortion.measurements import Measurements
@@ -45,13 +46,15 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
     UnknownNameError
         There is no such plan, factor, family or method.
     InputError
-        A level is not allowed, a setting of a method is not known, or there are too many cases.
+        A level is not allowed, a setting of a method is not known, there are too many cases, or they take
+        hours and `yes` is not set.
     OutputError
         The folder exists already.
     DeviceError
         The scheduler does not answer, or there is no LLVM library for the renderer.
     """
     plan = plan_of(settings)
+    require_consent(plan, settings)
     given = own_detections(settings.detections)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
     command += "".join(f" {one.name}" for one in given)
