@@ -182,6 +182,32 @@ def choice_of(given: object, kind: type[Choice], name: str) -> Choice:
     return kind(text)
 
 
+def one_named(known: Mapping[str, T], kind: str, name: str) -> T:
+    """Return the one of several that has a name.
+
+    Parameters
+    ----------
+    known : mapping
+        By name.
+    kind : str
+        What they are, for the message.
+    name : str
+
+    Raises
+    ------
+    UnknownNameError
+        There is none of that name; the nearest one is offered.
+
+    Examples
+    --------
+    >>> one_named({"brown": 1, "water": 2}, "family", "water")
+    2
+    """
+    if name not in known:
+        raise UnknownNameError(kind, name, known)
+    return known[name]
+
+
 def set_checked(holder: object, values: Mapping[str, object]) -> None:
     """Set attributes of a frozen dataclass to what its checks returned, within ``__post_init__``."""
     for name, value in values.items():
