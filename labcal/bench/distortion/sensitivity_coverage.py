@@ -35,7 +35,7 @@ def coverage_cell(cells: Sequence[Sensitivity]) -> str | None:
     known = [one.coverage95 for one in cells if np.isfinite(one.coverage95)]
     if not known:
         return None
-    return f"{np.median(known):.2f}" + (MARK if any(map(is_overconfident, cells)) else "")
+    return f"{np.median(known):.3f}" + (MARK if any(map(is_overconfident, cells)) else "")
 
 
 def stating_methods(found: Sequence[Sensitivity]) -> list[str]:
@@ -70,8 +70,8 @@ def coverage_words(found: Sequence[Sensitivity]) -> list[str]:
 
 
 def _figures(one: Sensitivity) -> str:
-    usual = "" if np.isnan(one.usual_coverage95) else f", without it {one.usual_coverage95:.2f}"
-    return f"they hold {one.coverage95:.2f} of the errors{usual}"
+    usual = "" if np.isnan(one.usual_coverage95) else f", {one.usual_coverage95:.3f} without it"
+    return f"coverage {one.coverage95:.3f}{usual}"
 
 
 def coverage_tables(found: Sequence[Sensitivity]) -> list[Table]:
@@ -92,6 +92,6 @@ def coverage_tables(found: Sequence[Sensitivity]) -> list[Table]:
         table.add_column(method, justify="right", overflow="fold")
     for fault in dict.fromkeys(one.label for one in found):
         cells = [[one for one in found if (one.label, one.method) == (fault, method)] for method in methods]
-        table.add_row(fault, *((coverage_cell(own) or "-").ljust(5) for own in cells))
+        table.add_row(fault, *((coverage_cell(own) or "-").ljust(6) for own in cells))
     table.caption = f"{MARK}: below {LOW_COVERAGE:g} in a cell, and neither a flag nor a refusal warns of it."
     return [table]

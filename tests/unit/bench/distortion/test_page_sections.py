@@ -80,8 +80,8 @@ def test_faults_that_are_noticed_in_every_cell_are_marked() -> None:
     ]
     result = findings.result.model_copy(update={"sensitivity": tuple(found)})
     shown = html(sensitivity_section(replace(findings, result=result)))
-    assert "0.02!" in shown
-    assert "nothing warns of it: pitch-0.001 (they hold 0.02 of the errors, without it 0.95)" in shown
+    assert "0.020!" in shown
+    assert "nothing warns of it: pitch-0.001 (coverage 0.020, 0.950 without it)" in shown
 
 
 def test_published_figures_stand_below_ours(plain: Findings) -> None:

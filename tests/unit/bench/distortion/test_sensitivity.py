@@ -165,7 +165,7 @@ def test_ellipsoids_that_a_fault_makes_too_small_without_a_flag_are_told(
     assert is_overconfident(found)
     (words,) = coverage_words([found])
     assert "of dlt are too small with these faults, and nothing warns of it: bend-2 (" in words
-    assert words.endswith(f"(they hold 0.{covered} of the errors, without it 0.95).")
+    assert words.endswith(f"(coverage 0.{covered}0, 0.950 without it).")
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_the_table_of_coverage_marks_what_nothing_warns_of() -> None:
     (table,) = coverage_tables(found)
     rows = [text.split("│")[1:3] for text in rendered(table, sys.stdout).splitlines()]
     assert [[cell.strip() for cell in row] for row in rows if len(row) == 2] == [
-        ["bend-2", "0.40"], ["pitch-0.001", "0.60!"], ["board-turned", "-"]
+        ["bend-2", "0.400"], ["pitch-0.001", "0.600!"], ["board-turned", "-"]
     ]  # fmt: skip
     unknown = [one.model_copy(update={"coverage95": float("nan")}) for one in found]
     assert coverage_tables(unknown) == coverage_words(unknown) == []
