@@ -10,7 +10,6 @@ from labcal.bench.distortion.figures import CaseFigures, MethodFigures
 from labcal.bench.distortion.lines import HEADER, lines_of, results_table
 from labcal.bench.distortion.measurements import Measurements
 from labcal.bench.distortion.measuring import measured_case
-from labcal.bench.distortion.method_executor import open_method_executor
 from labcal.bench.distortion.method_seconds import timings_table
 from labcal.bench.distortion.method_sweep import MethodWork, sweep_methods
 from labcal.bench.distortion.own_detections.given import own_detections
@@ -22,6 +21,7 @@ from labcal.bench.distortion.page.page import PAGE, distortion_page
 from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.distortion.result import DistortionResult
+from labcal.bench.method_executor import open_method_executor
 from labcal.bench.settings import BenchSettings
 from labcal.run.json_text import to_json
 from labcal.run.machine import usable_cores

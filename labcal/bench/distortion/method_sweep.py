@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 from pydantic import BaseModel
 
 from labcal.bench.distortion.checks import HYBRID
-from labcal.bench.distortion.method_executor import own_methods
+from labcal.bench.method_executor import own_methods
 from labcal.errors import DeviceError, WorkersEndError
 from labcal.run.case import CaseOutcome, Fault
 from labcal.run.progress import Progress

@@ -13,8 +13,8 @@ from pydantic import BaseModel
 
 from labcal import pipeline
 from labcal.bench.distortion import bench
-from labcal.bench.distortion.method_executor import open_method_executor
 from labcal.bench.distortion.method_sweep import MethodWork, sweep_methods
+from labcal.bench.method_executor import open_method_executor
 from labcal.errors import DeviceError, WorkerError, WorkersEndError
 from labcal.run.case import CaseOutcome, Fault
 from labcal.run.executor import SerialExecutor
