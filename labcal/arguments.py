@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from labcal.bounds import MOST_NUMBER
 from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.wording import shown
 
@@ -74,7 +75,7 @@ def whole_number(given: object, name: str, least: int) -> int:
     InputTypeError
         It is something else; a truth value counts as such.
     InputError
-        It is below `least`.
+        It is below `least`, or above `MOST_NUMBER`.
 
     Examples
     --------
@@ -86,6 +87,9 @@ def whole_number(given: object, name: str, least: int) -> int:
     number = index(given)
     if number < least:
         raise InputError(f"`{name}` must be at least {least}, but {shown(number)} was given.")
+    if number > MOST_NUMBER:
+        bits = number.bit_length()
+        raise InputError(f"`{name}` must be at most {MOST_NUMBER}, but a number of {bits} bits was given.")
     return number
 
 
@@ -180,6 +184,32 @@ def choice_of(given: object, kind: type[Choice], name: str) -> Choice:
     if text not in words:
         raise UnknownNameError(name, text, words)
     return kind(text)
+
+
+def one_named(known: Mapping[str, T], kind: str, name: str) -> T:
+    """Return the one of several that has a name.
+
+    Parameters
+    ----------
+    known : mapping
+        By name.
+    kind : str
+        What they are, for the message.
+    name : str
+
+    Raises
+    ------
+    UnknownNameError
+        There is none of that name; the nearest one is offered.
+
+    Examples
+    --------
+    >>> one_named({"brown": 1, "water": 2}, "family", "water")
+    2
+    """
+    if name not in known:
+        raise UnknownNameError(kind, name, known)
+    return known[name]
 
 
 def set_checked(holder: object, values: Mapping[str, object]) -> None:

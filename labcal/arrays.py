@@ -87,7 +87,7 @@ def float_array(given: AnyArray, shape: Shape, name: str) -> np.ndarray:
     array([[1., 2.],
            [3., 4.]])
     """
-    if isinstance(given, np.ma.MaskedArray):
+    if isinstance(given, np.ma.MaskedArray) and given.dtype.kind in "fiubO":
         given = np.ma.filled(np.ma.asarray(given, dtype=np.float64), np.nan)
     array = _checked(given, shape, name, "fiub", "real numbers")
     return array if array.dtype == np.float64 else array.astype(np.float64)

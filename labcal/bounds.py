@@ -9,6 +9,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
+MOST_NUMBER = 2**63 - 1
+"""Of a whole number in an argument or an option, a seed say: longer ones have no place in names of files."""
 MOST_MM = 1e9
 """Of a coordinate or a length: a thousand kilometres."""
 LEAST_MM = 1e-6

@@ -83,6 +83,31 @@ class WorkerError(DeviceError):
         return f"Each worker process that tried this case ended, the last one alone: {self.how}."
 
 
+class WorkersEndError(DeviceError):
+    """All cases so far ended each worker process that tried them, so that the cases cannot be the reason.
+
+    Parameters
+    ----------
+    count : int
+        Number of cases.
+    how : str
+        How the last process ended, for example ``"with exit status 3"``.
+    """
+
+    def __init__(self, count: int, how: str) -> None:
+        super().__init__(
+            f"All worker processes end: the first {count} cases ended each process that tried them, the last "
+            f"one {how}. See with 'labcal doctor' whether the libraries work on this machine, and whether "
+            "there is enough memory."
+        )
+        self.count = count
+        self.how = how
+
+    def __reduce__(self) -> tuple[type["WorkersEndError"], tuple[int, str]]:
+        """Let it be copied and pickled."""
+        return type(self), (self.count, self.how)
+
+
 _MOST_KNOWN = 40
 
 

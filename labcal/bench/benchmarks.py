@@ -3,13 +3,14 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from labcal.arguments import one_named
 from labcal.bench.detect.bench import bench_detect
 from labcal.bench.detect.real import real_home
 from labcal.bench.distortion.bench import bench_distortion
 from labcal.bench.render.bench import bench_render
 from labcal.bench.settings import BenchSettings
 from labcal.bench.solve.bench import bench_solve
-from labcal.errors import InputError, UnknownNameError
+from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.report.bench import BenchResult
 from labcal.run.claims import FolderOutput, claim_outputs
@@ -46,8 +47,7 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
         The folder may not be made.
     """
     folder = as_path(folder)
-    if what not in BENCHMARKS:
-        raise UnknownNameError("benchmark", what, BENCHMARKS)
+    benchmark = one_named(BENCHMARKS, "benchmark", what)
     if settings.groups and what in _WITHOUT_GROUPS:
         raise InputError(f"`groups` names groups of checks, of which the benchmark '{what}' has none.")
     if settings.methods and what not in _OF_METHODS:
@@ -64,7 +64,7 @@ def run_benchmark(what: str, folder: AnyPath, settings: BenchSettings, progress:
     photographs = real_home()
     read = [*map(as_path, settings.detections), *([] if photographs is None else [photographs])]
     claim_outputs([FolderOutput(folder)], read, force=settings.force)
-    return BENCHMARKS[what](folder, settings, progress)
+    return benchmark(folder, settings, progress)
 
 
 def _refuse_plan(settings: BenchSettings) -> None:
@@ -75,6 +75,7 @@ def _refuse_plan(settings: BenchSettings) -> None:
         "seeds": settings.seeds,
         "rendered": settings.rendered or None,
         "detections": settings.detections or None,
+        "yes": settings.yes or None,
     }
     for name, value in given.items():
         if value is not None:

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.bench.method_executor import open_method_executor
 from labcal.bench.settings import BenchSettings
 from labcal.errors import UnknownNameError
 from labcal.report.bench import BenchResult, Check, Figure
@@ -37,7 +38,7 @@ class Bench:
         if self.cluster is not None:
             yield self.cluster
             return
-        with open_executor(min(usable_cores(), cases)) as executor:
+        with open_method_executor(min(usable_cores(), cases), None, self.methods) as executor:
             yield executor
 
 

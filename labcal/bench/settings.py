@@ -40,6 +40,8 @@ class BenchSettings:
 
     detections: Sequence[AnyPath] = ()
     """Of the benchmark of distortion: folders of shoots on a stage, or tables of their dots."""
+    yes: bool = False
+    """Of the benchmark of distortion: begin work that takes more than four hours on this machine."""
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -60,6 +62,7 @@ class BenchSettings:
             "overrides": texts(self.overrides, "overrides"),
             "detections": path_texts(self.detections, "detections"),
             "seeds": None if self.seeds is None else whole_number(self.seeds, "seeds", 1),
+            "yes": truth_value(self.yes, "yes"),
             "rendered": truth_value(self.rendered, "rendered"),
         }
         set_checked(self, values)

@@ -74,6 +74,12 @@ def add_parser(commands: CommandGroup) -> None:
         action="store_true",
         help="of distortion: measure through rendered pictures, too (which: --set rendered.strengths=0,1)",
     )
+    parser.add_argument(
+        "--yes",
+        action="store_true",
+        help="of distortion: begin work that takes more than four hours on this machine, which is refused "
+        "without it (but not on a cluster at an address); the expected time is told before any work begins",
+    )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
     add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits and mistakes),")
@@ -103,10 +109,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         seeds=arguments.seeds,
         rendered=arguments.rendered,
         scheduler=arguments.scheduler,
+        yes=arguments.yes,
         detections=tuple(arguments.detections.split(",")) if arguments.detections else (),
     )
     if arguments.what == "distortion":
-        session.say(announcement(plan_of(settings)))
+        session.say(announcement(plan_of(settings), settings.scheduler))
     with session.progress() as progress:
         result = bench(arguments.what, arguments.output, settings, progress)
     if isinstance(result, DistortionResult):

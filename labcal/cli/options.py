@@ -144,6 +144,7 @@ def add_scheduler(parser: argparse.ArgumentParser, cases: str) -> None:
 
 
 _MOST = 2**63 - 1
+"""`MOST_NUMBER` of `labcal.bounds`, which takes pydantic to import."""
 
 
 def whole_number(text: str) -> int:

@@ -13,6 +13,7 @@ from labcal.arrays import AnyArray, float_array
 from labcal.bounds import MOST_MM
 from labcal.errors import InputError, InputTypeError
 from labcal.estimators.own_scale import own_scale
+from labcal.estimators.predicted_numbers import real_numbers
 from labcal.estimators.propagation import propagated_covariance
 from labcal.estimators.scikit_learn import BaseEstimator, RegressorMixin, check_is_fitted, validate_data
 from labcal.run.user_code import user_code
@@ -226,7 +227,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
         return found
 
     def _require_points(self, found: object, count: int) -> Float64[np.ndarray, "n outputs"]:
-        """Return predictions, which must be an array of a row for each point."""
+        """Return predictions, which must be an array of real numbers, a row for each point."""
         if not (isinstance(found, np.ndarray) and found.shape == (count, self.n_outputs_)):
             given = (
                 f"an array of shape {found.shape}" if isinstance(found, np.ndarray) else type(found).__name__
@@ -235,7 +236,7 @@ class PointEstimator(RegressorMixin, BaseEstimator):
                 f"{self.method}: 'predict' gave {given} for {count} pixels, but {self.n_outputs_} columns "
                 f"were fitted: it should be {(count, self.n_outputs_)}."
             )
-        return found
+        return real_numbers(found, self.method)
 
     def _code_of(self, part: str) -> AbstractContextManager[None]:
         """Return the context in which a part of a method runs: errors of a user's class name it."""

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from labcal.bounds import MOST_WEIGHT
 from labcal.estimators.estimator import COORDINATES, FittedArray, PointEstimator
 from labcal.estimators.held_out_errors import Predict, held_out_errors
+from labcal.estimators.predicted_numbers import real_numbers
 from labcal.estimators.scikit_learn import clone
 from labcal.run.threads import one_blas_thread
 from labcal.run.user_code import user_code
@@ -187,7 +188,10 @@ class UserMethod(PointEstimator):
         with one_blas_thread(), user_code(f"{self.method}: its 'predict'"):
             given = regressor.predict(pixels.copy())  # it may work in place
             masked = isinstance(given, np.ma.MaskedArray)
-            found = np.array(given.filled(np.nan) if masked else given, dtype=np.float64)
+            found = np.array(given)
+        found = real_numbers(found, self.method)
+        if masked:
+            found[np.ma.getmaskarray(given)] = np.nan
         if found.shape == (len(pixels),) and self.n_outputs_ == 1:
             found = found[:, None]
         return self._require_points(found, len(pixels))

@@ -10,7 +10,7 @@ from queue import LifoQueue
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
-from labcal.errors import DeviceError, LabcalError, WorkerError
+from labcal.errors import LabcalError, WorkerError, WorkersEndError
 from labcal.run.process_exit import exit_in_words, may_be_external
 from labcal.run.worker import ProcessEndedError, Worker
 
@@ -118,11 +118,7 @@ class WorkerPool(Executor):
         """Return the error of a case that has failed; record if all have failed so far."""
         self._failed_count += 1  # by one thread at a time: no case but this one is tried now
         if self._failed_count >= MOST_FAILED and not self._any_done:
-            self._failure = DeviceError(
-                f"All worker processes end: the first {self._failed_count} cases ended each "
-                f"process that tried them, the last one {how}. See with 'labcal doctor' whether the "
-                "libraries work on this machine, and whether there is enough memory."
-            )
+            self._failure = WorkersEndError(self._failed_count, how)
         return WorkerError(how)
 
     @contextlib.contextmanager

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from labcal.errors import UnknownNameError
+from labcal.arguments import one_named
 
 # A preset is a device at its lowest gain and at room temperature. Every one has a black level some ten times
 # its read noise, as real converters have, so that the noise of the dark is not cut off at code 0.
@@ -99,6 +99,4 @@ def expanded(value: object) -> object:
         return value
     changes = dict(value)
     name = str(changes.pop("preset"))
-    if name not in PRESETS:
-        raise UnknownNameError("preset of a sensor", name, PRESETS)
-    return {**PRESETS[name], **changes}
+    return {**one_named(PRESETS, "preset of a sensor", name), **changes}

@@ -209,6 +209,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
         seed=3, views=2
     )
     assert whole_number(np.int32(4), "n", 0) == 4
+    assert whole_number(2**63 - 1, "n", 0) == 2**63 - 1
     assert truth_value(np.True_, "force") is True
     assert texts(np.array(["a", "b"]), "only") == ("a", "b")
     made = pipeline.calibrate(examples.TARGET, examples.detections(), "brown5", hold_out=np.int64(2))
@@ -348,3 +349,11 @@ def test_an_example_has_one_view_to_eight(tmp_path: Path) -> None:
     for views in (0, -1, 9, "2", 1.5):
         refused(lambda given: examples.shoot(tmp_path / "new", given), views, name="`views`")
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("digits", [19, 400, 5000])
+def test_numbers_that_have_no_place_in_a_file_are_refused(digits: int) -> None:
+    """A seed of four hundred digits is no name of a file, and Python does not print one of five thousand."""
+    said = r"`seed` must be at most 9223372036854775807, but a number of \d+ bits was given"
+    with pytest.raises(InputError, match=said):
+        pipeline.BenchSettings(seed=10**digits)

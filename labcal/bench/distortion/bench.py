@@ -5,11 +5,13 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from labcal.bench.distortion.case import Case
-from labcal.bench.distortion.figures import CaseFigures
+from labcal.bench.distortion.cost import require_consent
+from labcal.bench.distortion.figures import CaseFigures, MethodFigures
 from labcal.bench.distortion.lines import HEADER, lines_of, results_table
 from labcal.bench.distortion.measurements import Measurements
 from labcal.bench.distortion.measuring import measured_case
 from labcal.bench.distortion.method_seconds import timings_table
+from labcal.bench.distortion.method_sweep import MethodWork, sweep_methods
 from labcal.bench.distortion.own_detections.given import own_detections
 from labcal.bench.distortion.own_detections.result import own_lines
 from labcal.bench.distortion.own_detections.run import measured_detections
@@ -19,14 +21,13 @@ from labcal.bench.distortion.page.page import PAGE, distortion_page
 from labcal.bench.distortion.protocols.run import measured_protocols
 from labcal.bench.distortion.requested_plan import plan_of
 from labcal.bench.distortion.result import DistortionResult
+from labcal.bench.method_executor import open_method_executor
 from labcal.bench.settings import BenchSettings
-from labcal.run.executor import open_executor
 from labcal.run.json_text import to_json
 from labcal.run.machine import usable_cores
 from labcal.run.made import make_folder
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
-from labcal.run.sweep import sweep
 from labcal.run.unfinished import unfinished_folder
 
 
@@ -45,18 +46,22 @@ def bench_distortion(folder: Path, settings: BenchSettings, progress: Progress) 
     UnknownNameError
         There is no such plan, factor, family or method.
     InputError
-        A level is not allowed, a setting of a method is not known, or there are too many cases.
+        A level is not allowed, a setting of a method is not known, there are too many cases, or they take
+        hours and `yes` is not set.
     OutputError
         The folder exists already.
     DeviceError
         The scheduler does not answer, or there is no LLVM library for the renderer.
     """
     plan = plan_of(settings)
+    require_consent(plan, settings)
     given = own_detections(settings.detections)
     command = f"bench distortion {settings.seed} {plan.model_dump_json()}"
     command += "".join(f" {one.name}" for one in given)
     with (
-        open_executor(min(usable_cores(), plan.case_count), settings.scheduler) as executor,
+        open_method_executor(
+            min(usable_cores(), plan.case_count), settings.scheduler, plan.methods
+        ) as executor,
         unfinished_folder(folder, command, force=settings.force) as working,
     ):
         own = measured_detections(given, plan, settings.seed, working, executor, progress)
@@ -80,7 +85,8 @@ def _measured(
     cases: Sequence[Case], folder: Path, executor: Executor, progress: Progress
 ) -> list[CaseFigures]:
     """Return the figures of all cases, in their order, and write ``timings.csv``."""
-    found = sweep(cases, measured_case, CaseFigures, folder / "cases", executor, progress)
+    work = MethodWork(measured_case, CaseFigures, MethodFigures)
+    found = sweep_methods(cases, work, folder / "cases", executor, progress)
     figures = [CaseFigures(reason=one.reason) if one.result is None else one.result for one in found]
     seconds = [one.seconds for one in found]
     write_file(folder / "timings.csv", timings_table(cases, figures, seconds), force=True)

@@ -64,6 +64,11 @@ def summarised(lines: Iterable[Line]) -> list[CellSummary]:
     return [_summary(group) for group in groups.values()]
 
 
+def usual_cells(summaries: Iterable[CellSummary]) -> list[CellSummary]:
+    """Return the summaries of cells with simulated points, in which nothing is wrong."""
+    return [one for one in summaries if one.cell.is_usual]
+
+
 def _summary(group: list[Line]) -> CellSummary:
     first = group[0]
     ratios = np.array([line.over_oracle for line in group])

@@ -5,7 +5,7 @@ from itertools import islice
 from math import isnan
 
 from labcal.bench.distortion.case import Measured
-from labcal.bench.distortion.cell_summary import CellSummary
+from labcal.bench.distortion.cell_summary import CellSummary, usual_cells
 from labcal.report.bench import Check, at_most
 from labcal.run.user_code import SEPARATOR
 from labcal.wording import counted
@@ -22,7 +22,7 @@ def distortion_checks(summaries: Sequence[CellSummary]) -> list[Check]:
     figure or a reason in every cell.
     """
     checks = [_no_gap(summaries)]
-    summaries = [one for one in summaries if one.cell.is_usual]
+    summaries = usual_cells(summaries)
     within = [one for one in summaries if one.measured == Measured.WITHIN]
     for family in dict.fromkeys(one.cell.family for one in within):
         judged = [one for one in within if one.cell.family == family and counts_for_hybrid(one)]
@@ -63,7 +63,7 @@ def coverage_is_wrong(summary: CellSummary) -> bool:
 
 def failure_notes(summaries: Sequence[CellSummary]) -> list[str]:
     """Return which methods have no figure, and which cells miss a limit, the worst first, for people."""
-    summaries = [one for one in summaries if one.cell.is_usual]
+    summaries = usual_cells(summaries)
     far = sorted(filter(hybrid_is_far, summaries), key=lambda one: -one.over_oracle)
     notes = _without_figures(summaries)
     notes += _noted("hybrid above 1.10 of the oracle", far, lambda one: f"{one.over_oracle:.3f}")

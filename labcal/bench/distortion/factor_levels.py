@@ -7,6 +7,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from labcal.bench.distortion.protocols.registry import protocol_by_name
 from labcal.bench.families.registry import family_by_name
 
+NO_PROTOCOL = "none"
 _MOST_LEVELS = 1000
 Level = TypeVar("Level")
 
@@ -42,10 +43,20 @@ def _known_protocol(name: str) -> str:
     return protocol_by_name(name).name
 
 
+def _without_none(names: object) -> object:
+    """Return names of a list; `none` stands for nothing, as among faults."""
+    return [name for name in names if name != NO_PROTOCOL] if isinstance(names, list | tuple) else names
+
+
 Levels = Annotated[tuple[Level, ...], Field(min_length=1, max_length=_MOST_LEVELS), AfterValidator(each_once)]
 """The levels of a factor."""
 FamilyName = Annotated[str, AfterValidator(_known_family)]
-ProtocolName = Annotated[str, AfterValidator(_known_protocol)]
+Protocols = Annotated[
+    tuple[Annotated[str, AfterValidator(_known_protocol)], ...],
+    BeforeValidator(_without_none),
+    AfterValidator(each_once),
+]
+"""Names of protocols; there may be none."""
 MethodName = Annotated[str, Field(min_length=1, max_length=200)]
 NUMBER = BeforeValidator(_no_truth_value)
 """Annotation of a number, in whose place a file must not say true or false."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from labcal.bench.distortion.case import Measured
-from labcal.bench.distortion.cell_summary import CellSummary, summarised
+from labcal.bench.distortion.cell_summary import CellSummary, summarised, usual_cells
 from labcal.bench.distortion.checks import distortion_checks, failure_notes
 from labcal.bench.distortion.curves import figures_of
 from labcal.bench.distortion.lines import Line
@@ -50,7 +50,7 @@ class Measurements:
     @cached_property
     def usual(self) -> list[CellSummary]:
         """The summaries of cells with simulated points, in which nothing is wrong."""
-        return [one for one in self.summaries if one.cell.is_usual]
+        return usual_cells(self.summaries)
 
     @cached_property
     def rendered(self) -> list[CellSummary]:

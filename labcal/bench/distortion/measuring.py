@@ -2,13 +2,13 @@
 
 import time
 
-import numpy as np
 from numpy.linalg import LinAlgError
 
 from labcal.bench.distortion.case import Case, Measured
 from labcal.bench.distortion.cell_data import CellData, cell_data
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.preparation import prepared_method
+from labcal.bench.distortion.region_counts import region_counts
 from labcal.bench.distortion.rendered_data import rendered_data
 from labcal.bench.distortion.sensible_places import sensible_places
 from labcal.bench.families.cameras import SIZE
@@ -22,9 +22,6 @@ from labcal.estimators.surrogate_validation import (
     takes_from,
     validate_on,
 )
-from labcal.evaluate.statistics import CONFIDENCE
-from labcal.geometry.covariances import positive_definite
-from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.run.threads import one_blas_thread
 
 _SIZES = (SIZE, SIZE)
@@ -108,22 +105,6 @@ def region_figures(estimator: PointEstimator, data: CellData, region: Measured) 
     found, stated = estimator.predict_with_covariance(X, tests.covariance)
     seconds = time.perf_counter() - began
     found = sensible_places(found)
-    error, oracle = found - tests.p, tests.oracle - tests.p
-    known = np.isfinite(error).all(axis=1) & np.isfinite(oracle).all(axis=1)
-    states = positive_definite(stated) & known
-    return RegionFigures(
-        measured=str(region),
-        n=len(tests.p),
-        predicted=int(known.sum()),
-        rmse_mm=_rms(error[known]),
-        oracle_mm=_rms(oracle[known]),
-        stated=int(states.sum()),
-        covered=int(within_ellipsoids(error[states], stated[states], CONFIDENCE).sum()),
-        extrapolated=int((~TrainingBox.of(data.X, data.Y).holds(found[known])).sum()),
-        predict_seconds=seconds,
-    )
-
-
-def _rms(error: np.ndarray) -> float:
-    """Return the root mean square length of 3-D errors; NaN of none."""
-    return float(np.sqrt((error**2).sum(axis=1).mean())) if len(error) else float("nan")
+    outside = ~TrainingBox.of(data.X, data.Y).holds(found)
+    figures = region_counts(str(region), found - tests.p, stated, outside, tests.oracle - tests.p)
+    return figures.model_copy(update={"predict_seconds": seconds})

@@ -1,6 +1,6 @@
 """The answer to "should I use a network?", computed from the results by rules."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def network_answer(summaries: Sequence[CellSummary]) -> list[str]:
     """
     within = [one for one in summaries if one.measured == Measured.WITHIN]
     networks = set(network_methods(sorted({one.method for one in within})))
-    judged = [found for cell in _cells(within) if (found := _compared(within, cell, networks)) is not None]
+    judged = [found for cell in _by_cell(within) if (found := _compared(cell, networks)) is not None]
     if not judged:
         return []
     better = [one for one in judged if one.network_over_other < 1.0 and one.decided]
@@ -67,14 +67,18 @@ class _Compared:
         self.decided = bool(len(ratios) and (above or below))
 
 
-def _cells(summaries: Sequence[CellSummary]) -> list[Cell]:
-    return list(dict.fromkeys(one.cell for one in summaries))
+def _by_cell(summaries: Iterable[CellSummary]) -> list[list[CellSummary]]:
+    """Return the summaries with a figure, those of a cell together."""
+    cells: dict[Cell, list[CellSummary]] = {}
+    for one in summaries:
+        if one.over_oracle >= 0.0:
+            cells.setdefault(one.cell, []).append(one)
+    return list(cells.values())
 
 
-def _compared(summaries: Sequence[CellSummary], cell: Cell, networks: set[str]) -> _Compared | None:
-    known = [one for one in summaries if one.cell == cell and one.over_oracle >= 0.0]
-    own = [one for one in known if one.method in networks]
-    others = [one for one in known if one.method not in networks]
+def _compared(cell: Sequence[CellSummary], networks: set[str]) -> _Compared | None:
+    own = [one for one in cell if one.method in networks]
+    others = [one for one in cell if one.method not in networks]
     if not own or not others:
         return None
     return _Compared(min(own, key=_error), min(others, key=_error))
@@ -93,13 +97,12 @@ def _places(compared: Sequence[_Compared]) -> list[str]:
 
 
 def _beside_bundle(summaries: Sequence[CellSummary], networks: set[str]) -> list[str]:
-    bundle = [one for one in summaries if one.method == "bundle" and one.cell.strength > 0.0]
-    pairs = [
-        _Compared(min(own, key=_error), one)
-        for one in bundle
-        if one.over_oracle >= 0.0
-        and (own := [net for net in summaries if net.method in networks and net.cell == one.cell])
-    ]
+    pairs = []
+    for cell in _by_cell(one for one in summaries if one.cell.strength > 0.0):
+        own = [one for one in cell if one.method in networks]
+        bundle = [one for one in cell if one.method == "bundle"]
+        if own and bundle:
+            pairs.append(_Compared(min(own, key=_error), bundle[0]))
     if not pairs:
         return []
     better = [one for one in pairs if one.decided and one.network_over_other < 1.0]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from labcal.bench.distortion.case import Case, Cell, Layout, Measured, Setting
 from labcal.bench.distortion.factor_levels import (
@@ -16,9 +16,8 @@ from labcal.bench.distortion.factor_levels import (
     MethodName,
     Noise,
     Points,
-    ProtocolName,
+    Protocols,
     Strength,
-    each_once,
 )
 from labcal.bench.distortion.fault_section import SECTION, FaultSection, fitted_section, strange_level
 from labcal.bench.distortion.rendered_plan import RENDERED_FACTORS, RenderedPlan, with_rendered_change
@@ -69,7 +68,7 @@ class Plan(BaseModel):
     """Faults that the methods do not know of, in some of the cells."""
     rendered: RenderedPlan | None = None
     """Cases that are measured through pictures, with the same methods; the usual ones where left out."""
-    protocols: Annotated[tuple[ProtocolName, ...], AfterValidator(each_once)] = ()
+    protocols: Protocols = ()
     """Protocols of others by which all methods are measured besides, once a seed."""
 
     @model_validator(mode="after")
@@ -175,6 +174,8 @@ def load_plan(
                 "once, separated by commas."
             )
         seen.add(factor)
+        if factor == "seeds":
+            raise InputError(f"`overrides` sets '{change}', but seeds are no levels. Give `seeds`, a number.")
         if factor not in (*FACTORS, *RENDERED_FACTORS):
             raise UnknownNameError("factor", factor, (*FACTORS, *RENDERED_FACTORS))
         if not equals or not levels:

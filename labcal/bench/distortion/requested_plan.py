@@ -36,9 +36,10 @@ def plan_of(settings: BenchSettings) -> Plan:
     plan = load_plan(name, settings.overrides, settings.methods, settings.seeds)
     plan = plan.model_copy(update={"rendered": _rendered_plan(plan, settings)})
     if plan.case_count > MOST_CASES:
+        announced = announcement(plan, settings.scheduler)
         raise InputError(
-            f"The plan '{name}' has {announcement(plan)}. At most {MOST_CASES:,} cases are measured at a "
-            "time: leave levels or seeds out, or share it out among several plans."
+            f"The plan '{name}' has {announced}. At most {MOST_CASES:,} cases are measured at a time: leave "
+            "levels or seeds out, or share it out among several plans."
         )
     for method in plan.settings:
         if method not in plan.methods:

@@ -18,6 +18,7 @@ from labcal.bench.distortion.pooling import known_median
 from labcal.bench.distortion.protocols.result import ProtocolResult
 from labcal.bench.distortion.protocols.tables import protocol_table
 from labcal.bench.distortion.sensitivity import Sensitivity
+from labcal.bench.distortion.sensitivity_coverage import coverage_tables, coverage_words
 from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.distortion.winners import Winner
 from labcal.bench.families.registry import FAMILIES
@@ -118,8 +119,10 @@ def distortion_table(result: DistortionResult) -> Group:
         tables.append(_errors_table(result.rendered, f"{title}, through pictures"))
     if result.sensitivity:
         tables.append(sensitivity_table(result.sensitivity))
+        tables += coverage_tables(result.sensitivity)
     tables += [*map(own_table, result.detections), *map(protocol_table, result.protocols)]
-    return Group(*tables, *result.answer, bench_table(result))
+    said = [*coverage_words(result.sensitivity), *result.answer]
+    return Group(*tables, *said, bench_table(result))
 
 
 def _errors_table(families: Sequence[FamilyFigures], title: str) -> Table:

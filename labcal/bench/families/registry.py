@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labcal.arguments import one_named
 from labcal.bench.families import cameras
 from labcal.bench.families.cameras import CameraAt
 from labcal.bench.families.volume import TABLE, Volume
 from labcal.cameras.camera import Camera
-from labcal.errors import UnknownNameError
 from labcal.geometry.poses import look_at
 
 EYES_MM = ((650.0, 700.0, 2400.0), (1350.0, 700.0, 2400.0))
@@ -75,6 +75,4 @@ def family_by_name(name: str) -> Family:
     UnknownNameError
         There is none of that name; the nearest one is offered.
     """
-    if name not in FAMILIES:
-        raise UnknownNameError("family", name, FAMILIES)
-    return FAMILIES[name]
+    return one_named(FAMILIES, "family", name)

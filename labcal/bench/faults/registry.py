@@ -4,11 +4,12 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from labcal.arguments import one_named
 from labcal.bench.faults import wrong_boards
 from labcal.bench.faults.laboratory_mistakes import MISTAKES, ON_PICTURES_ONLY, WITHOUT_SIZE
 from labcal.bench.faults.planned_planes import PlannedPlanes
 from labcal.bench.faults.wrong_boards import ExactPixels
-from labcal.errors import InputError, UnknownNameError
+from labcal.errors import InputError
 from labcal.scene.mistakes import Mistake
 from labcal.scene.model import MOST_MISTAKE
 
@@ -113,9 +114,7 @@ def fault_named(text: str) -> Fault:
     name, number = text, ""
     if text not in FAULT_KINDS and (parts := re.fullmatch(r"(.*?)-([-+.\d].*)", text)):
         name, number = parts[1], parts[2]
-    if name not in FAULT_KINDS:
-        raise UnknownNameError("fault", name, FAULT_KINDS)
-    kind = FAULT_KINDS[name]
+    kind = one_named(FAULT_KINDS, "fault", name)
     return Fault(kind, _size(kind, number))
 
 

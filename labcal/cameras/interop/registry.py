@@ -1,5 +1,6 @@
 """The formats by name, by the ending of a file, or by what it holds."""
 
+from labcal.arguments import one_named
 from labcal.cameras.interop.colmap import COLMAP
 from labcal.cameras.interop.dice import DICE
 from labcal.cameras.interop.exchange import Home, RigFormat, SourceText
@@ -8,7 +9,7 @@ from labcal.cameras.interop.labcal_rig import LABCAL
 from labcal.cameras.interop.mrcal import MRCAL
 from labcal.cameras.interop.opencv import OPENCV
 from labcal.cameras.interop.ros import ROS
-from labcal.errors import InputError, UnknownNameError
+from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 
 FORMATS: dict[str, RigFormat] = {one.name: one for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, DICE)}
@@ -22,9 +23,7 @@ def format_by_name(name: str) -> RigFormat:
     UnknownNameError
         There is none of that name; the nearest one is offered.
     """
-    if name not in FORMATS:
-        raise UnknownNameError("format", name, FORMATS)
-    return FORMATS[name]
+    return one_named(FORMATS, "format", name)
 
 
 def format_to_write(path: AnyPath) -> RigFormat:

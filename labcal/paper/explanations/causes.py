@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.errors import UnknownNameError
+from labcal.arguments import one_named
 from labcal.paper.explanations.board_problem import BoardProblem
 from labcal.paper.problem import Problem
 
@@ -113,7 +113,4 @@ def cause_named(name: str) -> Cause:
     UnknownNameError
         There is none of that name.
     """
-    known = {cause.name: cause for cause in CAUSES}
-    if name not in known:
-        raise UnknownNameError("cause", name, known)
-    return known[name]
+    return one_named({cause.name: cause for cause in CAUSES}, "cause", name)

@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+from labcal.bounds import MOST_NUMBER
 from labcal.cli import build_parser
 from labcal.cli.options import add_output, add_seed, add_workers
 from labcal.cli.parser import Parser, UsageError
@@ -23,11 +24,22 @@ def test_what_is_not_given_is_seed_0_and_all_cores(parser: Parser) -> None:
 
 
 @pytest.mark.parametrize(
-    "words", [["--seed", "-1"], ["--seed", "x"], ["--workers", "0"], ["--workers", "1.5"]]
+    "words",
+    [
+        ["--seed", "-1"],
+        ["--seed", "x"],
+        ["--seed", str(MOST_NUMBER + 1)],
+        ["--workers", "0"],
+        ["--workers", "1.5"],
+    ],
 )
 def test_numbers_that_cannot_be_are_refused(words: list[str], parser: Parser) -> None:
     with pytest.raises(UsageError, match=f"Argument {words[0]}"):
         parser.parse_args(["-o", "out", *words])
+
+
+def test_the_largest_number_is_that_of_arguments_in_python(parser: Parser) -> None:
+    assert parser.parse_args(["-o", "out", "--seed", str(MOST_NUMBER)]).seed == MOST_NUMBER
 
 
 def test_an_output_is_needed(parser: Parser) -> None:

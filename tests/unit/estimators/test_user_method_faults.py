@@ -8,6 +8,7 @@ from typing import Any
 
 import jaxtyping
 import numpy as np
+import pandas as pd
 import pytest
 
 from labcal.errors import InputError, InputTypeError, LabcalError
@@ -129,6 +130,66 @@ def test_a_method_that_works_in_place_changes_nothing_outside(stereo: View, volu
     estimator_of(own_with(_fit=spoil_own)).fit(X, Y)
     assert (before[0] == X).all()
     assert (before[1] == Y).all()
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("c16", "complex numbers"),
+        ("?", "truth values"),
+        ("U", "texts"),
+        ("M8[s]", "dates"),
+        ("m8[s]", "durations"),
+        ([("x", "f8")], "records"),
+    ],
+)
+@pytest.mark.parametrize("form", [mean_with, own_with])
+def test_predictions_that_are_no_real_numbers_are_refused(
+    form: Callable[..., type], kind: str, said: str, stereo: View, volume: np.ndarray
+) -> None:
+    def predict(_self: object, X: np.ndarray) -> np.ndarray:
+        return np.zeros((len(X), 3)).astype(kind)
+
+    given = form(predict=predict) if form is mean_with else form(_predict=predict)
+    with pytest.raises(InputTypeError, match=f"'predict' gave {said}, but points are real numbers, in mm"):
+        estimator_of(given).fit(stereo(volume), volume)
+
+
+@pytest.mark.parametrize("value", [1j, "1.0", True, pd.NA, [0.0]])
+def test_objects_that_are_no_real_numbers_are_refused(
+    value: object, stereo: View, volume: np.ndarray
+) -> None:
+    def predict(_self: object, X: np.ndarray) -> np.ndarray:
+        found = np.zeros((len(X), 3), dtype=object)
+        found[1, 2] = value
+        return found
+
+    with pytest.raises(InputTypeError, match=f"'predict' gave an object of type {type(value).__name__}"):
+        estimator_of(mean_with(predict=predict)).fit(stereo(volume), volume)
+
+
+@pytest.mark.parametrize(
+    "convert",
+    [
+        lambda found: pd.DataFrame(found, columns=list("XYZ")),
+        lambda found: found.astype(object),
+        lambda found: found.tolist(),
+        lambda found: found.astype(np.float32),
+        lambda found: found.astype(np.longdouble),
+    ],
+)
+def test_real_numbers_of_any_type_are_taken(
+    convert: Callable[[np.ndarray], object], stereo: View, volume: np.ndarray
+) -> None:
+    X, whole = stereo(volume), volume.round()
+
+    def predict(self: Mean, X: np.ndarray) -> object:
+        return convert(Mean.predict(self, X).round())
+
+    estimator = estimator_of(mean_with(predict=predict)).fit(X, whole)
+    found = estimator.predict(X)
+    assert found.dtype == np.float64
+    assert (found == whole.mean(axis=0).round()).all()
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from numpy.linalg import LinAlgError
 from labcal.bench.distortion.figures import CaseFigures, MethodFigures, RegionFigures
 from labcal.bench.distortion.own_detections.case import OwnCase
 from labcal.bench.distortion.preparation import prepared_method
+from labcal.bench.distortion.region_counts import region_counts
 from labcal.bench.distortion.sensible_places import sensible_places
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
@@ -16,9 +17,6 @@ from labcal.errors import InputError, LabcalError
 from labcal.estimators.fitting import FitSettings, Training, fit_method, training_of
 from labcal.estimators.model import Model
 from labcal.estimators.surrogate_validation import Surrogate, surrogate_of
-from labcal.evaluate.statistics import CONFIDENCE
-from labcal.geometry.covariances import positive_definite
-from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.reconstruct.reconstruction import reconstruct_centres
 from labcal.run.threads import one_blas_thread
 
@@ -72,16 +70,4 @@ def _figures(case: OwnCase, model: Model, tests: Detections) -> RegionFigures:
     found = reconstruct_centres(model, tests, case.shoot.target).points
     dots = match(tests, case.shoot.cameras)  # the lines of `found`
     error = sensible_places(found.point) - stage_points(dots, case.shoot.target, case.shoot.nominal_poses())
-    known = np.isfinite(error).all(axis=1)
-    states = positive_definite(found.covariance) & known
-    square = (error[known] ** 2).sum(axis=1)
-    return RegionFigures(
-        measured=HELD_OUT,
-        n=len(found),
-        predicted=int(known.sum()),
-        rmse_mm=float(np.sqrt(square.mean())) if len(square) else float("nan"),
-        oracle_mm=float("nan"),
-        stated=int(states.sum()),
-        covered=int(within_ellipsoids(error[states], found.covariance[states], CONFIDENCE).sum()),
-        extrapolated=int((found.flag == PointFlag.EXTRAPOLATED.value).sum()),
-    )
+    return region_counts(HELD_OUT, error, found.covariance, found.flag == PointFlag.EXTRAPOLATED.value)

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-from labcal.bench.distortion.figures import CaseFigures
+from labcal.bench.distortion.figures import CaseFigures, MethodFigures
+from labcal.bench.distortion.method_sweep import MethodWork, sweep_methods
 from labcal.bench.distortion.own_detections.case import OwnCase, held_out_parts
 from labcal.bench.distortion.own_detections.given import OwnDetections
 from labcal.bench.distortion.own_detections.measuring import measured_views
 from labcal.bench.distortion.own_detections.result import OwnResult, Part, own_results
 from labcal.bench.distortion.plan import Plan
 from labcal.run.progress import Progress
-from labcal.run.sweep import sweep
 
 
 def measured_detections(
@@ -39,7 +39,7 @@ def measured_detections(
     InputError
         No picture could be read, or there are too few views.
     OutputError, DeviceError
-        As of :func:`~labcal.run.sweep.sweep`.
+        As of :func:`~labcal.bench.distortion.method_sweep.sweep_methods`.
     """
     cases: list[OwnCase] = []
     for one in given:
@@ -55,7 +55,8 @@ def measured_detections(
         ]
     if not cases:
         return []
-    outcomes = sweep(cases, measured_views, CaseFigures, folder / "detection-cases", executor, progress)
+    work = MethodWork(measured_views, CaseFigures, MethodFigures)
+    outcomes = sweep_methods(cases, work, folder / "detection-cases", executor, progress)
     return own_results(
         [
             Part(case, CaseFigures(reason=one.reason) if one.result is None else one.result)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from labcal.bench.distortion.case import Layout, Measured
-from labcal.bench.distortion.cell_summary import CellSummary
+from labcal.bench.distortion.cell_summary import CellSummary, usual_cells
 from labcal.bench.distortion.curves import with_figures
 from labcal.bench.distortion.enough_points import least_of
 from labcal.bench.distortion.levels import spread_levels
@@ -35,7 +35,7 @@ class Findings:
     @property
     def usual(self) -> list[CellSummary]:
         """The summaries of cells with simulated points, in which nothing is wrong."""
-        return [one for one in self.summaries if one.cell.is_usual]
+        return usual_cells(self.summaries)
 
     @property
     def families(self) -> tuple[str, ...]:

@@ -4,8 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from labcal.bench.distortion.checks import LOW_COVERAGE
 from labcal.bench.distortion.page.findings import Findings
 from labcal.bench.distortion.sensitivity import Sensitivity
+from labcal.bench.distortion.sensitivity_coverage import (
+    MARK,
+    coverage_cell,
+    coverage_words,
+    stating_methods,
+)
 from labcal.bench.distortion.sensitivity_figures import sensitivity_figure
 from labcal.bench.distortion.trust_words import ratio_words
 from labcal.bench.faults.registry import fault_named
@@ -14,7 +21,7 @@ from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Section
 from labcal.report.page.download import table_download
-from labcal.report.page.prose import Prose
+from labcal.report.page.prose import Prose, Tone
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 
 _HOW = (
@@ -23,6 +30,10 @@ _HOW = (
     "noticed, by the flag model-misfit or by a refusal; open marks: nothing warns of it."
 )
 _CAPTION = "Median of the cells; *: noticed in all of them"
+_COVERAGE_CAPTION = (
+    f"Coverage of 95% ellipsoids, median of the cells; {MARK}: below {LOW_COVERAGE:g} in a cell, and neither "
+    "a flag nor a refusal warns of it"
+)
 
 
 def sensitivity_section(findings: Findings) -> Section | None:
@@ -44,7 +55,11 @@ def sensitivity_section(findings: Findings) -> Section | None:
     if not found:
         return None
     beside = [Beside(tuple(charts))] if charts else []
-    return Section("When something is wrong", [Prose((_HOW,)), *beside, _table(found)])
+    words = tuple(coverage_words(found))
+    said = [Prose(words, Tone.NOTE)] if words else []
+    return Section(
+        "When something is wrong", [Prose((_HOW,)), *said, *beside, _table(found), *_coverage_tables(found)]
+    )
 
 
 def _table(found: Sequence[Sensitivity]) -> PageTable:
@@ -64,6 +79,25 @@ def _table(found: Sequence[Sensitivity]) -> PageTable:
     header = tuple(name for name in Sensitivity.model_fields if name != "reasons")
     file = table_download("sensitivity.csv", header, [[getattr(one, key) for one in found] for key in header])
     return PageTable("sensitivity", _CAPTION, columns, rows, file)
+
+
+def _coverage_tables(found: Sequence[Sensitivity]) -> list[PageTable]:
+    """Return the table of coverage; none where no method states a covariance."""
+    methods = stating_methods(found)
+    if not methods:
+        return []
+    rows = [
+        [
+            label,
+            *(
+                coverage_cell([one for one in found if (one.label, one.method) == (label, method)]) or MISSING
+                for method in methods
+            ),
+        ]
+        for label in dict.fromkeys(one.label for one in found)
+    ]
+    columns = [Column("fault", Side.LEFT), *map(Column, methods)]
+    return [PageTable("sensitivity-coverage", _COVERAGE_CAPTION, columns, rows)]
 
 
 def _meaning(fault: str) -> str:

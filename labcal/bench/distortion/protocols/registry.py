@@ -1,9 +1,9 @@
 """The protocols by name; a new one is a line here."""
 
+from labcal.arguments import one_named
 from labcal.bench.distortion.protocols.josa_volume import JOSA_VOLUME
 from labcal.bench.distortion.protocols.protocol import Protocol
 from labcal.bench.distortion.protocols.z_travel import REFINED_Z_TRAVEL, Z_TRAVEL
-from labcal.errors import UnknownNameError
 
 PROTOCOLS = {protocol.name: protocol for protocol in (JOSA_VOLUME, Z_TRAVEL, REFINED_Z_TRAVEL)}
 
@@ -16,6 +16,4 @@ def protocol_by_name(name: str) -> Protocol:
     UnknownNameError
         There is none of that name; the nearest one is offered.
     """
-    if name not in PROTOCOLS:
-        raise UnknownNameError("protocol", name, PROTOCOLS)
-    return PROTOCOLS[name]
+    return one_named(PROTOCOLS, "protocol", name)

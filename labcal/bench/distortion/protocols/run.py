@@ -3,15 +3,15 @@
 from concurrent.futures import Executor
 from pathlib import Path
 
+from labcal.bench.distortion.method_sweep import MethodWork, sweep_methods
 from labcal.bench.distortion.plan import Plan
 from labcal.bench.distortion.protocols.case import ProtocolCase
-from labcal.bench.distortion.protocols.figures import ProtocolCaseFigures
+from labcal.bench.distortion.protocols.figures import ProtocolCaseFigures, ProtocolMethodFigures
 from labcal.bench.distortion.protocols.measuring import measured_protocol
 from labcal.bench.distortion.protocols.result import ProtocolResult, protocol_results
 from labcal.bench.distortion.protocols.tables import protocols_table
 from labcal.run.outputs import write_file
 from labcal.run.progress import Progress
-from labcal.run.sweep import sweep
 
 
 def protocol_cases(plan: Plan, first_seed: int) -> list[ProtocolCase]:
@@ -40,14 +40,13 @@ def measured_protocols(
     Raises
     ------
     OutputError, DeviceError
-        As of :func:`~labcal.run.sweep.sweep`.
+        As of :func:`~labcal.bench.distortion.method_sweep.sweep_methods`.
     """
     cases = protocol_cases(plan, first_seed)
     if not cases:
         return ()
-    outcomes = sweep(
-        cases, measured_protocol, ProtocolCaseFigures, folder / "protocol-cases", executor, progress
-    )
+    work = MethodWork(measured_protocol, ProtocolCaseFigures, ProtocolMethodFigures)
+    outcomes = sweep_methods(cases, work, folder / "protocol-cases", executor, progress)
     found = [
         (case, one.reason or "no result" if one.result is None else one.result)
         for case, one in zip(cases, outcomes, strict=True)

@@ -1,5 +1,6 @@
 """The answer to "should I use a network?", and the winners, on results with a known answer."""
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -51,3 +52,16 @@ def test_the_winner_wins_in_pairs_over_the_seeds(summary: Make) -> None:
     (won,) = winners([mlp, hybrid, summary("dlt", (), float("nan"), reasons=("why",))])
     assert (won.best, won.second, won.over_oracle) == ("hybrid", "mlp", 1.0)
     assert (won.second_over_best, won.seeds_won, won.seeds) == (2.0, 2, 3)
+
+
+def test_the_answer_takes_time_in_proportion_to_the_cells(summary: Make) -> None:
+    """Of three thousand cells, half of the full plan; by pairs of cells they would take half a minute."""
+    cells = [replace(WATER, points=number) for number in range(3000)]
+    found = [
+        summary(method, ratios, cell=cell)
+        for cell in cells
+        for method, ratios in (("bundle", REFERENCE), ("mlp", BAD))
+    ]
+    began = time.process_time()
+    assert network_answer(found)[0].startswith("No: of 3000 cells")
+    assert time.process_time() - began < 3.0

@@ -73,6 +73,15 @@ def test_faults_that_are_noticed_in_every_cell_are_marked() -> None:
     assert "pitch-0.001" in shown
     assert "bend-1" in shown
     assert "excess of all distances on the board" in shown
+    assert "Coverage of 95% ellipsoids, median of the cells" in shown
+    found = [
+        one.model_copy(update={"coverage95": 0.02, "usual_coverage95": 0.95, "misfit": 0})
+        for one in findings.result.sensitivity
+    ]
+    result = findings.result.model_copy(update={"sensitivity": tuple(found)})
+    shown = html(sensitivity_section(replace(findings, result=result)))
+    assert "0.020!" in shown
+    assert "nothing warns of it: pitch-0.001 (coverage 0.020, 0.950 without it)" in shown
 
 
 def test_published_figures_stand_below_ours(plain: Findings) -> None:

@@ -70,6 +70,7 @@ def test_levels_methods_and_seeds_are_changed() -> None:
         ({"plan": "full"}, "both name a plan"),
         ({"overrides": ("strengths=0", "strengths=1")}, "changes 'strengths' twice"),
         ({"overrides": ("strength=1",)}, "Did you mean 'strengths'"),
+        ({"overrides": ("seeds=3",)}, "seeds are no levels. Give `seeds`"),
         ({"overrides": ("families=watre",)}, "Did you mean 'water'"),
         ({"overrides": ("layout=plane",)}, "did you mean 'planes'"),
         ({"overrides": ("measured=beyond",)}, "none of 'within' or 'outside'"),

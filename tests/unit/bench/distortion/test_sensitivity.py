@@ -12,6 +12,7 @@ from labcal.bench.distortion.figures import RegionFigures
 from labcal.bench.distortion.lines import Line
 from labcal.bench.distortion.measuring import region_figures
 from labcal.bench.distortion.sensitivity import Sensitivity, sensitivities
+from labcal.bench.distortion.sensitivity_coverage import coverage_tables, coverage_words, is_overconfident
 from labcal.bench.distortion.sensitivity_figures import sensitivity_figure, sensitivity_figures
 from labcal.bench.distortion.sensitivity_table import sensitivity_table
 from labcal.bench.families.registry import family_by_name
@@ -151,3 +152,49 @@ def test_table_and_figure_show_what_is_noticed_refused_and_not_measured() -> Non
     assert list(sensitivity_figures(found)) == ["sensitivity-brown.svg"]
     assert sensitivity_figures(found) == sensitivity_figures(found)
     assert sensitivity_figures([]) == {}
+
+
+@pytest.mark.parametrize(
+    ("covered", "flags"), [(80, (False, False)), (92, (False, False)), (80, (True, False))]
+)
+def test_ellipsoids_that_a_fault_makes_too_small_without_a_flag_are_told(
+    covered: int, flags: tuple[bool, bool]
+) -> None:
+    usual = line(0, 1.0, fault="none", misfit=flags[0])
+    found = sensitivity(usual, line(0, 4.0, covered=covered, misfit=flags[1]))
+    assert is_overconfident(found)
+    (words,) = coverage_words([found])
+    assert "of dlt are too small with these faults, and nothing warns of it: bend-2 (" in words
+    assert words.endswith(f"(coverage 0.{covered}0, 0.950 without it).")
+
+
+@pytest.mark.parametrize(
+    ("covered", "flags"),
+    [
+        (93, (False, False)),
+        (100, (False, False)),
+        (80, (False, True)),  # the flag warns
+        (80, (True, True)),  # and it did before
+    ],
+)
+def test_where_ellipsoids_are_right_or_flagged_that_is_told(covered: int, flags: tuple[bool, bool]) -> None:
+    usual = line(0, 1.0, fault="none", misfit=flags[0])
+    found = sensitivity(usual, line(0, 4.0, covered=covered, misfit=flags[1]))
+    assert not is_overconfident(found)
+    said = "Where nothing warns of a fault, 95% ellipsoids hold at least 93% of the errors."
+    assert coverage_words([found]) == [said]
+
+
+def test_the_table_of_coverage_marks_what_nothing_warns_of() -> None:
+    usual = line(0, 1.0, fault="none")
+    refused = replace(line(0, 1.0, fault="board-turned"), figures=None, reason="why")
+    found = sensitivities(
+        [usual, line(0, 4.0, covered=40, misfit=True), line(0, 5.0, fault="pitch-0.001", covered=60), refused]
+    )
+    (table,) = coverage_tables(found)
+    rows = [text.split("│")[1:3] for text in rendered(table, sys.stdout).splitlines()]
+    assert [[cell.strip() for cell in row] for row in rows if len(row) == 2] == [
+        ["bend-2", "0.400"], ["pitch-0.001", "0.600!"], ["board-turned", "-"]
+    ]  # fmt: skip
+    unknown = [one.model_copy(update={"coverage95": float("nan")}) for one in found]
+    assert coverage_tables(unknown) == coverage_words(unknown) == []

@@ -94,6 +94,7 @@ def test_cases_of_protocols_count_in_what_is_said_before_the_start() -> None:
     plain = plan_of(BenchSettings(quick=True))
     assert not plain.protocols
     assert announcement(plain).startswith("292 cases")
+    assert plan_of(BenchSettings(quick=True, overrides=("protocols=none",))) == plain
     more = plan_of(BenchSettings(quick=True, overrides=("protocols=josa-volume",)))
     assert announcement(more).startswith("295 cases")
     assert set(load_plan("full").protocols) == set(PROTOCOLS)
