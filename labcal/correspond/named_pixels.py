@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float64, Int64
 from labcal.arrays import AnyArray, float_array, kept, lines_array, text_array
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.run.table_columns import numbers_of_names
 
 if TYPE_CHECKING:
     import pandas
@@ -173,5 +174,4 @@ class NamedPixels(PublicObject):
 
 def numbered(names: np.ndarray) -> Int64[np.ndarray, " n"]:
     """Return of each name its place among the names, in order of appearance."""
-    place: dict[str, int] = {}
-    return np.array([place.setdefault(name, len(place)) for name in names.tolist()], dtype=np.int64)
+    return numbers_of_names(names.tolist(), {})

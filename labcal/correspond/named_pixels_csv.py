@@ -15,8 +15,8 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
 from labcal.run.names import is_name
 from labcal.run.outputs import write_file
-from labcal.run.table_columns import TableLines, names_of_lines, table_parts
-from labcal.run.tables import refuse_twice, table_text
+from labcal.run.table_columns import TableLines, names_of_lines, numbers_of_names, table_parts
+from labcal.run.tables import columns_text, refuse_twice
 from labcal.wording import clipped, has_control, printable
 
 HEADER = ("view", "camera", "point", "x_px", "y_px", "var_xx", "var_xy", "var_yy")
@@ -48,18 +48,17 @@ def pixels_csv(pixels: NamedPixels) -> str:
     The columns of covariances are left out where none is known.
     """
     known = bool(pixels.has_covariance.any())
-    return table_text(HEADER if known else SHORT_HEADER, _lines(pixels, 5 if known else 2))
+    return columns_text(HEADER if known else SHORT_HEADER, _parts(pixels, 5 if known else 2))
 
 
-def _lines(pixels: NamedPixels, figures: int) -> Iterator[list[object]]:
-    """Yield the lines of a table with so many figures in each."""
+def _parts(pixels: NamedPixels, figures: int) -> Iterator[list[list[object]]]:
+    """Yield the columns of some lines of a table after the others, with so many figures in each."""
     for first in range(0, len(pixels), _BLOCK):
         part = slice(first, first + _BLOCK)
         upper = pixels.covariance[part].reshape(-1, 4)[:, [0, 1, 3]]
         numbers = np.column_stack([pixels.position[part], upper])[:, :figures]
         names = (pixels.view[part].tolist(), pixels.camera[part].tolist(), pixels.point[part].tolist())
-        for view, camera, point, row in zip(*names, numbers.tolist(), strict=True):
-            yield [view, camera, point, *row]
+        yield [*names, *numbers.T.tolist()]
 
 
 def read_pixels(path: AnyPath) -> NamedPixels:
@@ -188,7 +187,7 @@ def _columns(
 def _numbers(part: TableLines, column: str, known: dict[str, int], why: str) -> Int64[np.ndarray, " n"]:
     """Return the number of every line's name; a new name that is none is a fault of its line."""
     before = len(known)
-    numbers = np.array([known.setdefault(name, len(known)) for name in part.column(column)], dtype=np.int64)
+    numbers = numbers_of_names(part.column(column), known)
     right = is_name if column == "camera" else _is_readable
     wrong = [number for number, name in enumerate(islice(known, before, None), before) if not right(name)]
     if wrong:

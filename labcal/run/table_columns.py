@@ -121,6 +121,13 @@ def _until_bad(lines: Iterator[list[str]], most: int) -> Iterator[list[str] | In
         yield error
 
 
+def numbers_of_names(names: Sequence[str], known: dict[str, int]) -> Int64[np.ndarray, " n"]:
+    """Return the number of every name; names that are not known yet get the next ones."""
+    for name in dict.fromkeys(names):
+        known.setdefault(name, len(known))
+    return np.fromiter(map(known.__getitem__, names), dtype=np.int64, count=len(names))
+
+
 def names_of_lines(path: Path, names: Sequence[str], lines: Int64[np.ndarray, " n"]) -> np.ndarray:
     """Return the name of every line as an array of str.
 

@@ -36,6 +36,27 @@ def table_text(header: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
+def columns_text(header: Sequence[str], parts: Iterable[Sequence[Sequence[object]]]) -> str:
+    """Return the text of a table as :func:`table_text` does, from columns of many lines.
+
+    Parameters
+    ----------
+    header : sequence of str
+    parts : iterable of sequences of columns
+        Some lines each: a column is a list of texts, or one of numbers of Python's.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    for columns in parts:
+        cells = [
+            list(map(_cell, column)) if column and isinstance(column[0], str) else column
+            for column in columns
+        ]
+        writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
+    return text.getvalue()
+
+
 def _cell(value: object) -> object:
     """Return the text of a cell for a value."""
     if isinstance(value, float):

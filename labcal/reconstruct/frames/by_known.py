@@ -120,7 +120,7 @@ def _fitted(
         warnings.append(
             f"the points that determine the frame lie {rms_mm:.3g} mm RMS off their known places, "
             f"{sigma0:.2g} times what their covariances explain: these hold the noise of pixels alone, not "
-            "errors of the calibration or of the known places. The frame's own sigmas are too small by as much"
+            "errors of the calibration or of the known places. The frame's sigmas are too small by as much"
         )
     known = (gain @ given.known_covariance @ gain.swapaxes(1, 2)).sum(axis=0)
     frame = FittedFrame(
