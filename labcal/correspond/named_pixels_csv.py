@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -13,6 +12,7 @@ from labcal.correspond.named_pixels import NamedPixels
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
+from labcal.run.file_reading import first_line
 from labcal.run.names import is_name
 from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, names_of_lines, numbers_of_names, table_parts
@@ -34,12 +34,7 @@ _BLOCK = 2**14
 
 def is_pixels(path: AnyPath) -> bool:
     """Tell whether a file is a table of pixels, by its first line."""
-    try:
-        with as_path(path).open("rb") as file:
-            first = file.read(256).removeprefix(b"\xef\xbb\xbf").splitlines()[:1]
-    except OSError:
-        return False
-    return first in ([",".join(HEADER).encode()], [",".join(SHORT_HEADER).encode()])
+    return first_line(as_path(path)) in {",".join(columns).encode() for columns in (HEADER, SHORT_HEADER)}
 
 
 def pixels_csv(pixels: NamedPixels) -> str:
@@ -87,7 +82,7 @@ def read_pixels(path: AnyPath) -> NamedPixels:
     NamedPixels(views=1, cameras=['left', 'right'], points=5, pixels=10, with_covariance=10)
     """
     place = as_path(path)
-    header = HEADER if _has_covariances(place) else SHORT_HEADER
+    header = HEADER if b"var_xx" in first_line(place) else SHORT_HEADER
     views, cameras, points = dict[str, int](), dict[str, int](), dict[str, int]()
     read = [
         _columns(part, views, cameras, points) for part in table_parts(header, "pixels", place, MOST_BYTES)
@@ -151,15 +146,6 @@ def _unwritable(column: str, name: str, expected: str) -> InputError:
 
 def _is_readable(name: str) -> bool:
     return 1 <= len(name) <= MOST_LETTERS and not has_control(name)
-
-
-def _has_covariances(path: Path) -> bool:
-    """Tell whether the first line of a file is the long one; a file that cannot be read counts as short."""
-    try:
-        with path.open("rb") as file:
-            return b"var_xx" in file.readline(256)
-    except OSError:
-        return False
 
 
 def _columns(

@@ -3,7 +3,7 @@
 from collections import Counter
 from dataclasses import dataclass
 from math import isfinite
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.triangulation_check import TriangulationCheck
@@ -71,6 +71,7 @@ def reconstruct_words(result: ReconstructResult) -> str:
     return f"{result.file}: {words}."
 
 
+@runtime_checkable  # so that tests can check annotations
 class ResidualFigures(Protocol):
     """The triangulation residual of a result, and what is expected of it; None without cameras."""
 

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
 from labcal.bounds import MOST_MM
+from labcal.run.file_reading import first_line
 from labcal.run.table_columns import TableLines, table_parts
 from labcal.run.tables import refuse_twice
 from labcal.wording import has_control
@@ -35,12 +36,7 @@ def read_known_points(path: Path) -> KnownPoints:
     InputError
         It cannot be read, has other columns, a line in it is damaged, or two are of the same point.
     """
-    try:
-        with path.open("rb") as file:
-            stated = b"sigma_mm" in file.readline(256)
-    except OSError:
-        stated = False  # why it cannot be read is said below
-    header = HEADER if stated else HEADER[:-1]
+    header = HEADER if b"sigma_mm" in first_line(path) else HEADER[:-1]
     names, figures = list[str](), [np.empty((0, 4))]
     for part in table_parts(header, "known points", path):
         figures.append(_figures(part))
