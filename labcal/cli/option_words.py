@@ -9,10 +9,10 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "cameras", "detections", "distance_mm", "dpi", "force", "frame", "frame_view",
-        "free_dots", "hold_out", "lens", "method", "only", "pixel_sigma", "plan", "quick", "rectify",
-        "rendered", "rig", "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve",
-        "unit", "views", "whole", "workers",
+        "alignment", "cameras", "columns", "detections", "distance_mm", "dpi", "force", "frame", "frame_view",
+        "free_dots", "hold_out", "lens", "likelihood", "method", "only", "pixel_sigma", "plan", "quick",
+        "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size", "spp", "start", "target",
+        "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
