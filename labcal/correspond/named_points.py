@@ -41,7 +41,7 @@ class NamedPoints(PublicObject):
     --------
     >>> from labcal import examples, pipeline
     >>> pipeline.measure(examples.rig(), examples.pixels()).points
-    NamedPoints(views=1, points=5, ok=5, median_sigma=0.166 mm)
+    NamedPoints(views=1, points=5, ok=5, median_sigma=0.0719 mm)
     """
 
     view: np.ndarray

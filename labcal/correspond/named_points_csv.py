@@ -67,7 +67,7 @@ def read_named_points(path: AnyPath) -> NamedPoints:
     >>> from labcal import examples, pipeline, read_named_points
     >>> pipeline.measure(examples.rig(), examples.pixels()).save("points.csv")
     >>> read_named_points("points.csv")
-    NamedPoints(views=1, points=5, ok=5, median_sigma=0.166 mm)
+    NamedPoints(views=1, points=5, ok=5, median_sigma=0.0719 mm)
     """
     place = as_path(path)
     views, names = dict[str, int](), dict[str, int]()

@@ -30,7 +30,7 @@ def convert(
         A file, one a camera, or a folder.
     output : path
         File to write; of COLMAP, a folder. Its ending tells cameras from detections (``.csv``, ``.vnl``);
-        tables of pixels are told by `from_format`, and become a ``pixels.csv``.
+        tables of pixels are named by `from_format`, and become a ``pixels.csv``.
     settings : ConvertSettings, optional
     force : bool
         Replace what labcal wrote there.

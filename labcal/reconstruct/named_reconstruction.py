@@ -23,8 +23,8 @@ class NamedReconstruction(PublicObject):
     --------
     >>> from labcal import examples, pipeline
     >>> found = pipeline.measure(examples.rig(), examples.pixels())
-    >>> found.points.name[0], found.points.flag[0]
-    ('origin', 'ok')
+    >>> found.points.flag.tolist()
+    ['ok', 'ok', 'ok', 'ok', 'ok']
     >>> found.warnings
     ()
     """

@@ -69,7 +69,7 @@ def require_file(path: Path, what: str, most: int) -> None:
 
 
 def first_line(path: Path) -> bytes:
-    """Return the beginning of a file's first line, by which a kind is told; nothing of what is no file."""
+    """Return the beginning of a file's first line, which shows its kind; nothing of what is no file."""
     if not path.is_file():  # a pipe would wait for ever
         return b""
     try:
