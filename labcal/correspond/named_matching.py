@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float64, Int64
 from labcal.correspond.matching import Matches
 from labcal.correspond.named_pixels import NamedPixels
 from labcal.errors import InputError
-from labcal.wording import clipped
+from labcal.wording import clipped, printable
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def _refuse_repeated(
     if len(again):
         line = lines[order[again[0] + 1]]
         raise InputError(
-            f"The point '{clipped(pixels.point[line])}' is listed twice for view "
-            f"'{clipped(pixels.view[line])}' of camera '{pixels.camera[line]}'. A name is that of "
+            f"The point '{clipped(printable(pixels.point[line]))}' is listed twice for view "
+            f"'{clipped(printable(pixels.view[line]))}' of camera '{pixels.camera[line]}'. A name is that of "
             "one point in a picture: keep one line."
         )

@@ -8,6 +8,7 @@ from jaxtyping import Float64, Int64
 
 from labcal.arguments import object_of
 from labcal.bounds import LEAST_VARIANCE_PX2, LONGEST_SIDE_PX
+from labcal.correspond.named_matching import match_named
 from labcal.correspond.named_pixels import NamedPixels
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
@@ -117,7 +118,8 @@ def write_pixels(path: AnyPath, pixels: NamedPixels, *, force: bool = False) -> 
     Raises
     ------
     InputError, InputTypeError
-        These are no named pixels, or a name in them could not be read again.
+        These are no named pixels, or something in them could not be read again: a name, a point that is
+        listed twice for a picture, a pixel that is in no picture.
     OutputError
         The file exists and `force` is not set, or it cannot be written.
 
@@ -129,6 +131,12 @@ def write_pixels(path: AnyPath, pixels: NamedPixels, *, force: bool = False) -> 
     True
     """
     pixels = object_of(pixels, NamedPixels, "pixels")
+    _require_readable(pixels)
+    write_file(as_path(path), pixels_csv(pixels), kind=KIND, force=force)
+
+
+def _require_readable(pixels: NamedPixels) -> None:
+    """Raise where a table holds what :func:`read_pixels` refuses."""
     for camera in pixels.cameras:
         if not is_name(camera):
             raise _unwritable("camera", camera, "letters, digits and hyphens")
@@ -136,7 +144,18 @@ def write_pixels(path: AnyPath, pixels: NamedPixels, *, force: bool = False) -> 
         for name in dict.fromkeys(names.tolist()):
             if not _is_readable(name):
                 raise _unwritable(column, name, f"1 to {MOST_LETTERS} printable characters")
-    write_file(as_path(path), pixels_csv(pixels), kind=KIND, force=force)
+    match_named(pixels, pixels.cameras)  # which refuses a point that is listed twice
+    wrong = np.flatnonzero(
+        ~(_near(pixels.position) & _covaries(pixels.covariance.reshape(-1, 4)[:, [0, 1, 3]]))
+    )
+    if len(wrong):
+        line = int(wrong[0])
+        point, view = (clipped(printable(names[line])) for names in (pixels.point, pixels.view))
+        raise InputError(
+            f"The point '{point}' of view '{view}' cannot be written to a table: "
+            f"{pixels.position[line].tolist()} px with the covariance "
+            f"{pixels.covariance[line].tolist()} is no pixel."
+        )
 
 
 def _unwritable(column: str, name: str, expected: str) -> InputError:
@@ -162,9 +181,7 @@ def _columns(
     figures = part.figures(part.header[3:], empty="nan")
     figures = np.column_stack([figures, np.full((len(part), 5 - figures.shape[1]), np.nan)])
     position, variance = figures[:, :2], figures[:, 2:]
-    missing = np.isnan(position).all(axis=1)
-    near = (np.abs(position) <= 2 * LONGEST_SIDE_PX).all(axis=1)
-    part.require(missing | near, f"x and y are numbers of at most {2 * LONGEST_SIDE_PX} px")
+    part.require(_near(position), f"x and y are numbers of at most {2 * LONGEST_SIDE_PX} px")
     part.require(_covaries(variance), "its covariance is none")
     part.refuse()
     return numbers, figures
@@ -179,6 +196,12 @@ def _numbers(part: TableLines, column: str, known: dict[str, int], why: str) -> 
     if wrong:
         part.require(~np.isin(numbers, wrong), why)
     return numbers
+
+
+def _near(position: Float64[np.ndarray, "n 2"]) -> np.ndarray:
+    """Return a mask of pixels that may be in some picture, or were not measured (NaN)."""
+    near = (np.abs(position) <= 2 * LONGEST_SIDE_PX).all(axis=1)
+    return np.asarray(near | np.isnan(position).all(axis=1))
 
 
 def _covaries(variance: Float64[np.ndarray, "n 3"]) -> np.ndarray:

@@ -10,12 +10,15 @@ from labcal.errors import InputError
 from labcal.geometry.poses import from_rotation_vector, nearest_rotation
 from labcal.reconstruct.frames.by_points import on_a_line, require_turn
 from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameKind, by_parameters
+from labcal.wording import listed
 
 _FEWEST = 3
 _ON_A_LINE = 1e-9
-_STEPS = 20
-_ARRIVED = 1e-13
+_STEPS = 100
+_ARRIVED = 1e-12
 """Step (radians, mm over the spread of the points) below which the next one is of no use."""
+_SCALES = (1e-6, 1e6)
+"""Scales of a similarity that are sensible, whatever the units."""
 _UNLIKELY = 1e-3
 """Probability of residuals as large by the covariances alone, below which a warning is due."""
 
@@ -49,7 +52,8 @@ def frame_by_known(kind: FrameKind, given: MeasuredKnown) -> FittedFrame:
     Raises
     ------
     InputError
-        There are fewer than three points, or they lie on a line, exactly or within their uncertainty.
+        There are fewer than three points, they lie on a line, exactly or within their uncertainty, or no
+        frame brings them near each other.
 
     Notes
     -----
@@ -62,7 +66,18 @@ def frame_by_known(kind: FrameKind, given: MeasuredKnown) -> FittedFrame:
             f"A frame by known points takes 3 points that were measured in the same view, but there are "
             f"{len(given.names)}. Give the coordinates of more of the measured points."
         )
-    R_ba, t_ba, scale = _closed_form(kind, given)
+    start = _closed_form(kind, given)
+    try:
+        with np.errstate(all="ignore"):
+            return _fitted(kind, given, *_refined(kind, given, *start))
+    except np.linalg.LinAlgError as error:
+        raise _no_fit(given) from error
+
+
+def _refined(
+    kind: FrameKind, given: MeasuredKnown, R_ba: np.ndarray, t_ba: np.ndarray, scale: float
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return rotation, translation and scale by Gauss-Newton from a start."""
     parameters = 7 if kind is FrameKind.SIMILARITY else 6
     spread = float(np.abs(given.known - given.known.mean(axis=0)).max())
     for _ in range(_STEPS):
@@ -78,9 +93,19 @@ def frame_by_known(kind: FrameKind, given: MeasuredKnown) -> FittedFrame:
         stretch = float(np.exp(step[6])) if parameters > 6 else 1.0  # noqa: PLR2004 -- with a scale
         t_ba = t_ba + middle + step[3:6] - stretch * turn @ middle
         R_ba, scale = turn @ R_ba, stretch * scale
-        if max(np.abs(step[:3]).max(), np.abs(step[3:6]).max() / spread, abs(stretch - 1.0)) < _ARRIVED:
+        if not (np.isfinite(step).all() and _SCALES[0] <= scale <= _SCALES[1]):
             break
-    return _fitted(kind, given, R_ba, t_ba, scale)
+        if max(np.abs(step[:3]).max(), np.abs(step[3:6]).max() / spread, abs(stretch - 1.0)) < _ARRIVED:
+            return R_ba, t_ba, scale
+    raise _no_fit(given)
+
+
+def _no_fit(given: MeasuredKnown) -> InputError:
+    """Return the error for known points that are not those that were measured."""
+    return InputError(
+        f"No frame brings the {len(given.names)} measured points near their known places "
+        f"({listed(given.names)}). Compare names, units and signs of the table of known points."
+    )
 
 
 def _closed_form(kind: FrameKind, given: MeasuredKnown) -> tuple[np.ndarray, np.ndarray, float]:

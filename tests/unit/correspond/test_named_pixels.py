@@ -72,6 +72,16 @@ def test_a_name_that_could_not_be_read_again_is_not_written(tmp_path: Path) -> N
         write_pixels(tmp_path / "pixels.csv", NamedPixels(["v"], ["a"], [""], [[1, 2]]))
 
 
+def test_what_could_not_be_read_again_is_not_written(tmp_path: Path) -> None:
+    twice = NamedPixels(["v", "v"], ["a", "a"], ["p", "p"], [[1, 2], [3, 4]])
+    far = NamedPixels(["v"], ["a"], ["p"], [[1e9, 2]])
+    sharp = NamedPixels(["v"], ["a"], ["p"], [[1, 2]], [1e-30 * np.eye(2)])
+    for pixels, why in ((twice, "listed twice"), (far, "is no pixel"), (sharp, "is no pixel")):
+        with pytest.raises(InputError, match=why):
+            pixels.save(tmp_path / "pixels.csv")
+    assert not (tmp_path / "pixels.csv").exists()
+
+
 def test_points_keep_the_order_in_which_they_appear() -> None:
     pixels = NamedPixels(
         ["b", "a", "b", "a"], ["left", "right", "right", "other"], ["z", "z", "a", "q"], np.ones((4, 2))

@@ -130,9 +130,39 @@ def test_a_similarity_finds_the_scale_and_a_rigid_frame_says_that_it_does_not_fi
 
 
 def test_a_mirrored_set_is_not_made_to_fit_by_a_reflection() -> None:
-    frame = frame_by_known(FrameKind.RIGID, known(in_a() * [1, 1, -1], [0, 1, 2, 3, 4, 5]))
+    with pytest.raises(InputError, match="Compare names, units and signs"):
+        frame_by_known(FrameKind.RIGID, known(in_a() * [1, 1, -1], [0, 1, 2, 3, 4, 5]))
+
+
+@pytest.mark.parametrize("share", [0.01, 0.05, 0.1])
+def test_known_points_that_fit_badly_still_give_the_least_squares_frame(share: float) -> None:
+    """Errors of up to a tenth of the spread: found, warned of, and no step in any direction is better."""
+    wrong = IN_B + share * 100.0 * np.random.default_rng(6).normal(size=IN_B.shape)
+    given = known(in_a(), [0, 1, 2, 3, 4, 5], 0.5, wrong)
+    frame = frame_by_known(FrameKind.RIGID, given)
+    assert "times what their covariances explain" in frame.warnings[0]
     assert np.linalg.det(frame.R_ba) == pytest.approx(1.0)
-    assert frame.rms_mm > 1.0
+
+    def chi_square(turn: np.ndarray, shift: np.ndarray) -> float:
+        moved = given.measured @ frame.R_ba.T
+        off = moved @ from_rotation_vector(turn, np.zeros(3))[:3, :3].T + frame.t_ba + shift - given.known
+        weight = np.linalg.inv(frame.R_ba @ given.covariance @ frame.R_ba.T + given.known_covariance)
+        return float(np.einsum("ni,nij,nj->", off, weight, off))
+
+    least = chi_square(np.zeros(3), np.zeros(3))
+    for axis in np.eye(3):
+        for sign in (-1, 1):
+            assert chi_square(1e-5 * sign * axis, np.zeros(3)) > least
+            assert chi_square(np.zeros(3), 1e-3 * sign * axis) > least
+
+
+def test_known_points_that_are_others_are_refused() -> None:
+    """A point 100 m away, for example by a comma that was lost: no frame comes near, and that is said."""
+    far = IN_B.copy()
+    far[1, 0] = 1e5
+    for kind in (FrameKind.RIGID, FrameKind.SIMILARITY):
+        with pytest.raises(InputError, match="No frame brings the 4 measured points near"):
+            frame_by_known(kind, known(in_a(), [0, 1, 2, 4], place=far))
 
 
 LINE = np.array([[0.0, 0, 500], [50.0, 10, 520], [100.0, 20, 540], [150.0, 30, 560]])

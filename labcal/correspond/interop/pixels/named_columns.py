@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.bounds import LEAST_VARIANCE_PX2, LONGEST_SIDE_PX
 from labcal.correspond.interop.pixels.cells import cells_of, number_in
 from labcal.correspond.interop.pixels.exchange import (
     PixelFormat,
@@ -101,6 +102,10 @@ def read_chosen(paths: Sequence[Path], chosen: ColumnChoice, given: PixelOptions
             sigma = (
                 float("nan") if chosen.sigma is None else number_in(row[place.of(chosen.sigma)], path, number)
             )
+            if sigma > LONGEST_SIDE_PX or 0.0 < sigma < LEAST_VARIANCE_PX2**0.5:
+                raise InputError(
+                    f"Line {number} of {path} is damaged: {sigma:g} px is no standard deviation."
+                )
             for name, sums in chosen.cameras.items():
                 x, y = (
                     sum(number_in(row[place.of(column)], path, number) for column in columns)

@@ -169,6 +169,13 @@ def test_pixels_of_another_program_become_points() -> None:
         (VIC, {"from_format": "columns", "columns": "point=X"}, "`columns` names no camera"),
         (VIC, {"from_format": "columns", "columns": "left=x"}, "`columns` names the columns"),
         (VIC.replace('"u"', '"x"'), {"from_format": "columns", "columns": "left=x:y"}, "two columns 'x'"),
+        (
+            VIC.replace("0.01,", "1e200,"),
+            {"from_format": "columns", "columns": "sigma=sigma,left=x:y"},
+            "Line 2 .*no sta",
+        ),
+        (VIC.replace("100,", "1e200,"), {"from_format": "columns", "columns": "left=x:y"}, "is no pixel"),
+        (VIC, {"from_format": "columns", "columns": "point=Y,left=x:y"}, "'2.0' is listed twice"),
         ("", {"from_format": "columns", "columns": "left=x:y"}, "holds no table"),
     ],
 )
