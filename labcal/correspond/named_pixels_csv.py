@@ -1,7 +1,6 @@
 """``pixels.csv``: its columns, read line by line with checks, and written."""
 
 from collections.abc import Iterator
-from itertools import islice
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -189,10 +188,11 @@ def _columns(
 
 def _numbers(part: TableLines, column: str, known: dict[str, int], why: str) -> Int64[np.ndarray, " n"]:
     """Return the number of every line's name; a new name that is none is a fault of its line."""
-    before = len(known)
-    numbers = numbers_of_names(part.column(column), known)
+    cells = part.column(column)
+    new = [name for name in dict.fromkeys(cells) if name not in known]
+    numbers = numbers_of_names(cells, known)
     right = is_name if column == "camera" else _is_readable
-    wrong = [number for number, name in enumerate(islice(known, before, None), before) if not right(name)]
+    wrong = [known[name] for name in new if not right(name)]
     if wrong:
         part.require(~np.isin(numbers, wrong), why)
     return numbers

@@ -1,8 +1,10 @@
 """``labcal measure``, and ``reconstruct`` of named pixels: the bytes of Python's, status and messages."""
 
 import json
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from labcal import NamedPixels, examples, measure, read_named_points, write_ply
@@ -72,6 +74,23 @@ def test_options_of_named_pixels_are_refused_with_dots(capfd: pytest.CaptureFixt
         assert main(["reconstruct", "rig.json", "dots.csv", "-o", "points.csv", option, value]) == 2
         assert f"{option} goes with a table of named pixels" in capfd.readouterr().err
     assert main(["reconstruct", "rig.json", "dots.csv", "-o", "points.csv", "--ply", "points.ply"]) == 0
+
+
+@pytest.mark.slow
+def test_time_grows_with_the_number_of_points() -> None:
+    """Reading that looks at every name again for each part of a table would take far longer."""
+    rng, rig, seconds = np.random.default_rng(0), examples.rig(), []
+    for n in (60_000, 240_000):
+        p = rng.uniform([-90, -60, 540], [90, 60, 660], (n, 3))
+        q = np.concatenate([rig.camera(name).project(p).q for name in rig.cameras])
+        names = np.tile([f"p{i}" for i in range(n)], 2)
+        NamedPixels(np.full(2 * n, "v"), np.repeat(list(rig.cameras), n), names, q).save(f"{n}.csv")
+        begun = time.process_time()
+        assert (
+            main(["measure", "rig.json", f"{n}.csv", "--pixel-sigma", "0.05", "-o", f"{n}-points.csv"]) == 0
+        )
+        seconds.append(time.process_time() - begun)
+    assert seconds[1] < 7.0 * seconds[0]
 
 
 def test_neither_the_known_points_nor_a_pixel_table_is_overwritten() -> None:
