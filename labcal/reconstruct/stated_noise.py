@@ -30,7 +30,7 @@ def with_covariances(pixels: NamedPixels, pixel_sigma: float | None) -> NamedPix
                 "deviation of their x and y, in px: `pixel_sigma=0.1`."
             )
         return pixels
-    if not unknown.any():
+    if not unknown.any() and len(pixels):
         raise InputError(
             "All pixels have covariances of their own, so that `pixel_sigma` would be dropped. Leave it out."
         )

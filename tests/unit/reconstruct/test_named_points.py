@@ -111,6 +111,13 @@ def test_pixels_of_one_camera_only_are_refused_with_what_they_allow() -> None:
         pipeline.measure(trio(), pixels.where(pixels.camera == "left"))
 
 
+def test_a_table_without_lines_is_one_without_points() -> None:
+    none = pixels_of(trio(), places(1), SIGMA).where([])
+    for settings in (None, MeasureSettings(pixel_sigma=0.1)):
+        with pytest.raises(InputError, match="the pixels are those of none"):
+            pipeline.measure(trio(), none, settings=settings)
+
+
 def test_a_camera_that_the_rig_does_not_have_is_refused() -> None:
     pixels = pixels_of(trio(), places(5), SIGMA)
     rig = Rig.of({name: trio().camera(name) for name in ("left", "right")})

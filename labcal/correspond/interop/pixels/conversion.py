@@ -4,11 +4,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from labcal.cameras.interop.conversion import Conversion, ConvertSettings
+from labcal.cameras.interop.registry import FORMATS
 from labcal.correspond.interop.pixels.exchange import PixelOptions
 from labcal.correspond.interop.pixels.registry import PIXEL_FORMATS
 from labcal.correspond.named_pixels_csv import KIND, write_pixels
 from labcal.correspond.sources import camera_endings
-from labcal.errors import InputError
+from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, claim_outputs
 
@@ -18,6 +19,19 @@ _FOREIGN = ("to_format", "only", "target", "size", "unit", "lens")
 def is_of_pixels(settings: ConvertSettings) -> bool:
     """Tell whether a format of named pixels is to be read."""
     return settings.from_format in PIXEL_FORMATS
+
+
+def require_known_format(settings: ConvertSettings) -> None:
+    """Raise where a format to read is named that is none, of cameras or of pixels.
+
+    Raises
+    ------
+    UnknownNameError
+        The nearest one is offered.
+    """
+    known = [*FORMATS, *PIXEL_FORMATS]
+    if settings.from_format is not None and settings.from_format not in known:
+        raise UnknownNameError("format", settings.from_format, known)
 
 
 def convert_pixels(

@@ -194,6 +194,12 @@ def test_a_column_that_is_missing_is_offered_its_nearest() -> None:
         converted("left.csv", from_format="columns", columns="sigma=sigm,left=x:y")
 
 
+def test_a_misspelled_format_is_offered_its_nearest() -> None:
+    Path("left.csv").write_text(VIC)
+    with pytest.raises(UnknownNameError, match=r"named 'colums'\. Did you mean 'columns'"):
+        converted("left.csv", from_format="colums", columns="left=x:y")
+
+
 def test_the_table_that_is_read_is_not_replaced() -> None:
     Path("left.csv").write_text(DLC)
     with pytest.raises(OutputError, match="is an input"):
