@@ -9,14 +9,15 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "cameras", "columns", "detections", "distance_mm", "dpi", "force", "frame", "frame_view",
-        "free_dots", "hold_out", "lens", "likelihood", "method", "only", "pixel_sigma", "plan", "quick",
-        "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size", "spp", "start", "target",
-        "tone_curve", "unit", "views", "whole", "workers",
+        "alignment", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots", "hold_out", "lens",
+        "method", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
+        "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
     "methods": "--method",
+    "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
+    "pixel_sigma": "--pixel-sigma",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 
