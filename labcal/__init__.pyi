@@ -8,9 +8,15 @@ from .cameras.rig import write_rig as write_rig
 from .correspond.detections import Detections as Detections
 from .correspond.detections_csv import read_detections as read_detections
 from .correspond.detections_csv import write_detections as write_detections
+from .correspond.named_pixels import NamedPixels as NamedPixels
+from .correspond.named_pixels_csv import read_pixels as read_pixels
+from .correspond.named_pixels_csv import write_pixels as write_pixels
+from .correspond.named_points import NamedPoints as NamedPoints
+from .correspond.named_points_csv import read_named_points as read_named_points
 from .correspond.points import Points as Points
 from .correspond.points_csv import read_points as read_points
 from .correspond.points_csv import write_points as write_points
+from .correspond.points_ply import write_ply as write_ply
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model
@@ -18,6 +24,9 @@ from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
 from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .pipeline.named_points import measure as measure
+from .pipeline.reconstruction import reconstruct as reconstruct
+from .reconstruct.named_reconstruction import NamedReconstruction as NamedReconstruction
 from .reconstruct.reconstruction import Reconstruction as Reconstruction
 from .shoot.dataset import Shoot as Shoot
 from .shoot.dataset import open_shoot as open_shoot

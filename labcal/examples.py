@@ -14,6 +14,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.named_pixels import NamedPixels
 from labcal.correspond.points import Points
 from labcal.errors import InputError, OutputError
 from labcal.geometry.poses import from_rotation_vector, pose
@@ -34,6 +35,14 @@ _TILT_RAD = 0.45
 _DISTANCE_MM = 550.0
 _PAPER, _INK = 220, 30
 """Grey values of a drawn picture."""
+_BLOCK = {
+    "origin": (-40.0, 30.0, 600.0),
+    "right-corner": (60.0, 30.0, 600.0),
+    "upper-corner": (-40.0, -40.0, 610.0),
+    "far-corner": (-40.0, 30.0, 690.0),
+    "tip": (10.0, -10.0, 560.0),
+}
+"""Places of named points in the world of :func:`rig`, mm."""
 
 
 def rig() -> Rig:
@@ -97,6 +106,27 @@ def points() -> Points:
     3
     """
     return reconstruct_points(rig(), detections(), load_target(TARGET))
+
+
+def pixels() -> NamedPixels:
+    """Return the pixels of five named points, a block's corners and a tip, in both cameras of :func:`rig`.
+
+    Examples
+    --------
+    >>> pixels()
+    NamedPixels(views=1, cameras=['left', 'right'], points=5, pixels=10, with_covariance=10)
+    """
+    cameras = rig()
+    names, places = list(_BLOCK), np.array(list(_BLOCK.values()))
+    position = np.concatenate([cameras.camera(name).project(places).q for name in cameras.cameras])
+    position += SIGMA_PX * generator(0, "examples", "pixels").normal(size=position.shape)
+    return NamedPixels(
+        view=np.full(len(position), "block"),
+        camera=np.repeat(list(cameras.cameras), len(names)),
+        point=np.tile(names, len(cameras.cameras)),
+        position=position,
+        covariance=np.tile(SIGMA_PX**2 * np.eye(2), (len(position), 1, 1)),
+    )
 
 
 def shoot(folder: AnyPath, views: int = 2) -> Shoot:

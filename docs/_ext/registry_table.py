@@ -12,6 +12,7 @@ from labcal.cameras.interop.held_lenses import held_lenses, holding_formats
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.lens import LENSES
 from labcal.cameras.prescription import prescription_names
+from labcal.correspond.interop.pixels.registry import PIXEL_FORMATS
 from labcal.estimators.registry import method_entries
 from labcal.scene.catalogue import load_scene, scene_names
 from labcal.targets.catalogue import load_target, target_names
@@ -65,6 +66,15 @@ def formats() -> str:
     return table(["format", "endings", "unit", "lens models", "options of `labcal convert`"], rows)
 
 
+def pixel_formats() -> str:
+    """Return the tables of other programs that hold named pixels."""
+    rows = [
+        [code(name), one.files, _codes(f"--{option}" for option in one.options)]
+        for name, one in PIXEL_FORMATS.items()
+    ]
+    return table(["format", "files", "options of `labcal convert`"], rows)
+
+
 def targets() -> str:
     """Return the shipped targets."""
     rows = []
@@ -98,6 +108,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "lenses": lenses,
     "methods": methods,
     "formats": formats,
+    "pixel-formats": pixel_formats,
     "targets": targets,
     "scenes": scenes,
     "faults": faults,

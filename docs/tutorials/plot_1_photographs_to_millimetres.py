@@ -52,7 +52,7 @@ print(sorted(path.name for path in photos.iterdir())[:4])
 
 target = labcal.load_target("paper-13x10")
 pictures = pipeline.open_pictures(photos, cameras="_0=left,_1=right")
-measurements = pipeline.measure(pictures, target)
+measurements = pipeline.measure_pictures(pictures, target)
 for measurement in measurements:
     if not measurement.indexed:
         print(measurement.source.image, measurement.reason)

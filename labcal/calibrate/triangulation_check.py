@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int64
+from jaxtyping import Float64
 
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
-from labcal.correspond.matching import Matches
+from labcal.correspond.matching import Matches, rows_by_name
 from labcal.distributions import chi2_quantile
 
 UNKNOWN_SCATTER_PX = 0.35
@@ -45,21 +45,40 @@ class TriangulationCheck:
         cls, residuals: TriangulationResiduals, matches: Matches, calibration: CalibrationRecord | None
     ) -> "TriangulationCheck":
         """Compare the residuals of matched dots with their expectation."""
-        left = None if calibration is None else calibration.scatter_px
-        scatter = UNKNOWN_SCATTER_PX if left is None else max(LEAST_SCATTER_PX, left)
-        expected = _expected(matches, scatter)
-        finite = np.isfinite(residuals.px)
-        square = float((residuals.px[finite] ** 2).mean()) if finite.any() else float("nan")
-        by_view = matches.rows_by_view
+        return cls.of_groups([(residuals, matches)], calibration)
+
+    @classmethod
+    def of_groups(
+        cls,
+        groups: Sequence[tuple[TriangulationResiduals, Matches]],
+        calibration: CalibrationRecord | None,
+    ) -> "TriangulationCheck":
+        """Compare the residuals of points that different cameras see, a group for each set of cameras."""
+        scatter = scatter_of(calibration)
+        expected = np.concatenate([_expected(matches, scatter) for _, matches in groups])
+        px = np.concatenate([residuals.px for residuals, _ in groups])
+        times = np.concatenate([_times(residuals, _expected(of, scatter)) for residuals, of in groups])
+        view = np.concatenate([matches.view for _, matches in groups])
+        finite = np.isfinite(px)
+        square = float((px[finite] ** 2).mean()) if finite.any() else float("nan")
+        by_view = rows_by_name(view)
         off = [
-            view
-            for view, rows in by_view.items()
-            if len(rows) >= _FEWEST and _times(residuals, expected, rows) > _TIMES_IN_VIEW
+            name
+            for name, rows in by_view.items()
+            if len(rows) >= _FEWEST and float(np.median(times[rows])) > _TIMES_IN_VIEW
         ]
-        rest = ~np.isin(matches.view, off)
-        inconsistent = _times(residuals, expected, rest) > _TIMES if rest.any() else len(matches) > 0
+        rest = ~np.isin(view, off)
+        inconsistent = float(np.median(times[rest])) > _TIMES if rest.any() else len(view) > 0
         views = tuple(by_view) if inconsistent else tuple(off)
-        return cls(np.sqrt(square), float(np.sqrt(expected.mean())), left is None, inconsistent, views)
+        assumed = calibration is None or calibration.scatter_px is None
+        return cls(np.sqrt(square), float(np.sqrt(expected.mean())), assumed, inconsistent, views)
+
+
+def scatter_of(calibration: CalibrationRecord | None) -> float:
+    """Return what a calibration adds to the noise of pixels along each axis, px; assumed if not known."""
+    if calibration is None or calibration.scatter_px is None:
+        return UNKNOWN_SCATTER_PX
+    return max(LEAST_SCATTER_PX, calibration.scatter_px)
 
 
 def calibration_record(
@@ -108,10 +127,8 @@ def _expected(matches: Matches, scatter_px: float) -> Float64[np.ndarray, " n"]:
 
 
 def _times(
-    residuals: TriangulationResiduals,
-    expected: Float64[np.ndarray, " n"],
-    rows: Bool[np.ndarray, " n"] | Int64[np.ndarray, " some"],
-) -> float:
-    """Return how many times the expected variance residuals have, by their median."""
+    residuals: TriangulationResiduals, expected: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, " n"]:
+    """Return how many times the median of its expectation the square of each residual is."""
     usual = chi2_quantile(0.5, residuals.freedom) / residuals.freedom
-    return float(np.median(residuals.px[rows] ** 2 / expected[rows])) / usual
+    return np.asarray(residuals.px**2 / expected / usual)

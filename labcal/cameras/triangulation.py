@@ -118,7 +118,7 @@ def refined(
     for _ in range(STEPS):
         normal, gradient = _normal_equations(imagers, p, q, weight)
         known = known & np.isfinite(gradient).all(axis=1) & np.isfinite(normal).all(axis=(1, 2))
-        known[known] = np.linalg.cond(normal[known]) < _RESOLVED
+        known[known] = _resolved(normal[known])
         cov[known] = np.linalg.inv(normal[known])
         step = np.einsum("nij,nj->ni", cov[known], gradient[known])
         p[known] -= step
@@ -141,6 +141,12 @@ def _normal_equations(
         normal += np.einsum("nki,nkj->nij", found.by_point, WJ)
         gradient += np.einsum("nki,nk->ni", WJ, residual)
     return normal, gradient
+
+
+def _resolved(normal: Float64[np.ndarray, "n 3 3"]) -> Mask:
+    """Return a mask of normal matrices that float64 can invert; of symmetric ones eigenvalues tell it."""
+    spread = np.linalg.eigvalsh(normal)
+    return np.asarray(spread[:, 0] * _RESOLVED > spread[:, -1])
 
 
 def triangulation_limit(cameras: Sequence[Camera], p: AnyArray, covariance: AnyArray) -> PointCovariances:
@@ -189,7 +195,7 @@ def covariance_at(
     """
     normal, _ = _normal_equations(imagers, p, q, np.linalg.inv(covariance))
     known = np.isfinite(normal).all(axis=(1, 2))
-    known[known] = np.linalg.cond(normal[known]) < _RESOLVED
+    known[known] = _resolved(normal[known])
     found = np.full_like(normal, np.nan)
     found[known] = np.linalg.inv(normal[known])
     return found

@@ -53,6 +53,7 @@ VERBS = {
     "calibrate": "calibrate cameras from a hand-held target",
     "fit": "fit methods to views of a target",
     "reconstruct": "points in space from dots",
+    "measure": "points in space from named pixels, in a frame of one's own",
     "evaluate": "errors of points in millimetres",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",

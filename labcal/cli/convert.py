@@ -10,6 +10,7 @@ from labcal.wording import counted
 
 _MOST_DIGITS = 9
 _FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, dice"
+_PIXEL_FORMATS = "colmap-tracks, dlc, dice-subsets, columns"
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -18,11 +19,13 @@ def add_parser(commands: CommandGroup) -> None:
         "convert",
         run,
         "Convert cameras (rig.json) and detections (detections.csv) from and to the files of OpenCV, mrcal, "
-        "Kalibr, ROS, COLMAP and DICe. docs/reference/formats.md lists what each holds.",
+        "Kalibr, ROS, COLMAP and DICe, and make pixels.csv from tables of pixels. "
+        "docs/reference/formats.md lists what each holds.",
         example="labcal convert rig.json rig.cameramodel\n"
         "  labcal convert rig-left.cameramodel rig-right.cameramodel rig.json\n"
         "  labcal convert rig.json stereo.yml --to opencv\n"
-        "  labcal convert detections.csv corners.vnl --target rings-14x10",
+        "  labcal convert detections.csv corners.vnl --target rings-14x10\n"
+        "  labcal convert left.csv right.csv pixels.csv --from dlc",
     )
     parser.add_argument(
         "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
@@ -33,7 +36,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--from",
         dest="from_format",
         metavar="FORMAT",
-        help=f"{_FORMATS}; recognised by the content if left out",
+        help=f"{_FORMATS}; recognised by the content if left out; of tables of pixels: {_PIXEL_FORMATS}",
     )
     parser.add_argument(
         "--to",
@@ -48,7 +51,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--cameras",
         metavar="NAMES",
-        help="from corners.vnl: cameras by the images' names, as of 'labcal detect': '_0=left,_1=right'",
+        help="from corners.vnl and tables of pixels: cameras by the names of images or files, as of 'labcal "
+        "detect': '_0=left,_1=right'",
     )
     parser.add_argument(
         "--size",
@@ -66,6 +70,17 @@ def add_parser(commands: CommandGroup) -> None:
         "--lens",
         metavar="MODEL",
         help="of OpenCV's files with four coefficients that do not state it: brown5 or fisheye-kb4",
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="NAME=COLUMN,...",
+        help="of --from columns: where pixels stand, as in 'point=id,left=x+u:y+v,right=x+q:y+r'; + adds",
+    )
+    parser.add_argument(
+        "--likelihood",
+        type=float,
+        metavar="P",
+        help="of --from dlc: least likelihood of a pixel that is used (0.6 if left out)",
     )
 
 

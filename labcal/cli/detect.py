@@ -39,7 +39,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.detections_csv import KIND, detections_csv
     from labcal.correspond.measure import detections_of
     from labcal.correspond.paths_read import paths_read
-    from labcal.pipeline import detect_settings, measure, open_pictures
+    from labcal.pipeline import detect_settings, measure_pictures, open_pictures
     from labcal.report.detect_result import detect_result, detect_table
     from labcal.report.overlays import overlay_command, write_overlays
     from labcal.run.claims import FileOutput, FolderOutput, Output, claim_outputs
@@ -58,7 +58,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(warning)
     announce_compiling(session)
     with session.progress() as progress:
-        measurements = measure(pictures, target, settings, tone_curve, arguments.workers, progress)
+        measurements = measure_pictures(pictures, target, settings, tone_curve, arguments.workers, progress)
     if arguments.overlay is not None:
         write_overlays(arguments.overlay, measurements, target, force=arguments.force)
     result = detect_result(measurements, target)

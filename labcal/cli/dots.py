@@ -20,14 +20,14 @@ def dots_given(
 ) -> "Detections":
     """Return the dots of a source, and warn of pictures without ids."""
     from labcal.correspond.dot_source import dots_found
-    from labcal.pipeline import detect_settings, measure
+    from labcal.pipeline import detect_settings, measure_pictures
 
     if source.table is not None:
         return source.table
     settings = detect_settings(arguments.changes)
     announce_compiling(session)
     with session.progress() as progress:
-        measurements = measure(
+        measurements = measure_pictures(
             source.pictures, target, settings, workers=arguments.workers, progress=progress
         )
     detections, refused = dots_found(measurements)

@@ -38,12 +38,25 @@ class FormatEntry:
 
 
 @dataclass(frozen=True)
+class PixelFormatEntry:
+    """A format of named pixels in the same document."""
+
+    format: str
+    """As for ``--from``."""
+    files: str
+    options: tuple[str, ...]
+    """Options of ``labcal convert`` that it takes."""
+
+
+@dataclass(frozen=True)
 class FormatList:
     """The JSON document of ``labcal format list``."""
 
     formats: list[FormatEntry]
     detections: tuple[str, ...]
     """Files of dots, which are converted into each other."""
+    pixels: list[PixelFormatEntry]
+    """Tables of named pixels, from which ``labcal convert --from NAME`` makes a pixels.csv."""
 
 
 def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
@@ -53,6 +66,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     from labcal.cameras.interop.exchange import Home
     from labcal.cameras.interop.held_lenses import held_lenses
     from labcal.cameras.interop.registry import FORMATS
+    from labcal.correspond.interop.pixels.registry import PIXEL_FORMATS
 
     entries = [
         FormatEntry(
@@ -73,7 +87,8 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
         "lens models that are read and written",
         "what may be stated",
         caption="A lens model is one with all of its coefficients; more is read, and all that is refused is "
-        f"named: docs/reference/formats.md. Detections: {' from and to '.join(dots)} of mrcal and mrgingham.",
+        f"named: docs/reference/formats.md. Detections: {' from and to '.join(dots)} of mrcal and mrgingham. "
+        f"Tables of pixels, which become a pixels.csv: {', '.join(PIXEL_FORMATS)}.",
         caption_justify="left",
     )
     table.columns[0].no_wrap = True
@@ -81,5 +96,9 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
         files = f"a folder of {' '.join(entry.suffixes)}" if entry.folder else " ".join(entry.suffixes)
         options = " ".join(entry.options)
         table.add_row(entry.format, files, entry.unit, ", ".join(entry.lenses), options)
-    session.emit(FormatList(entries, dots), table)
+    pixels = [
+        PixelFormatEntry(name, one.files, tuple(f"--{option}" for option in one.options))
+        for name, one in PIXEL_FORMATS.items()
+    ]
+    session.emit(FormatList(entries, dots, pixels), table)
     return ExitStatus.DONE

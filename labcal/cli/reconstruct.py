@@ -4,8 +4,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from labcal.cli.methods import own_method
+from labcal.cli.named_points import add_named_points, refuse_named_points, write_named
 from labcal.cli.options import add_detector_settings, add_output, add_workers
 from labcal.cli.parser import CommandGroup
+from labcal.cli.ply import add_ply, ply_outputs, write_ply_beside
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
@@ -15,17 +17,22 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "reconstruct",
         run,
-        "Reconstruct the dots that all cameras of a model measured.",
+        "Reconstruct the dots that all cameras of a model measured, or named pixels (as 'labcal measure').",
         example="labcal reconstruct model.safetensors shoot -o points.csv",
     )
     parser.add_argument(
         "model", type=Path, metavar="MODEL-or-rig.json", help="from 'labcal fit' or 'labcal calibrate'"
     )
-    parser.add_argument("source", metavar="SHOOT-or-detections.csv", help="a shoot, or its table of dots")
+    parser.add_argument(
+        "source",
+        metavar="SHOOT-or-detections.csv-or-pixels.csv",
+        help="a shoot, its table of dots, or a table of named pixels",
+    )
     parser.add_argument(
         "--target",
         metavar="NAME",
-        help="the target of the dots, for the eccentricity correction; a shoot brings its own",
+        help="the target of the dots, for the eccentricity correction (a shoot brings its own); with named "
+        "pixels, the one of --frame board:detections.csv",
     )
     parser.add_argument(
         "--method",
@@ -33,6 +40,8 @@ def add_parser(commands: CommandGroup) -> None:
         help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
     add_output(parser, "points.csv", "table of points to write")
+    add_named_points(parser)
+    add_ply(parser)
     add_detector_settings(parser)
     add_workers(parser)
 
@@ -41,6 +50,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
     from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.correspond.dot_source import open_dots
+    from labcal.correspond.named_pixels_csv import is_pixels
     from labcal.correspond.paths_read import paths_read
     from labcal.correspond.points import PointFlag
     from labcal.correspond.points_csv import KIND, points_csv
@@ -50,9 +60,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
 
+    if is_pixels(arguments.source):
+        refuse_idle_detection(arguments)
+        return write_named(arguments, arguments.source, session)
+    refuse_named_points(arguments)
     refuse_idle_detection(arguments)
     read = paths_read([arguments.model, arguments.source, arguments.target])
-    claim_outputs([FileOutput(arguments.output, KIND)], read, force=arguments.force)
+    claim_outputs([FileOutput(arguments.output, KIND), *ply_outputs(arguments)], read, force=arguments.force)
     model = load_reconstructor(arguments.model, own_method(arguments.method))
     given = open_dots(arguments.source)
     known = arguments.target is not None or given.shoot is not None
@@ -61,6 +75,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     detections = dots_given(given, None if given.shoot is None else given.shoot.target, arguments, session)
     found = reconstruct(model, detections, target)
     write_file(arguments.output, points_csv(found.points), kind=KIND, force=arguments.force)
+    write_ply_beside(arguments, found.points)
     result = reconstruct_result(arguments.output, model, found)
     for warning in found.warnings:
         session.warn(warning)

@@ -132,7 +132,7 @@ def detections_of(measurements: Sequence[Measurement]) -> Detections:
     Parameters
     ----------
     measurements : sequence of Measurement
-        As :func:`labcal.pipeline.measure` returns them.
+        As :func:`labcal.pipeline.measure_pictures` returns them.
 
     Returns
     -------
@@ -147,7 +147,7 @@ def detections_of(measurements: Sequence[Measurement]) -> Detections:
     Examples
     --------
     >>> from labcal import examples, pipeline
-    >>> measured = pipeline.measure(examples.shoot("shoot", views=1))
+    >>> measured = pipeline.measure_pictures(examples.shoot("shoot", views=1))
     >>> pipeline.detections_of(measured)
     Detections(views=1, cameras=['left', 'right'], dots=176, ok=176)
     """

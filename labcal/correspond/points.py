@@ -39,6 +39,10 @@ class PointFlag(StrEnum):
     """The method is known to err by far more than the noise leaves, or by more than its covariances say."""
     NO_SOLUTION = "no-solution"
     """The pixels determine no point."""
+    TOO_FEW_CAMERAS = "too-few-cameras"
+    """Of a named point: fewer cameras measured it than a place takes, two of a rig or all of a method."""
+    OUTSIDE_PICTURE = "outside-picture"
+    """Of a named point: a pixel of it lies outside of its picture and was not used."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -84,7 +88,7 @@ class Points(PublicObject):
             "view": text_array(view, n, "view"),
             "index": whole_array(index, (*n, 2), "index"),
             "point": float_array(point, (*n, 3), "point"),
-            "covariance": _symmetric(float_array(covariance, (*n, 3, 3), "covariance")),
+            "covariance": symmetric(float_array(covariance, (*n, 3, 3), "covariance")),
             "flag": text_array(flag, n, "flag"),
         }
         for name, column in columns.items():
@@ -215,7 +219,7 @@ class Points(PublicObject):
         return [HtmlTable(("flag", "points"), [[k, str(n)] for k, n in Counter(self.flag.tolist()).items()])]
 
 
-def _symmetric(covariance: PointCovariances) -> PointCovariances:
+def symmetric(covariance: PointCovariances) -> PointCovariances:
     """Return matrices with the upper triangles of these: the file holds no more, and both must agree."""
     lower = np.swapaxes(covariance, -1, -2)
     if np.array_equal(covariance, lower, equal_nan=True):

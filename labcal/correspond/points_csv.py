@@ -125,7 +125,7 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
         names_of_lines(path, list(views), view),
         index,
         figures[:, :3],
-        _matrices(figures[:, 3:]),
+        matrices(figures[:, 3:]),
         flag,
     )
 
@@ -154,12 +154,12 @@ def _columns(
     missing = (flag == PointFlag.NO_SOLUTION.value) & np.isnan(figures[:, :3]).all(axis=1)
     near = (np.abs(figures[:, :3]) <= MOST_MM).all(axis=1)
     part.require(missing | near, f"coordinates are numbers of at most {MOST_MM:g} mm")
-    part.require(valid_or_not_stated(_matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
+    part.require(valid_or_not_stated(matrices(figures[:, 3:]), MOST_MM**2), "its covariance is none")
     part.refuse()
     return view, index, figures, flag.astype(np.str_)
 
 
-def _matrices(upper: Float64[np.ndarray, "n 6"]) -> Float64[np.ndarray, "n 3 3"]:
+def matrices(upper: Float64[np.ndarray, "n 6"]) -> Float64[np.ndarray, "n 3 3"]:
     """Return symmetric matrices from their upper triangles."""
     covariance = np.empty((len(upper), 3, 3))
     covariance[:, UPPER[0], UPPER[1]] = upper

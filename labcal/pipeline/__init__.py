@@ -14,7 +14,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from labcal.pipeline.calibration import calibrate, fit
-from labcal.pipeline.detection import detect, inspect, measure
+from labcal.pipeline.detection import detect, inspect, measure_pictures
+from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
 from labcal.pipeline.reconstruction import evaluate, reconstruct
 from labcal.pipeline.rendering import render
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.paper.reproduce import ReproduceSettings
+    from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.render.shoot import RenderSettings
     from labcal.report.overlays import write_overlays
     from labcal.report.page.output import PageOutput
@@ -41,6 +43,7 @@ __all__ = [
     "DetectSettings",
     "FitSettings",
     "HandheldSettings",
+    "MeasureSettings",
     "PageOutput",
     "RenderSettings",
     "ReproduceSettings",
@@ -58,6 +61,7 @@ __all__ = [
     "fit_methods",
     "inspect",
     "measure",
+    "measure_pictures",
     "open_pictures",
     "reconstruct",
     "render",
@@ -73,6 +77,7 @@ _HOMES = {
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",

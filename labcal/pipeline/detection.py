@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from labcal.report.page.output import PageOutput
 
 
-def measure(
+def measure_pictures(
     pictures: "AnyPictures",
     target: AnyTarget | AnyPath | None = None,
     settings: "DetectSettings | None" = None,
@@ -57,11 +57,11 @@ def measure(
     --------
     >>> from labcal import examples, pipeline
     >>> shoot = examples.shoot("shoot")
-    >>> first, *others = pipeline.measure(shoot)
+    >>> first, *others = pipeline.measure_pictures(shoot)
     >>> first.indexed, first.source.view, first.source.camera, first.dots.flag.count("ok")
     (True, 'hand-0', 'left', 88)
     """
-    from labcal.correspond.measure import measure_pictures
+    from labcal.correspond.measure import measure_pictures as measure_sources
     from labcal.correspond.picture_set import open_pictures
     from labcal.detect.settings import DetectSettings
     from labcal.run.executor import open_executor
@@ -71,7 +71,7 @@ def measure(
     opened = open_pictures(pictures)
     shown = opened.target(target)
     with open_executor(workers) as executor:
-        return measure_pictures(opened.sources, shown, executor, receiver, curve, how)
+        return measure_sources(opened.sources, shown, executor, receiver, curve, how)
 
 
 def detect(
@@ -87,7 +87,7 @@ def detect(
     Parameters
     ----------
     pictures, target, settings, tone_curve, workers, progress
-        As of :func:`measure`, which tells of each picture by itself.
+        As of :func:`measure_pictures`, which tells of each picture by itself.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def detect(
     Raises
     ------
     InputError
-        As of :func:`measure`; or no picture could be read at all.
+        As of :func:`measure_pictures`; or no picture could be read at all.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def detect(
     """
     from labcal.correspond.measure import detections_of
 
-    return detections_of(measure(pictures, target, settings, tone_curve, workers, progress))
+    return detections_of(measure_pictures(pictures, target, settings, tone_curve, workers, progress))
 
 
 def inspect(
@@ -128,7 +128,7 @@ def inspect(
     Parameters
     ----------
     pictures, target, settings, workers, progress
-        As of :func:`measure`.
+        As of :func:`measure_pictures`.
     page : path, optional
         A page to write, ``.html``, with all pictures and figures.
 
@@ -160,7 +160,7 @@ def inspect(
     opened, progress = open_pictures(pictures), progress_of(progress)
     output = claimed_page(page, opened.given, opened.sources)
     shown = opened.target(target)
-    measurements = measure(opened, shown, settings, workers=workers, progress=progress)
+    measurements = measure_pictures(opened, shown, settings, workers=workers, progress=progress)
     found = inspection(opened, measurements, shown, progress)
     if output is not None:
         from labcal.report.inspection_page import inspection_page

@@ -22,14 +22,15 @@ def convert(
     *,
     force: bool = False,
 ) -> "Conversion":
-    """Convert cameras, or detections, from and to the files of other systems.
+    """Convert cameras, or detections, from and to the files of other systems, and read tables of pixels.
 
     Parameters
     ----------
     inputs : path or sequence of paths
         A file, one a camera, or a folder.
     output : path
-        File to write; of COLMAP, a folder. Its ending tells cameras from detections (``.csv``, ``.vnl``).
+        File to write; of COLMAP, a folder. Its ending tells cameras from detections (``.csv``, ``.vnl``);
+        tables of pixels are named by `from_format`, and become a ``pixels.csv``.
     settings : ConvertSettings, optional
     force : bool
         Replace what labcal wrote there.
@@ -58,6 +59,7 @@ def convert(
     """
     from labcal.cameras.interop.conversion import ConvertSettings, convert_cameras
     from labcal.correspond.interop.conversion import convert_detections, is_of_detections
+    from labcal.correspond.interop.pixels.conversion import convert_pixels, is_of_pixels, require_known_format
     from labcal.correspond.paths_read import paths_read
 
     given = [inputs] if isinstance(inputs, str) or not isinstance(inputs, Sequence) else inputs
@@ -65,6 +67,9 @@ def convert(
     settings, force = settings_of(settings, ConvertSettings), truth_value(force, "force")
     if not paths:
         raise InputError("No file is given. Give `inputs`: a file, one a camera, or a folder.")
+    require_known_format(settings)
+    if is_of_pixels(settings):
+        return convert_pixels(paths, place, settings, paths_read(paths), force=force)
     converted = convert_detections if is_of_detections([*paths, place]) else convert_cameras
     return converted(paths, place, settings, paths_read([*paths, settings.target]), force=force)
 

@@ -3,17 +3,20 @@
 import os
 from collections.abc import Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from labcal.arguments import texts
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.dot_source import DotSource, open_dots
+from labcal.correspond.named_pixels import NamedPixels
+from labcal.correspond.named_pixels_csv import is_pixels
 from labcal.correspond.points import Points
 from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.named_points import measure
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
@@ -24,38 +27,76 @@ from labcal.targets.target import Target
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
+    from labcal.reconstruct.measure_settings import MeasureSettings
+    from labcal.reconstruct.named_reconstruction import NamedReconstruction
     from labcal.reconstruct.reconstruction import Reconstruction
     from labcal.report.page.output import PageOutput
 
 
+@overload
 def reconstruct(
     model: Model | Rig | AnyPath,
-    detections: Detections | Shoot | AnyPath,
+    detections: NamedPixels,
     target: Target | AnyPath | None = None,
     progress: Progress | None = None,
-) -> "Reconstruction":
-    """Return the points of all dots that every camera measured.
+    settings: "MeasureSettings | None" = None,
+) -> "NamedReconstruction": ...
+
+
+@overload
+def reconstruct(
+    model: Model | Rig | AnyPath,
+    detections: Detections | Shoot,
+    target: Target | AnyPath | None = None,
+    progress: Progress | None = None,
+    settings: "MeasureSettings | None" = None,
+) -> "Reconstruction": ...
+
+
+@overload
+def reconstruct(
+    model: Model | Rig | AnyPath,
+    detections: AnyPath,
+    target: Target | AnyPath | None = None,
+    progress: Progress | None = None,
+    settings: "MeasureSettings | None" = None,
+) -> "Reconstruction | NamedReconstruction": ...
+
+
+def reconstruct(
+    model: Model | Rig | AnyPath,
+    detections: Detections | NamedPixels | Shoot | AnyPath,
+    target: Target | AnyPath | None = None,
+    progress: Progress | None = None,
+    settings: "MeasureSettings | None" = None,
+) -> "Reconstruction | NamedReconstruction":
+    """Return the points of all dots that every camera measured, or those of named pixels.
 
     Parameters
     ----------
     model : Model, Rig or path
         A fitted method or cameras, or the file of them.
-    detections : Detections, Shoot or path
-        Dots, or the table of them; or a shoot or its folder, in whose pictures they are found.
+    detections : Detections, NamedPixels, Shoot or path
+        Dots, or the table of them; or a shoot or its folder, in whose pictures they are found. Named pixels,
+        or the table of them, are reconstructed as by :func:`measure`.
     target : Target or str, optional
-        What the dots are of, so that centroids give centres; a shoot brings its own.
+        What the dots are of, so that centroids give centres; a shoot brings its own. With named pixels, the
+        target that lies in the frame.
     progress : Progress, optional
         Of the detection.
+    settings : MeasureSettings, optional
+        Of named pixels alone.
 
     Returns
     -------
-    Reconstruction
+    Reconstruction or NamedReconstruction
         Points in mm with covariances and flags, and warnings.
 
     Raises
     ------
     InputError
-        As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`.
+        As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`, or of :func:`measure`; or
+        settings are given that go with named pixels.
 
     Examples
     --------
@@ -66,6 +107,22 @@ def reconstruct(
     >>> found.warnings
     ()
     """
+    if isinstance(detections, NamedPixels):
+        return measure(model, detections, target, settings)
+    if isinstance(detections, str | os.PathLike) and is_pixels(detections):
+        return measure(model, as_path(detections), target, settings)
+    if settings is not None:
+        raise InputError("`settings` go with named pixels, not with dots of a target. Leave them out.")
+    return _of_dots(model, detections, target, progress)
+
+
+def _of_dots(
+    model: Model | Rig | AnyPath,
+    detections: Detections | Shoot | AnyPath,
+    target: Target | AnyPath | None,
+    progress: Progress | None,
+) -> "Reconstruction":
+    """Return the points of dots; as :func:`reconstruct`."""
     from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 

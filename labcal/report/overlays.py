@@ -26,7 +26,7 @@ def write_overlays(
     folder : path
         The folder to appear.
     measurements : sequence of Measurement
-        As :func:`labcal.pipeline.measure` returns them; their pictures are read again.
+        As :func:`labcal.pipeline.measure_pictures` returns them; their pictures are read again.
     target : AnyTarget
         What the pictures show.
     force : bool
@@ -42,7 +42,7 @@ def write_overlays(
     >>> from pathlib import Path
     >>> from labcal import examples, pipeline
     >>> shoot = examples.shoot("shoot", views=1)
-    >>> pipeline.write_overlays("overlays", pipeline.measure(shoot), shoot.target)
+    >>> pipeline.write_overlays("overlays", pipeline.measure_pictures(shoot), shoot.target)
     >>> sorted(path.name for path in Path("overlays").glob("*.png"))
     ['hand-0_left.png', 'hand-0_right.png']
     """

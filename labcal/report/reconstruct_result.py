@@ -3,6 +3,7 @@
 from collections import Counter
 from dataclasses import dataclass
 from math import isfinite
+from typing import Protocol, runtime_checkable
 
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.triangulation_check import TriangulationCheck
@@ -57,26 +58,49 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,
         expected_assumed=None if check is None else check.assumed,
-        inconsistent=_inconsistent(model, check),
+        inconsistent=inconsistent_points(model, check),
         warnings=list(found.warnings),
     )
 
 
 def reconstruct_words(result: ReconstructResult) -> str:
     """Return the document for people."""
-    words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items())
-    if result.triangulation_rms_px is not None:
-        words += f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
-        words += "at most some" if result.expected_assumed else "expected"
-        words += f" {result.expected_px:.4f} px"
-        if result.expected_assumed:
-            words += " by assumption, since these cameras do not state their calibration's residuals"
+    words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
     if result.centre_bias_px is not None:
         words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
     return f"{result.file}: {words}."
 
 
-def _inconsistent(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:
+@runtime_checkable  # so that tests can check annotations
+class ResidualFigures(Protocol):
+    """The triangulation residual of a result, and what is expected of it; None without cameras."""
+
+    @property
+    def triangulation_rms_px(self) -> float | None:
+        """RMS triangulation residual, px."""
+
+    @property
+    def expected_px(self) -> float | None:
+        """Its expected value, px."""
+
+    @property
+    def expected_assumed(self) -> bool | None:
+        """True if the calibration's part of that is assumed."""
+
+
+def residual_words(result: ResidualFigures) -> str:
+    """Return the triangulation residual beside what is expected, for people; nothing without cameras."""
+    if result.triangulation_rms_px is None:
+        return ""
+    words = f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
+    words += "at most some" if result.expected_assumed else "expected"
+    words += f" {result.expected_px:.4f} px"
+    if result.expected_assumed:
+        words += " by assumption, since these cameras do not state their calibration's residuals"
+    return words
+
+
+def inconsistent_points(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:
     """Return what speaks against the points; None where nothing does."""
     causes = [] if model.calibration is None else list(model.calibration.inconsistent)
     views = [] if check is None else list(check.views)

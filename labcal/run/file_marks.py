@@ -129,5 +129,7 @@ TEXT_COMMENT = TextMark()
 """One of these two."""
 VNL_COMMENT = DigestMark(lambda text: b"## " + text + b"\n", lambda _: 0)
 """The first line: with one ``#`` it would be the names of the columns."""
+PLY_COMMENT = DigestMark(lambda text: b"comment " + text + b"\n", lambda content: content.find(b"element "))
+"""A comment of the header, before the elements."""
 JSON_KEY = DigestMark(lambda text: b'"mark": "' + text + b'",\n  ', lambda content: content.find(b'"'))
 """The first key of an object."""

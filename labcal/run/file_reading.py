@@ -17,6 +17,7 @@ MOST_OF_A_TABLE = 2**27
 """Bytes of a CSV file: a million dots."""
 
 _PIECE = 2**20
+_FIRST_LINE = 256
 """Bytes read at a time beyond the size that a file states: it may be growing, or state none."""
 _BEGINNING = 1024
 _BEGINNINGS = {
@@ -65,6 +66,17 @@ def require_file(path: Path, what: str, most: int) -> None:
         if isinstance(error, InputError):
             raise
         raise InputError(f"The {what} cannot be read: its name is none of a file ({error}).") from error
+
+
+def first_line(path: Path) -> bytes:
+    """Return the beginning of a file's first line, which shows its kind; nothing of what is no file."""
+    if not path.is_file():  # a pipe would wait for ever
+        return b""
+    try:
+        with path.open("rb") as file:
+            return file.readline(_FIRST_LINE).removeprefix(codecs.BOM_UTF8).strip()
+    except OSError:
+        return b""
 
 
 def read_bytes(path: Path, what: str, most: int) -> bytes:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from labcal.errors import InputError
+from labcal.run.file_reading import MOST_OF_A_TABLE
 from labcal.run.tables import damaged_line, read_table
 from labcal.wording import clipped
 
@@ -44,9 +45,9 @@ class TableLines:
         """Return the cells of a column."""
         return self._columns[self.header.index(name)]
 
-    def figures(self, names: Sequence[str]) -> Float64[np.ndarray, "n columns"]:
-        """Return columns of numbers; NaN at a fault."""
-        return np.stack([self._numbers(name, float, np.nan) for name in names], axis=1)
+    def figures(self, names: Sequence[str], empty: str | None = None) -> Float64[np.ndarray, "n columns"]:
+        """Return columns of numbers, with a substitute for empty cells; NaN at a fault."""
+        return np.stack([self._numbers(name, float, np.nan, empty) for name in names], axis=1)
 
     def whole(self, names: Sequence[str], empty: str | None = None) -> Int64[np.ndarray, "n columns"]:
         """Return columns of whole numbers, with a substitute for empty cells; -1 at a fault."""
@@ -97,9 +98,11 @@ def _whole(cell: str) -> int:
     return value
 
 
-def table_parts(header: Sequence[str], what: str, path: Path) -> Iterator[TableLines]:
+def table_parts(
+    header: Sequence[str], what: str, path: Path, most: int = MOST_OF_A_TABLE
+) -> Iterator[TableLines]:
     """Yield the lines of a table, many at a time; parameters and errors are those of :func:`read_table`."""
-    lines = read_table(header, what, path)
+    lines = read_table(header, what, path, most)
     first = 0
     while part := list(_until_bad(lines, _TOGETHER)):
         good = [line for line in part if not isinstance(line, InputError)]
@@ -116,6 +119,13 @@ def _until_bad(lines: Iterator[list[str]], most: int) -> Iterator[list[str] | In
         yield from islice(lines, most)
     except InputError as error:
         yield error
+
+
+def numbers_of_names(names: Sequence[str], known: dict[str, int]) -> Int64[np.ndarray, " n"]:
+    """Return the number of every name; names that are not known yet get the next ones."""
+    for name in dict.fromkeys(names):
+        known.setdefault(name, len(known))
+    return np.fromiter(map(known.__getitem__, names), dtype=np.int64, count=len(names))
 
 
 def names_of_lines(path: Path, names: Sequence[str], lines: Int64[np.ndarray, " n"]) -> np.ndarray:

@@ -36,6 +36,27 @@ def table_text(header: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
+def columns_text(header: Sequence[str], parts: Iterable[Sequence[Sequence[object]]]) -> str:
+    """Return the text of a table as :func:`table_text` does, from columns of many lines.
+
+    Parameters
+    ----------
+    header : sequence of str
+    parts : iterable of sequences of columns
+        Some lines each: a column is a list of texts, or one of numbers of Python's.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    for columns in parts:
+        cells = [
+            list(map(_cell, column)) if column and isinstance(column[0], str) else column
+            for column in columns
+        ]
+        writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
+    return text.getvalue()
+
+
 def _cell(value: object) -> object:
     """Return the text of a cell for a value."""
     if isinstance(value, float):
@@ -48,7 +69,9 @@ def _value(cell: str) -> str:
     return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
 
 
-def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[str]]:
+def read_table(
+    header: Sequence[str], what: str, path: Path, most: int = MOST_OF_A_TABLE
+) -> Iterator[list[str]]:
     """Yield the lines of a table after its header, as text; a damaged line raises when it is reached.
 
     A table may hold millions of lines, so that a reader should refuse a bad one when it has it in hand.
@@ -60,6 +83,8 @@ def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[st
     what : str
         What the table holds, for messages: ``"detections"``.
     path : Path
+    most : int
+        Bytes that the file may have.
 
     Yields
     ------
@@ -72,7 +97,7 @@ def read_table(header: Sequence[str], what: str, path: Path) -> Iterator[list[st
         The file cannot be read, has other columns, more than :data:`MOST_LINES` lines, or a line of it has
         not as many cells.
     """
-    data = read_bytes(path, what, MOST_OF_A_TABLE)
+    data = read_bytes(path, what, most)
     number = -1
     marked = b"'" in data  # else no cell is marked as a text
     try:

@@ -47,6 +47,7 @@ def _formats() -> list[Job]:
 
 _RECONSTRUCT = ("reconstruct", "{file}", "{seeds}/detections.csv", "-o", "out.csv")
 _RIG = ("reconstruct", "{seeds}/rig.json", "{file}", "-o", "out.csv")
+_MEASURE = ("measure", "{seeds}/rig.json", "{seeds}/pixels.csv", "-o", "out.csv")
 _TARGET = "{seeds}/target.yaml"
 
 JOBS: tuple[Job, ...] = (
@@ -107,6 +108,16 @@ JOBS: tuple[Job, ...] = (
     Job("size", "tone.csv", "text",
         ("convert", "{seeds}/corners.vnl", "out.csv", "--target", _TARGET, "--size", "{text}"), option=True,
         weight=1),
+    Job("pixels", "pixels.csv", "text", (*_MEASURE[:2], "{file}", *_MEASURE[3:]), "out.csv", 4),
+    Job("known points", "known.csv", "text",
+        (*_MEASURE, "--frame", "similarity:{file}"), "out.csv"),
+    Job("rig to measure", "rig.json", "json",
+        ("measure", "{file}", *_MEASURE[2:], "--frame", "points:0-0,5-0,0-4"), "out.csv"),
+    Job("deeplabcut", "dlc.csv", "text", ("convert", "{file}", "named.csv", "--from", "dlc")),
+    Job("tracks", "tracks.txt", "text", ("convert", "{file}", "named.csv", "--from", "colmap-tracks")),
+    Job("columns", "vic.csv", "text",
+        ("convert", "{file}", "named.csv", "--from", "columns", "--columns",
+         "sigma=sigma,left=x+u:y+v,right=x+q:y+r")),
     Job("tone curve", "tone.csv", "text",
         ("detect", "{seeds}/p.png", "--target", _TARGET, "--tone-curve", "{file}", "--workers", "1",
          "-o", "out.csv")),

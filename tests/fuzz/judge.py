@@ -101,12 +101,15 @@ def _pose(name: str, T: list[list[float]]) -> list[str]:
     return [f"{name}: placed nowhere"] if far else []
 
 
+_NOWHERE = {"no-solution", "too-few-cameras", "outside-picture"}
+
+
 def _points(lines: list[dict[str, str]]) -> list[str]:
-    keys = [(line["view"], line["col"], line["row"]) for line in lines]
+    keys = [(line["view"], line.get("point"), line.get("col"), line.get("row")) for line in lines]
     faults = ["the same dot twice"] if len(set(keys)) < len(keys) else []
     for line in lines:
         place = [float(line[key]) for key in ("X_mm", "Y_mm", "Z_mm")]
-        if line["flag"] != "no-solution" and not all(abs(value) <= 1e10 for value in place):
+        if line["flag"] not in _NOWHERE and not all(abs(value) <= 1e10 for value in place):
             return [*faults, f"a point at {place} is {line['flag']}"]
         variances = [float(line[key]) for key in ("cov_xx", "cov_yy", "cov_zz")]
         if any(value < 0 or math.isinf(value) for value in variances):

@@ -15,6 +15,8 @@ from labcal.cameras.window import FlatWindow
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import detections_csv
 from labcal.correspond.interop.corners_vnl import corners_text
+from labcal.correspond.named_pixels import NamedPixels
+from labcal.correspond.named_pixels_csv import pixels_csv
 from labcal.correspond.points_csv import points_csv
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.model import Model, TrainingBox
@@ -202,6 +204,22 @@ def _pictures(home: Path) -> None:
     write_exr(home / "p.exr", grey.astype(np.float32) / 255.0, {"labcal:picture": "{}"}, force=True)
 
 
+def _named(home: Path, detections: Detections) -> None:
+    """Write named pixels, the points that determine a frame, and tables of pixels of other programs."""
+    few = detections.where((detections.view == detections.view[0]) & detections.ok)
+    names = [f"{col}-{row}" for col, row in few.index.tolist()]
+    pixels = NamedPixels(few.view, few.camera, names, few.position, few.covariance)
+    (home / "pixels.csv").write_text(pixels_csv(pixels), encoding="utf-8")
+    lines = [f"{col}-{row},{20 * col},{20 * row},0,0.01" for col, row in ((0, 0), (5, 0), (0, 4), (5, 4))]
+    known = "\n".join(["point,X_mm,Y_mm,Z_mm,sigma_mm", *lines]) + "\n"
+    dlc = "scorer,a,a,a\nbodyparts,paw,paw,paw\ncoords,x,y,likelihood\n0,10.5,20.5,0.9\n1,11.5,21.5,0.8\n"
+    tracks = "# IMAGE_ID\n1 1 0 0 0 0 0 0 1 a_left.png\n100.5 50.5 7 3 4 -1 20.25 30.5 9\n"
+    vic = '"sigma", "x", "y", "u", "v", "q", "r"\n0.01, 100, 50, 0.25, 0.5, -40.5, 1.25\n'
+    texts = {"known.csv": known, "dlc.csv": dlc, "tracks.txt": tracks, "vic.csv": vic}
+    for name, text in texts.items():
+        (home / name).write_text(text, encoding="utf-8")
+
+
 def make_seeds(home: Path) -> Path:
     """Write all seeds into a new folder and return it."""
     home.mkdir(parents=True)
@@ -242,6 +260,7 @@ def make_seeds(home: Path) -> Path:
     (home / "corners.vnl").write_text(corners_text(detections, TARGET).text, encoding="utf-8")
     points = reconstruct_points(rig, detections, TARGET)
     (home / "points.csv").write_text(points_csv(points), encoding="utf-8")
+    _named(home, detections)
     n = TARGET.count
     places = DotPlaces.of(
         TARGET, TARGET.points(), np.tile(1e-6 * np.eye(3), (n, 1, 1)), np.full(n, 5), np.ones(n, dtype=bool)

@@ -68,6 +68,7 @@ VERBS = {
     ),
     "reconstruct": Verb(("reconstruct", "model", "dots.csv"), ("dots.csv",), ".csv"),
     "reconstruct by a rig": Verb(("reconstruct", "rig.json", "held.csv"), ("rig.json",), ".csv"),
+    "measure": Verb(("measure", "rig.json", "pixels.csv"), ("pixels.csv",), ".csv"),
     "convert": Verb(("convert", "rig.json", "--to", "opencv"), ("rig.json",), ".yml", ""),
     "convert to a folder": Verb(("convert", "rig.json", "--to", "colmap"), ("rig.json",), "", ""),
     "convert detections": Verb(
@@ -108,6 +109,8 @@ def originals(labcal: Run, stage: Path, handheld: Path, stage_dots: Path, handhe
     ]
     sets = [word for one in (*small, "spp=1") for word in ("--set", one)]
     (home / "scene.yaml").write_text(to_json(labcal("scene", "show", "webcam-plane", *sets).document))
+    pixels = "".join(f"v,{camera},a,100,90,0.01,0,0.01\n" for camera in ("left", "right"))
+    (home / "pixels.csv").write_text(f"view,camera,point,x_px,y_px,var_xx,var_xy,var_yy\n{pixels}")
     (home / "thesis.txt").write_text("years of work")
     (home / "mine").mkdir()
     (home / "mine" / "thesis.txt").write_text("years of work")

@@ -263,7 +263,7 @@ def test_what_is_no_argument_of_the_chain_is_refused(home: Path) -> None:
                 call(given)
     for given in (3, b"x", [], {}, examples.rig(), type(target)):
         with pytest.raises(InputTypeError, match="A target is"):
-            pipeline.measure("shoot", given)  # type: ignore[arg-type]
+            pipeline.measure_pictures("shoot", given)  # type: ignore[arg-type]
     for call in (pipeline.detections_of, pipeline.detect_settings):
         for given in (3, b"x", [3], [None]):
             refused(call, given)

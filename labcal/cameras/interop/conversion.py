@@ -51,6 +51,10 @@ class ConvertSettings:
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
     """Of OpenCV's files with four coefficients that do not state it: ``brown5`` or ``fisheye-kb4``."""
+    columns: str | None = None
+    """Of tables of pixels without a fixed form: ``point=id,left=x+u:y+v,right=x+q:y+r``; ``+`` adds."""
+    likelihood: float | None = None
+    """Of DeepLabCut's tables: least likelihood of a pixel that is used; 0.6 if left out."""
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -61,13 +65,15 @@ class ConvertSettings:
             One is of a wrong type, or there is no such size or unit.
         """
         values: dict[str, object] = {"only": texts(self.only, "only")}
-        for name in ("from_format", "to_format", "unit", "lens"):
+        for name in ("from_format", "to_format", "unit", "lens", "columns"):
             given = getattr(self, name)
             values[name] = None if given is None else one_text(given, name)
         if self.target is not None:
             values["target"] = as_text(self.target)
         if self.size is not None:
             values["size"] = _picture_size(self.size)
+        if self.likelihood is not None:
+            values["likelihood"] = _likelihood(self.likelihood)
         _unit(self.unit)
         set_checked(self, values)
 
@@ -149,6 +155,7 @@ def convert_cameras(
     """
     paths, output = [as_path(one) for one in inputs], as_path(output)
     settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
+    settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with cameras")
     to_format = settings.to_format
     wanted = format_by_name(to_format) if to_format else format_to_write(output)
     given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens)
@@ -186,6 +193,15 @@ def _picture_size(given: object) -> tuple[int, int]:
     if max(width, height) > LONGEST_SIDE_PX:
         raise InputError(f"`size` is at most {LONGEST_SIDE_PX} px a side, but {width} x {height} was given.")
     return (width, height)
+
+
+def _likelihood(given: object) -> float:
+    """Return a likelihood, 0 to 1."""
+    if isinstance(given, bool) or not hasattr(given, "__float__"):
+        raise wrong_type(given, "a number from 0 to 1", "likelihood")
+    if not 0.0 <= float(given) <= 1.0:
+        raise InputError(f"`likelihood` is a number from 0 to 1, but {float(given):g} was given.")
+    return float(given)
 
 
 def _unit(name: str | None) -> Unit | None:

@@ -68,6 +68,7 @@ def convert_detections(
             "these endings."
         )
     settings.refuse(("from_format", "to_format", "unit", "lens"), "goes with cameras, not with detections")
+    settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with detections")
     beside = ("cameras", "size") if ends[0] == TABLE else ("only",)
     settings.refuse(beside, f"does not apply to {ends[0]} as input")
     if settings.target is None:

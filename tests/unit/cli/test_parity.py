@@ -20,7 +20,8 @@ SETTINGS: dict[str, tuple[type, ...]] = {
     "detect": (),
     "calibrate": (pipeline.HandheldSettings,),
     "fit": (pipeline.FitSettings,),
-    "reconstruct": (),
+    "reconstruct": (pipeline.MeasureSettings,),
+    "measure": (pipeline.MeasureSettings,),
     "evaluate": (),
     "convert": (pipeline.ConvertSettings,),
     "undistort": (pipeline.UndistortSettings,),
@@ -34,6 +35,7 @@ CAMERAS: Place = (pipeline.open_pictures, "cameras")
 CHANGES: Place = (pipeline.detect_settings, "words")
 WORKERS: Place = (pipeline.detect, "workers")
 TARGET: Place = (labcal.Shoot.showing, "target")
+PLY: dict[str, Place | str] = {"ply": (labcal.write_ply, "path"), "encoding": (labcal.write_ply, "encoding")}
 ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "render": {"output": "folder"},
     "inspect": {
@@ -73,6 +75,13 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "method": (labcal.load_model, "method"),
         "output": (labcal.Points.save, "path"),
         "force": (labcal.Points.save, "force"),
+        **PLY,
+    },
+    "measure": {
+        "method": (labcal.load_model, "method"),
+        "output": (labcal.NamedPoints.save, "path"),
+        "force": (labcal.NamedPoints.save, "force"),
+        **PLY,
     },
     "evaluate": {
         "shoot": "source",

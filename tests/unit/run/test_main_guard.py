@@ -45,8 +45,8 @@ def run(*words: str, text: str | None = None) -> subprocess.CompletedProcess[str
             "from labcal.correspond.picture_set import PictureSet\n"
             "from labcal.correspond.sources import Source\n"
             "from labcal.targets.catalogue import load_target\n"
-            "from labcal.pipeline import measure",
-            "measure(PictureSet((Source('a', 'b', 'c.png', None),) * 3, None, 'c.png', ()), "
+            "from labcal.pipeline import measure_pictures",
+            "measure_pictures(PictureSet((Source('a', 'b', 'c.png', None),) * 3, None, 'c.png', ()), "
             "load_target('paper-13x10'), workers=2)",
             marks=pytest.mark.slow,
         ),

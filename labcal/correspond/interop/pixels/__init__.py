@@ -1,0 +1,1 @@
+"""Tables of named pixels of other programs, one file a format."""

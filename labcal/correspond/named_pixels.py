@@ -1,0 +1,177 @@
+"""Pixels of points that are not a target's: each has a name, by which cameras agree on it."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from labcal.arrays import AnyArray, float_array, kept, lines_array, text_array
+from labcal.paths import AnyPath
+from labcal.public_object import HtmlTable, PublicObject
+from labcal.run.table_columns import numbers_of_names
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class NamedPixels(PublicObject):
+    """Named pixels in columns of equal length: a line for each point in each picture that shows it.
+
+    The same name in two cameras of a view is the same point. Whoever finds pixels (coded markers, plain dots,
+    a correlation or tracking program) hands them on in this form. Columns may be given as anything that NumPy
+    takes; two tables are equal where all their lines are, in their order.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A column has another length or shape than its lines need, or elements of another type.
+
+    Examples
+    --------
+    >>> from labcal import NamedPixels
+    >>> NamedPixels(["v", "v"], ["left", "right"], ["corner", "corner"], [[401.2, 233.7], [350.9, 231.0]])
+    NamedPixels(views=1, cameras=['left', 'right'], points=1, pixels=2, with_covariance=0)
+    """
+
+    view: np.ndarray
+    """(n,) of str"""
+    camera: np.ndarray
+    """(n,) of str"""
+    point: np.ndarray
+    """(n,) of str, the name of the point."""
+    position: Float64[np.ndarray, "n 2"]
+    """Px; NaN where not measured."""
+    covariance: Float64[np.ndarray, "n 2 2"]
+    """Of `position`, px squared; NaN where it is not known."""
+
+    def __init__(
+        self,
+        view: AnyArray,
+        camera: AnyArray,
+        point: AnyArray,
+        position: AnyArray,
+        covariance: AnyArray | None = None,
+    ) -> None:
+        n = np.shape(np.asarray(view))[:1]
+        unknown = np.full((*n, 2, 2), np.nan)
+        columns = {
+            "view": text_array(view, n, "view"),
+            "camera": text_array(camera, n, "camera"),
+            "point": text_array(point, n, "point"),
+            "position": float_array(position, (*n, 2), "position"),
+            "covariance": float_array(
+                unknown if covariance is None else covariance, (*n, 2, 2), "covariance"
+            ),
+        }
+        for name, column in columns.items():
+            object.__setattr__(self, name, kept(column))
+
+    def __len__(self) -> int:
+        return len(self.view)
+
+    @cached_property
+    def cameras(self) -> tuple[str, ...]:
+        """Names of the cameras, in order of appearance."""
+        return tuple(dict.fromkeys(self.camera.tolist()))
+
+    @cached_property
+    def views(self) -> tuple[str, ...]:
+        """Names of the views, in order of appearance."""
+        return tuple(dict.fromkeys(self.view.tolist()))
+
+    @cached_property
+    def view_number(self) -> Int64[np.ndarray, " n"]:
+        """Of each line, the place of its view among :attr:`views`."""
+        return numbered(self.view)
+
+    @cached_property
+    def point_number(self) -> Int64[np.ndarray, " n"]:
+        """Of each line, the place of its point among the names of points, in order of appearance."""
+        return numbered(self.point)
+
+    @property
+    def has_covariance(self) -> Bool[np.ndarray, " n"]:
+        """The lines whose covariance is known."""
+        return np.asarray(~np.isnan(self.covariance).any(axis=(1, 2)))
+
+    def where(self, mask: AnyArray) -> "NamedPixels":
+        """Return the lines where the mask holds, or those of some numbers.
+
+        Parameters
+        ----------
+        mask : array_like of bool, shape (n,), or of int
+            A truth value for each line, or the numbers of those that are wanted, in that order.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            It has another length, or is made of something else.
+        """
+        mask = lines_array(mask, len(self), "mask")
+        return NamedPixels(
+            self.view[mask], self.camera[mask], self.point[mask], self.position[mask], self.covariance[mask]
+        )
+
+    @classmethod
+    def load(cls, path: AnyPath) -> "NamedPixels":
+        """Read ``pixels.csv``; as :func:`labcal.read_pixels`, which lists its errors."""
+        from labcal.correspond.named_pixels_csv import read_pixels  # noqa: PLC0415 -- it makes this class
+
+        return read_pixels(path)
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write ``pixels.csv``; as :func:`labcal.write_pixels`, which lists its errors.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from labcal import NamedPixels, examples
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     examples.pixels().save(f"{folder}/pixels.csv")
+        ...     NamedPixels.load(f"{folder}/pixels.csv") == examples.pixels()
+        True
+        """
+        from labcal.correspond.named_pixels_csv import write_pixels  # noqa: PLC0415 -- as above
+
+        write_pixels(path, self, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the table with the columns of ``pixels.csv``.
+
+        Raises
+        ------
+        DeviceError
+            pandas is not installed.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> examples.pixels().to_pandas().columns[:5].tolist()
+        ['view', 'camera', 'point', 'x_px', 'y_px']
+        """
+        from labcal.correspond.named_dataframes import pixels_frame  # noqa: PLC0415 -- pandas is optional
+
+        return pixels_frame(self)
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "views": len(self.views),
+            "cameras": list(self.cameras),
+            "points": len(dict.fromkeys(self.point.tolist())),
+            "pixels": len(self),
+            "with_covariance": int(self.has_covariance.sum()),
+        }
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        counts = Counter(self.camera.tolist())
+        return [HtmlTable(("camera", "pixels"), [[name, str(n)] for name, n in counts.items()])]
+
+
+def numbered(names: np.ndarray) -> Int64[np.ndarray, " n"]:
+    """Return of each name its place among the names, in order of appearance."""
+    return numbers_of_names(names.tolist(), {})

@@ -1,0 +1,128 @@
+"""A frame in the world of a rig, with its covariance, and points brought into it."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Matrix3, PointCovariances, Vectors3
+from labcal.correspond.named_points import NamedPoints
+from labcal.geometry.cross_matrices import cross_matrices
+
+
+class FrameKind(StrEnum):
+    """Ways to name a frame."""
+
+    POINTS = "points"
+    """By three points: the origin, one on the x axis, one in the plane of x and y."""
+    BOARD = "board"
+    """By a target that lies in it: the target's own frame."""
+    RIGID = "rigid"
+    """By known points; rotation and translation are fitted."""
+    SIMILARITY = "similarity"
+    """By known points; rotation, translation and scale are fitted."""
+
+
+_FREE = np.tri(3, k=-1)
+"""Coordinates of the three points of `POINTS` that are not 0 by decree."""
+
+
+@dataclass(frozen=True)
+class FittedFrame:
+    """A frame b: a point of the model's world a has there the coordinates ``scale R_ba p_a + t_ba``.
+
+    Its parameters are the rotation vector that turns points in b further (radians), the translation (mm) and,
+    of a similarity, the logarithm of the scale.
+    """
+
+    kind: FrameKind
+    view: str
+    """The view whose points determine it."""
+    names: tuple[str, ...]
+    """Names of the points that determine it; of a board, its dots."""
+    R_ba: Matrix3
+    t_ba: Float64[np.ndarray, "3"]
+    scale: float
+    slopes: Float64[np.ndarray, "n parameters 3"]
+    """Derivatives of the parameters by the coordinates of these points in a."""
+    covariance: PointCovariances
+    """(n, 3, 3), of these points in a, mm squared."""
+    known: Float64[np.ndarray, "parameters parameters"]
+    """Share of the known coordinates in the covariance of the parameters; 0 where they count as exact."""
+    middle: Float64[np.ndarray, "3"]
+    """Mean of these points in b, mm."""
+    residual: Vectors3
+    """(n, 3), of these points in b: measured minus known, mm, as far as they are known."""
+    sigma0: float | None
+    """Root of the residuals' chi-square over its degrees of freedom; None where none are left."""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def parameter_covariance(self) -> Float64[np.ndarray, "parameters parameters"]:
+        """Covariance of the parameters; the cameras count as exact."""
+        shares = self.slopes @ self.covariance @ self.slopes.swapaxes(1, 2)
+        return np.asarray(shares.sum(axis=0) + self.known)
+
+    @property
+    def place_covariance(self) -> Float64[np.ndarray, "3 3"]:
+        """Covariance of the frame's place in the middle of the points that determine it, mm squared."""
+        by_frame = by_parameters((self.middle - self.t_ba)[None], self.slopes.shape[1])[0]
+        return np.asarray(by_frame @ self.parameter_covariance @ by_frame.T)
+
+    @property
+    def rms_mm(self) -> float:
+        """Root mean square of the 3-D residuals, mm."""
+        return float(np.sqrt((self.residual**2).sum(axis=1).mean()))
+
+    def applied(self, points: NamedPoints) -> NamedPoints:
+        """Return points in this frame, with covariances that hold its own.
+
+        A point that determines the frame is correlated with it, which is counted: by three points, the origin
+        has no covariance, and the point on the x axis has one along this axis alone.
+        """
+        turned = self.scale * points.point @ self.R_ba.T
+        by_point = self.scale * self.R_ba
+        by_frame = by_parameters(turned, self.slopes.shape[1])
+        covariance = by_point @ points.covariance @ by_point.T
+        covariance += by_frame @ self.parameter_covariance @ by_frame.swapaxes(1, 2)
+        place = turned + self.t_ba
+        for row, at in self._own_rows(points):
+            covariance[row] = self._own_covariance(at, by_frame[row])
+            if self.kind is FrameKind.POINTS:  # but for rounding
+                place[row] *= _FREE[at]
+                covariance[row] *= np.outer(_FREE[at], _FREE[at])
+        covariance = 0.5 * (covariance + covariance.swapaxes(1, 2)) + 0.0
+        return NamedPoints(points.view, points.name, place + 0.0, covariance, points.flag)
+
+    def _own_rows(self, points: NamedPoints) -> list[tuple[int, int]]:
+        """Return the rows of the points that determine the frame, each with its place among them."""
+        if self.kind is FrameKind.BOARD:
+            return []
+        of_view = np.flatnonzero(points.view == self.view)
+        row = dict(zip(points.name[of_view].tolist(), of_view.tolist(), strict=True))
+        return [(row[name], at) for at, name in enumerate(self.names) if name in row]
+
+    def _own_covariance(
+        self, at: int, by_frame: Float64[np.ndarray, "3 parameters"]
+    ) -> Float64[np.ndarray, "3 3"]:
+        """Return the covariance of a point that determines the frame, as a sum that cannot cancel."""
+        by_points = by_frame @ self.slopes
+        by_points[at] += self.scale * self.R_ba
+        shares = by_points @ self.covariance @ by_points.swapaxes(1, 2)
+        return np.asarray(shares.sum(axis=0) + by_frame @ self.known @ by_frame.T)
+
+
+def by_parameters(turned: Vectors3, parameters: int) -> Float64[np.ndarray, "n 3 parameters"]:
+    """Return the derivatives of points in b by the parameters of a frame.
+
+    Parameters
+    ----------
+    turned : ndarray, shape (n, 3)
+        ``scale R_ba p_a``, mm.
+    parameters : int
+        6, or 7 with a scale.
+    """
+    moved = np.broadcast_to(np.eye(3), (len(turned), 3, 3))
+    every = np.concatenate([-cross_matrices(turned), moved, turned[:, :, None]], axis=2)
+    return np.asarray(every[:, :, :parameters])

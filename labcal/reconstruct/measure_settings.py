@@ -1,0 +1,67 @@
+"""Settings of a measurement of named points."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from labcal.arguments import one_text, set_checked, wrong_type
+from labcal.bounds import LONGEST_SIDE_PX
+from labcal.errors import InputError
+from labcal.wording import shown
+
+_LEAST_SIGMA_PX = 1e-9
+
+
+@dataclass(frozen=True)
+class MeasureSettings:
+    """Facts that named pixels do not state, and the frame that their points are wanted in.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> from labcal.pipeline import MeasureSettings, measure
+    >>> settings = MeasureSettings(frame="points:origin,right-corner,upper-corner")
+    >>> found = measure(examples.rig(), examples.pixels(), settings=settings)
+    >>> found.points.point[:2].round(1)
+    array([[  0.,   0.,   0.],
+           [100.,   0.,   0.]])
+    """
+
+    pixel_sigma: float | None = None
+    """Standard deviation of x and of y, px, of pixels that state no covariance; needed if there are such."""
+    frame: str | None = None
+    """Frame of the points: ``points:ORIGIN,ON-X,IN-PLANE`` (three names), ``board:detections.csv`` (of a
+    target that lies in it), ``rigid:known.csv`` or ``similarity:known.csv`` (columns point, X_mm, Y_mm, Z_mm
+    and, where known, sigma_mm); that of the model if left out."""
+    frame_view: str | None = None
+    """The view whose points or dots determine the frame, where several have them."""
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, or no standard deviation.
+        """
+        values: dict[str, object] = {}
+        for name in ("frame", "frame_view"):
+            given = getattr(self, name)
+            values[name] = None if given is None else one_text(given, name)
+        if self.pixel_sigma is not None:
+            values["pixel_sigma"] = _sigma(self.pixel_sigma)
+        if self.frame_view is not None and self.frame is None:
+            raise InputError("`frame_view` goes with a frame. Give `frame`, too, or leave it out.")
+        set_checked(self, values)
+
+
+def _sigma(given: object) -> float:
+    """Return a standard deviation, px."""
+    if isinstance(given, bool) or not hasattr(given, "__float__"):
+        raise wrong_type(given, "a number of px", "pixel_sigma")
+    sigma = float(given)
+    if not (isfinite(sigma) and _LEAST_SIGMA_PX <= sigma <= LONGEST_SIDE_PX):
+        raise InputError(
+            f"`pixel_sigma` is the standard deviation of a pixel's x and y, a positive number of px, but "
+            f"{shown(given)} was given."
+        )
+    return sigma

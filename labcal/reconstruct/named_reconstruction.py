@@ -1,0 +1,70 @@
+"""Result of a reconstruction of named points."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from labcal.calibrate.triangulation_check import TriangulationCheck
+from labcal.correspond.named_points import NamedPoints
+from labcal.paths import AnyPath
+from labcal.public_object import HtmlTable, PublicObject
+from labcal.reconstruct.frames.fitted_frame import FittedFrame
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NamedReconstruction(PublicObject):
+    """Named points, and what speaks for and against them.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.measure(examples.rig(), examples.pixels())
+    >>> found.points.flag.tolist()
+    ['ok', 'ok', 'ok', 'ok', 'ok']
+    >>> found.warnings
+    ()
+    """
+
+    points: NamedPoints
+    miss_px: float | None
+    """Median triangulation residual of points, px; infinite if their rays do not intersect; None if the model
+    has no cameras."""
+    check: TriangulationCheck | None
+    """Comparison of the residuals with the value expected from the calibration; None without cameras."""
+    frame: FittedFrame | None = None
+    """The frame that the points are in; None if it is that of the model."""
+    warnings: tuple[str, ...] = ()
+    """Warnings in words."""
+
+    def save(self, path: AnyPath, *, force: bool = False) -> None:
+        """Write the points as ``points.csv``, which :meth:`NamedPoints.load` reads.
+
+        Raises
+        ------
+        OutputError
+            The file exists and `force` is not set, or it cannot be written.
+        """
+        self.points.save(path, force=force)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the points as a table; as :meth:`NamedPoints.to_pandas`."""
+        return self.points.to_pandas()
+
+    def _html_tables(self) -> Sequence[HtmlTable]:
+        flags = Counter(self.points.flag.tolist())
+        return [
+            HtmlTable(("flag", "points"), [[flag, str(count)] for flag, count in flags.items()]),
+            HtmlTable(("warnings",), [[warning] for warning in self.warnings]),
+        ]
+
+    def _summary(self) -> Mapping[str, object]:
+        summary: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
+        if self.miss_px is not None:
+            summary["median_residual"] = f"{self.miss_px:.3g} px"
+        if self.frame is not None:
+            summary["frame"] = self.frame.kind.value
+        return {**summary, "warnings": len(self.warnings)}
