@@ -35,9 +35,9 @@ class CameraSigma:
     translation_mm: Float64[np.ndarray, "3"]
 
     @classmethod
-    def of(cls, adjusted: Adjusted, number: int) -> "CameraSigma":
+    def of(cls, adjusted: Adjusted, covariance: CameraCovariance, number: int) -> "CameraSigma":
         """Return those of one camera of an adjustment, by its number."""
-        sigma = np.sqrt(np.diagonal(adjusted.covariance))
+        sigma = np.sqrt(np.diagonal(covariance.covariance))
         lens = np.zeros(INTRINSICS + adjusted.state.cameras[number].model.coefficients)
         place = np.zeros(POSE)
         own, pose = adjusted.layout.lens[number], adjusted.layout.pose[number]

@@ -32,6 +32,12 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="MODULE:CLASS",
         help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
+    parser.add_argument(
+        "--budget",
+        choices=("full", "noise"),
+        help="sources of errors in the covariances of a rig's points: pixel noise and calibration (default, "
+        "if the rig states its covariance), or pixel noise alone",
+    )
     add_output(parser, "points.csv", "table of points to write")
     add_detector_settings(parser)
     add_workers(parser)
@@ -59,7 +65,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     target = given.target(arguments.target) if known else None
     # A shoot's dots are found by its own target, whatever they are then said to be of.
     detections = dots_given(given, None if given.shoot is None else given.shoot.target, arguments, session)
-    found = reconstruct(model, detections, target)
+    found = reconstruct(model, detections, target, budget=arguments.budget)
     write_file(arguments.output, points_csv(found.points), kind=KIND, force=arguments.force)
     result = reconstruct_result(arguments.output, model, found)
     for warning in found.warnings:

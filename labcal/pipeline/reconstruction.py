@@ -5,7 +5,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from labcal.arguments import texts
+from labcal.arguments import choice_of, texts
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.dot_source import DotSource, open_dots
@@ -24,6 +24,7 @@ from labcal.targets.target import Target
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
     from labcal.evaluate.own_lengths import LengthErrors
+    from labcal.reconstruct.point_budget import Budget
     from labcal.reconstruct.reconstruction import Reconstruction
     from labcal.report.page.output import PageOutput
 
@@ -33,6 +34,8 @@ def reconstruct(
     detections: Detections | Shoot | AnyPath,
     target: Target | AnyPath | None = None,
     progress: Progress | None = None,
+    *,
+    budget: "Budget | str | None" = None,
 ) -> "Reconstruction":
     """Return the points of all dots that every camera measured.
 
@@ -46,6 +49,9 @@ def reconstruct(
         What the dots are of, so that centroids give centres; a shoot brings its own.
     progress : Progress, optional
         Of the detection.
+    budget : {"full", "noise"}, optional
+        The sources of errors in the covariances of a rig's points: noise of the pixels and the calibration,
+        or the noise alone. If left out, all that the rig states: one of an older file states none.
 
     Returns
     -------
@@ -56,6 +62,8 @@ def reconstruct(
     ------
     InputError
         As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`.
+    UnknownNameError
+        There is no such budget.
 
     Examples
     --------
@@ -66,15 +74,17 @@ def reconstruct(
     >>> found.warnings
     ()
     """
+    from labcal.reconstruct.point_budget import Budget
     from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 
+    wanted = None if budget is None else choice_of(budget, Budget, "budget")
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     receiver = progress_of(progress)
     given = DotSource(None, detections) if isinstance(detections, Detections) else open_dots(detections)
     shown = None if target is None and given.shoot is None else _reconstructed_target(given, target)
     dots = dots_of(given.table, given.shoot, receiver)
-    found = reconstruct_centres(used, dots, shown)
+    found = reconstruct_centres(used, dots, shown, wanted)
     known = None if shown is None else shown.name
     return replace(found, warnings=reconstruction_warnings(used, dots, found, known))
 

@@ -41,6 +41,8 @@ class Adjusted:
     """Positions of parameters in `covariance`."""
     covariance: Float64[np.ndarray, "shared shared"]
     """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
+    spread: Float64[np.ndarray, "shared shared"]
+    """The same, with some very large variance for what the views leave open."""
     residual: Float64[np.ndarray, "n 2"]
     """Predicted minus measured, px."""
     eccentricity: Float64[np.ndarray, "n 2"]
@@ -158,6 +160,7 @@ class _Rounds:
             state=now.state,
             layout=end.layout,
             covariance=end.shared_covariance(),
+            spread=end.shared_spread(),
             residual=now.state.residuals(now.measured),
             eccentricity=now.eccentricity,
             outlier=now.aside,
