@@ -101,6 +101,16 @@ def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPl
     return shown_by(source)
 
 
+def _rig_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Rig | None:
+    """Return the rig, read where a path of one was given; None of anything else."""
+    from labcal.cameras.rig import read_rig
+    from labcal.estimators.model_file import ModelKind, model_kind
+
+    if isinstance(rig, str | os.PathLike):
+        return read_rig(as_path(rig)) if model_kind(as_path(rig)) is ModelKind.RIG else None
+    return rig if isinstance(rig, Rig) else None
+
+
 def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Collection[str] | None:
     """Return the views that points come from; None where they are not known."""
     from labcal.reconstruct.reconstruction import calibration_views
@@ -137,7 +147,8 @@ def evaluate(
         How the points are brought onto the truth; rigid for a target in the hand, else none.
     rig : Rig, Model, path or collection of str, optional
         What the points were reconstructed with, or the views that it was calibrated from: these are not
-        scored, or are said to be.
+        scored, or are said to be. With a rig and detections, the coverage after a rigid alignment is that of
+        what the alignment leaves of the calibration's errors.
     page : path, optional
         A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
@@ -216,7 +227,7 @@ def _errors(
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):
         dots = None if detections is None else dots_of(detections, None)
-        return errors_against_truth(found, shown, dots, alignment, learned)
+        return errors_against_truth(found, shown, dots, alignment, learned, _rig_of(rig))
     if learned is None:
         found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
     return errors_of_lengths(found, shown.target, learned)

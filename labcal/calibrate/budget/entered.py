@@ -10,6 +10,7 @@ from labcal.calibrate.adjustment.prior_term import LensPrior
 from labcal.calibrate.adjustment.problem import AdjustmentProblem, ViewsEliminated
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import Freedom, RigState
+from labcal.cameras.optics import INTRINSICS
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,13 @@ class Entered:
     def cameras(self) -> int:
         """Number of parameters of all cameras: lenses and poses."""
         return int(self.adjusted.layout.pose[-1].stop)
+
+    def prior_by_parameter(self) -> Float64[np.ndarray, " cameras"]:
+        """Return the inverse variances of the prior by parameter of the cameras, 0 where it has none."""
+        weights = np.zeros(self.cameras)
+        for own, weight in zip(self.adjusted.layout.lens, self.prior.weight, strict=False):
+            weights[own.start + INTRINSICS : own.stop] = weight
+        return weights
 
     def chi_square(self) -> float:
         """Return the sum of squared residuals in units of their variances."""

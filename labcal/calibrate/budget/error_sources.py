@@ -23,10 +23,14 @@ class ErrorSources:
     views : ViewDispersion
     print_share : PrintShare or None
         None where nothing was estimated, as of lenses that were kept.
+
+    prior : float64 array, (cameras,)
+        Inverse variances of the prior of lens coefficients by parameter, 0 elsewhere.
     """
 
     views: ViewDispersion
     print_share: PrintShare | None
+    prior: Float64[np.ndarray, " cameras"]
 
     @classmethod
     def of(cls, adjusted: Adjusted, observations: Observations, freed: FreedDots | None) -> "ErrorSources":
@@ -43,9 +47,9 @@ class ErrorSources:
         entered = Entered.of(adjusted, observations)
         fixed = adjusted.layout.freedom.lenses is Lenses.FIXED
         if fixed or entered.with_fixed_dots().reduced is None:
-            return cls(ViewDispersion(1.0, 0.0), None)
+            return cls(ViewDispersion(1.0, 0.0), None, np.zeros(entered.cameras))
         share = PrintShare.of_declared(entered) if freed is None else PrintShare.of_freed(entered, freed)
-        return cls(ViewDispersion.of(entered, share.residual), share)
+        return cls(ViewDispersion.of(entered, share.residual), share, entered.prior_by_parameter())
 
     @property
     def noise_factor(self) -> float:
@@ -60,7 +64,15 @@ class ErrorSources:
     def total(
         self, cameras: Float64[np.ndarray, "cameras cameras"]
     ) -> Float64[np.ndarray, "cameras cameras"]:
-        """Return the covariance of the cameras with all sources, of the one that noise as stated makes."""
+        """Return the covariance with all sources, of the one that noise as stated and the prior make.
+
+        Notes
+        -----
+        Of C = (H + P)^-1 with the information H of the dots and P of the prior, the factors are of the dots'
+        errors alone: C (f H + P) C = f C + (1 - f) C P C.
+        """
         if self.print_share is None:
             return cameras
-        return np.asarray(self.noise_factor * self.views.factor * cameras + self.print_share.covariance)
+        factor = self.noise_factor * self.views.factor
+        by_prior = (cameras * self.prior) @ cameras
+        return np.asarray(factor * cameras + (1.0 - factor) * by_prior + self.print_share.covariance)

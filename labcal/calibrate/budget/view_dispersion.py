@@ -51,21 +51,26 @@ class ViewDispersion:
         -----
         With the covariance C of the cameras, the score s of a view and its share A of the information, the
         expected value of s' C s is tr(C A) - tr(C A C A): the estimate follows each view by its leverage
-        C A. The same scores as a matrix are the sandwich covariance clustered by view (Liang and Zeger
+        C A. By chance it varies by 2 sum tr((C S_vw) (C S_wv)) over all pairs of views, with the covariance
+        S_vw of their scores: A_v - A_v C A_v of one, -A_v C A_w of two. The same scores as a matrix are the sandwich covariance clustered by view (Liang and Zeger
         1986); with some ten views and twenty parameters that matrix has no full rank, while its trace is
         known to a few tenths (docs/decisions, 2026-11-26).
         """
         C = entered.with_fixed_dots().shared_spread()
         expected, found, chance = 0.0, 0.0, 0.0
+        squares = np.zeros_like(C)
         for score, information in _views(entered):
             leverage = C @ information
-            left = leverage - leverage @ leverage
+            square = leverage @ leverage
+            left = leverage - square
             found += float(score @ C @ score)
             expected += float(np.trace(left))
-            chance += 2.0 * float((left * left.T).sum())
+            chance += float((left * left.T).sum() - (square * square.T).sum())
+            squares += square
+        variance = 2.0 * (chance + float((squares * squares.T).sum()))
         if not expected > 0.0 or not residual > 0.0:
             return cls(1.0, 0.0)
-        return cls(found / (residual * expected), float(np.sqrt(max(0.0, chance))) / expected)
+        return cls(found / (residual * expected), float(np.sqrt(max(0.0, variance))) / expected)
 
 
 def _views(
