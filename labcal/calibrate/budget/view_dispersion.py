@@ -50,11 +50,13 @@ class ViewDispersion:
         Notes
         -----
         With the covariance C of the cameras, the score s of a view and its share A of the information, the
-        expected value of s' C s is tr(C A) - tr(C A C A): the estimate follows each view by its leverage
-        C A. By chance it varies by 2 sum tr((C S_vw) (C S_wv)) over all pairs of views, with the covariance
-        S_vw of their scores: A_v - A_v C A_v of one, -A_v C A_w of two. The same scores as a matrix are the sandwich covariance clustered by view (Liang and Zeger
-        1986); with some ten views and twenty parameters that matrix has no full rank, while its trace is
-        known to a few tenths (docs/decisions, 2026-11-26).
+        expected value of s' C s is tr(C A) - tr(C A C A): each view is followed by its leverage C A. By chance
+        the sum varies by 2 sum tr((C S_vw) (C S_wv)) over all pairs of views, with the covariance S_vw of
+        their scores: A_v - A_v C A_v of one, -A_v C A_w of two.
+
+        The same scores as a matrix are the sandwich covariance clustered by view (Liang and Zeger 1986). With
+        some ten views and twenty parameters that matrix has no full rank, while its trace is known to a few
+        tenths (docs/decisions, 2026-11-26).
         """
         C = entered.with_fixed_dots().shared_spread()
         expected, found, chance = 0.0, 0.0, 0.0

@@ -81,7 +81,8 @@ def drawn(seed: int, print_mm: float, views: int, lens: str = "brown5") -> Simul
     n = 2 * views * len(dots)
     blank = Observations(
         np.repeat([0, 1], n // 2), np.tile(np.repeat(np.arange(views), len(dots)), 2),
-        np.tile(np.arange(len(dots)), 2 * views), np.zeros((n, 2)), np.tile(NOISE_PX**2 * np.eye(2), (n, 1, 1)),
+        np.tile(np.arange(len(dots)), 2 * views), np.zeros((n, 2)),
+        np.tile(NOISE_PX**2 * np.eye(2), (n, 1, 1)),
     )  # fmt: skip
     observations = replace(blank, q=truth.residuals(blank) + NOISE_PX * rng.standard_normal((n, 2)))
     known = tuple(
@@ -140,8 +141,8 @@ def test_views_of_a_right_lens_agree() -> None:
 
 
 def test_views_through_a_lens_that_is_too_simple_disagree() -> None:
-    found = [drawn(seed, 0.0, 8, "brown-k1k2").sources.views for seed in range(3)]
-    assert min((views.ratio - 1.0) / views.sigma for views in found) > 4.0
+    found = [drawn(seed, 0.0, 14, "brown-k1k2").sources.views for seed in range(2)]
+    assert min((views.ratio - 1.0) / views.sigma for views in found) > 5.0
     assert min(views.factor for views in found) > 2.0
 
 
