@@ -242,4 +242,5 @@ def _assemble(
         reason=adjusted.reason,
         residuals=RigResiduals.of(adjusted, whole.observations),
         covariance=covariance,
+        sources=sources,
     )

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.finding import Disagreement
+from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.camera_covariance import CameraCovariance
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
@@ -100,6 +101,8 @@ class HandheldCalibration:
     """Of all dots that entered, in the rig."""
     covariance: CameraCovariance
     """Of all cameras together."""
+    sources: ErrorSources
+    """What the covariance is made of."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

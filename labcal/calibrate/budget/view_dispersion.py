@@ -16,6 +16,9 @@ from labcal.calibrate.adjustment.state import Freedom, Layout
 from labcal.calibrate.budget.entered import Entered
 from labcal.optim.robust import SQUARES
 
+_CHANCE = 3.0
+"""Standard deviations of the ratio."""
+
 
 @dataclass(frozen=True)
 class ViewDispersion:
@@ -37,6 +40,11 @@ class ViewDispersion:
         """The factor of the covariance of the cameras: the ratio less its chance deviation, at least 1."""
         return max(1.0, self.ratio - self.sigma)
 
+    @property
+    def is_beyond_chance(self) -> bool:
+        """True if views disagree by more than chance explains but once in a thousand good sets."""
+        return self.ratio > 1.0 + _CHANCE * self.sigma
+
     @classmethod
     def of(cls, entered: Entered, residual: float) -> "ViewDispersion":
         """Return the dispersion of the views of an adjustment with free lenses.
@@ -50,9 +58,9 @@ class ViewDispersion:
         Notes
         -----
         With the covariance C of the cameras, the score s of a view and its share A of the information, the
-        expected value of s' C s is tr(C A) - tr(C A C A): each view is followed by its leverage C A. By chance
-        the sum varies by 2 sum tr((C S_vw) (C S_wv)) over all pairs of views, with the covariance S_vw of
-        their scores: A_v - A_v C A_v of one, -A_v C A_w of two.
+        expected value of s' C s is tr(C A) - tr(C A C A): each view is followed by its leverage C A.
+        By chance the sum varies by 2 sum tr((C S_vw) (C S_wv)) over all pairs of views, with the covariance
+        S_vw of their scores: A_v - A_v C A_v of one, -A_v C A_w of two.
 
         The same scores as a matrix are the sandwich covariance clustered by view (Liang and Zeger 1986). With
         some ten views and twenty parameters that matrix has no full rank, while its trace is known to a few
