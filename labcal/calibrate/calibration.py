@@ -277,9 +277,10 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
     views = found.sources.views
     if views.is_beyond_chance and found.disagreement is None:
         warnings.append(
-            f"views disagree about the cameras by {views.ratio:.1f} times the squares that the noise of their "
-            f"dots explains. Likely causes: the lens model '{lens}' is too simple (try `lens='auto'`), or the "
-            "board bends or moves. Stated sigmas are wider by this, but hold only what changes from view to view"
+            f"views disagree about the cameras by {views.ratio:.1f} times the squares that the noise of "
+            f"their dots explains. Likely causes: the lens model '{lens}' is too simple (try "
+            "`lens='auto'`), or the board bends or moves. Stated sigmas are wider by this, but hold only "
+            "what changes from view to view"
         )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")

@@ -102,7 +102,7 @@ class HandheldCalibration:
     covariance: CameraCovariance
     """Of all cameras together."""
     sources: ErrorSources
-    """What the covariance is made of."""
+    """Sources of the errors that the covariance holds."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

@@ -33,7 +33,7 @@ class RigCovariance(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     datum: Literal["first-camera, target-pitch"] = "first-camera, target-pitch"
-    """What is exact by definition: frame and scale."""
+    """Frame and scale, which are exact by definition."""
     parameters: Annotated[tuple[str, ...], Field(min_length=1, max_length=_MOST)]
     """Names in order: camera by camera ``CAMERA.fx`` and so on, coefficients, then turns and shifts."""
     lower: tuple[tuple[Number, ...], ...]

@@ -21,6 +21,7 @@ VIEWS = (6, 12, 25)
 SIMPLE = "brown-k1k2"
 """One step too simple for all kinds."""
 APART, LEAST, LEAST_SIMPLE = 0.02, 0.90, 0.88
+SQUARES_APART = 0.05
 _CHANCE = 2.6
 """Standard errors of a mean that chance is granted: of a hundred good ones, one is beyond."""
 _WHAT = ("points", "distances", "planes", "motions")
@@ -42,6 +43,9 @@ def budget_findings(bench: Bench) -> Findings:
         by_cell.setdefault((case.kind, case.surface, case.views, case.lens), []).append(figures)
     right = [one for cell in cells for one in by_cell[cell]]
     checks = [_off(f"budget, {len(right)} sets: coverage of {what}", right, what) for what in _WHAT]
+    squares = np.array([one.parameters for one in right])
+    name = f"budget, {len(right)} sets: squared errors of parameters in units of their covariance, off 1"
+    checks.append(at_most(name, abs(float(squares.mean()) - 1.0), SQUARES_APART + _chance(squares)))
     references: list[Figure] = []
     for cell in cells:
         name = f"budget, {cell[0]}, {cell[1]} print, {cell[2]} views"
@@ -51,8 +55,8 @@ def budget_findings(bench: Bench) -> Findings:
         references.append(Figure(name=f"{name}: points, coverage", value=float(shares.mean())))
         alone = float(np.mean([one.noise_alone for one in by_cell[cell]]))
         references.append(Figure(name=f"{name}: points, coverage by noise alone", value=alone))
-        squares = float(np.mean([one.parameters for one in by_cell[cell]]))
-        references.append(Figure(name=f"{name}: squared errors of parameters, stated 1", value=squares))
+        of_cell = float(np.mean([one.parameters for one in by_cell[cell]]))
+        references.append(Figure(name=f"{name}: squared errors of parameters, stated 1", value=of_cell))
     checks += [_of_simple(cell[0], by_cell[cell]) for cell in simple]
     return Findings(checks, references)
 
@@ -66,7 +70,7 @@ def _off(name: str, sets: list[BudgetFigures], what: str) -> Check:
 
 
 def _chance(shares: np.ndarray) -> float:
-    """Return what chance may take off the mean of so many sets."""
+    """Return the deviation that chance may cause in the mean of so many sets."""
     return float(_CHANCE * shares.std() / np.sqrt(len(shares)))
 
 

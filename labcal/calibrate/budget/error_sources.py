@@ -16,7 +16,7 @@ from labcal.calibrate.freed_dots import FreedDots
 
 @dataclass(frozen=True)
 class ErrorSources:
-    """How large the errors of pixels, views and print are.
+    """Sizes of the errors of pixels, views and print.
 
     Attributes
     ----------

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.blocks import assemble
+from labcal.calibrate.adjustment.datum_constraints import DatumConstraints
 from labcal.calibrate.adjustment.state import Freedom, Layout
 from labcal.calibrate.budget.entered import Entered
 from labcal.optim.robust import SQUARES
@@ -97,7 +98,8 @@ def _views(
             continue
         # In their order, so that a camera's pictures stay together.
         state, rows = entered.of_view(view, np.sort(order[first:end]))
-        blocks = assemble(Layout(state, still), rows, SQUARES)
+        layout = Layout(state, still)
+        blocks = DatumConstraints.of(layout, rows).applied(assemble(layout, rows, SQUARES))
         reach = np.linalg.solve(blocks.view[0], blocks.cross[0].T)
         score = blocks.gradient.shared - reach.T @ blocks.gradient.view[0]
         found.append((score, blocks.shared - blocks.cross[0] @ reach))
