@@ -50,15 +50,15 @@ class RigCovariance(BaseModel):
     def _is_a_covariance(self) -> "RigCovariance":
         count = len(self.parameters)
         if [len(row) for row in self.lower] != list(range(1, count + 1)):
-            raise ValueError(f"`lower` has not the rows of a lower triangle of {count} parameters")
+            raise ValueError(f"'lower' has not the rows of a lower triangle of {count} parameters")
         variance = np.array([row[-1] for row in self.lower])
         if not (variance >= 0.0).all():
-            raise ValueError("`lower` has a negative variance")
+            raise ValueError("'lower' has a negative variance")
         scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))
         with np.errstate(over="ignore", invalid="ignore"):
             correlation = self.matrix / np.outer(scale, scale)
         if not np.isfinite(correlation).all() or not np.linalg.eigvalsh(correlation)[0] > -_ROUNDING * count:
-            raise ValueError("`lower` is no covariance: some combination has a negative variance")
+            raise ValueError("'lower' is no covariance: some combination has a negative variance")
         return self
 
     @property

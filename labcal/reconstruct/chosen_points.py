@@ -61,7 +61,7 @@ class ChosenPoints:
         if found.budget is None:
             raise InputError(
                 "These points come from a fitted method, which states no joint covariance. Reconstruct them "
-                "with a rig, as `calibrate` gives one."
+                "with a rig, as 'labcal calibrate' makes one."
             )
         numbers = np.arange(len(found.points))[lines_array(lines, len(found.points), name)]
         if len(set(numbers.tolist())) < len(numbers):

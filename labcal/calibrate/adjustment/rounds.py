@@ -56,6 +56,8 @@ class Adjusted:
     """The normal equations at the end, with the scatter."""
     prior_width: PriorWidth
     """Width of the prior of lens coefficients."""
+    prior: LensPrior
+    """The prior itself."""
 
     @property
     def typical_px(self) -> float:
@@ -168,6 +170,7 @@ class _Rounds:
             reason=reasons[-1],
             normal=end.blocks,
             prior_width=width,
+            prior=prior,
         )
 
 

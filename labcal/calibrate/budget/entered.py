@@ -6,7 +6,6 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.observations import Observations
-from labcal.calibrate.adjustment.prior_term import LensPrior
 from labcal.calibrate.adjustment.problem import AdjustmentProblem, ViewsEliminated
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import Freedom, RigState
@@ -19,15 +18,13 @@ class Entered:
 
     adjusted: Adjusted
     observations: Observations
-    prior: LensPrior
 
     @classmethod
     def of(cls, adjusted: Adjusted, observations: Observations) -> "Entered":
         """Return what entered an adjustment of these observations, which are centroids as measured."""
         seen = observations.moved(-adjusted.eccentricity).where(~adjusted.outlier)
         seen = seen.scattered(adjusted.scatter_px**2)
-        lenses, width = adjusted.layout.freedom.lenses, adjusted.prior_width
-        return cls(adjusted, seen, LensPrior.of(adjusted.state, seen, lenses, width))
+        return cls(adjusted, seen)
 
     @property
     def state(self) -> RigState:
@@ -42,7 +39,7 @@ class Entered:
     def prior_by_parameter(self) -> Float64[np.ndarray, " cameras"]:
         """Return the inverse variances of the prior by parameter of the cameras, 0 where it has none."""
         weights = np.zeros(self.cameras)
-        for own, weight in zip(self.adjusted.layout.lens, self.prior.weight, strict=False):
+        for own, weight in zip(self.adjusted.layout.lens, self.adjusted.prior.weight, strict=False):
             weights[own.start + INTRINSICS : own.stop] = weight
         return weights
 
@@ -54,7 +51,7 @@ class Entered:
     def linearised(self, dots: Float64[np.ndarray, "coordinates free"]) -> ViewsEliminated:
         """Return the normal equations at the end where dots may move along the columns of a basis."""
         freedom = Freedom(self.adjusted.layout.freedom.lenses, dots)
-        return AdjustmentProblem(self.observations, freedom, prior=self.prior).linearize(self.state)
+        return AdjustmentProblem(self.observations, freedom, prior=self.adjusted.prior).linearize(self.state)
 
     def with_fixed_dots(self) -> ViewsEliminated:
         """Return the normal equations at the end with the dots where they are."""
