@@ -26,8 +26,15 @@ from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.own_lengths import LengthErrors as LengthErrors
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
+from .reconstruct.angle import angle as angle
+from .reconstruct.distance import distance as distance
+from .reconstruct.measured import Measured as Measured
 from .reconstruct.named_reconstruction import NamedReconstruction as NamedReconstruction
+from .reconstruct.plane import Plane as Plane
+from .reconstruct.plane import plane as plane
 from .reconstruct.reconstruction import Reconstruction as Reconstruction
+from .reconstruct.rigid_motion import RigidMotion as RigidMotion
+from .reconstruct.rigid_motion import rigid_motion as rigid_motion
 from .shoot.dataset import Shoot as Shoot
 from .shoot.dataset import open_shoot as open_shoot
 from .targets.catalogue import load_target as load_target

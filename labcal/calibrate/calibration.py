@@ -274,6 +274,14 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
                 f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
                 "an uneven print or another lens; `free_dots=True` estimates where each dot is on the print"
             )
+    views = found.sources.views
+    if views.is_beyond_chance and found.disagreement is None:
+        warnings.append(
+            f"views disagree about the cameras by {views.ratio:.1f} times the squares that the noise of "
+            f"their dots explains. Likely causes: the lens model '{lens}' is too simple (try "
+            "`lens='auto'`), or the board bends or moves. Stated sigmas are wider by this, but hold only "
+            "what changes from view to view"
+        )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
     return warnings

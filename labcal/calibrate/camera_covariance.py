@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.rounds import Adjusted
+from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.cameras.camera import Camera
 from labcal.geometry.cross_matrices import cross_matrices
 
@@ -28,11 +29,11 @@ class CameraCovariance:
     pose: tuple[slice, ...]
 
     @classmethod
-    def of(cls, adjusted: Adjusted) -> "CameraCovariance":
-        """Return that of an adjustment, without the dots of the print."""
+    def of(cls, adjusted: Adjusted, sources: ErrorSources) -> "CameraCovariance":
+        """Return that of an adjustment with all sources of errors, without the dots of the print."""
         layout = adjusted.layout
         free = layout.pose[-1].stop
-        return cls(adjusted.covariance[:free, :free], layout.lens, layout.pose)
+        return cls(sources.total(adjusted.covariance[:free, :free]), layout.lens, layout.pose)
 
     def rms_mm(self, cameras: Sequence[Camera], p: Float64[np.ndarray, "n 3"]) -> float:
         """Return the RMS error of triangulated points that the cameras' uncertainty causes.

@@ -14,6 +14,8 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreeing_views import SingleCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
+from labcal.calibrate.budget.error_sources import ErrorSources
+from labcal.calibrate.budget.rig_record import with_covariance
 from labcal.calibrate.camera_covariance import CameraCovariance
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
@@ -207,6 +209,8 @@ def _assemble(
     """Return the rig and its figures."""
     adjusted = whole.adjusted
     in_rig = adjusted.rms_px(whole.observations)
+    sources = ErrorSources.of(adjusted, whole.observations, whole.freed)
+    covariance = CameraCovariance.of(adjusted, sources)
     fits = {}
     for number, one in enumerate(found):
         result = one.result
@@ -215,7 +219,7 @@ def _assemble(
             rms_in_rig_px=float(in_rig[number]),
             views=one.dots.views,
             dots=int((~result.adjusted.outlier).sum()),
-            sigma=CameraSigma.of(adjusted, number),
+            sigma=CameraSigma.of(adjusted, covariance, number),
             scatter_px=result.adjusted.scatter_px,
             freed=result.freed,
             undetermined=undetermined(result.adjusted, result.observations),
@@ -226,7 +230,7 @@ def _assemble(
     names = tuple(one.name for one in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)
     return HandheldCalibration(
-        rig=Rig.of(dict(cameras)),
+        rig=with_covariance(Rig.of(dict(cameras)), adjusted, sources),
         fits=fits,
         rms_px=float(np.sqrt((adjusted.residual[~adjusted.outlier] ** 2).sum(axis=1).mean())),
         skipped=skipped,
@@ -237,5 +241,6 @@ def _assemble(
         freed=whole.freed,
         reason=adjusted.reason,
         residuals=RigResiduals.of(adjusted, whole.observations),
-        covariance=CameraCovariance.of(adjusted),
+        covariance=covariance,
+        sources=sources,
     )

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.finding import Disagreement
+from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.camera_covariance import CameraCovariance
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
@@ -35,9 +36,9 @@ class CameraSigma:
     translation_mm: Float64[np.ndarray, "3"]
 
     @classmethod
-    def of(cls, adjusted: Adjusted, number: int) -> "CameraSigma":
+    def of(cls, adjusted: Adjusted, covariance: CameraCovariance, number: int) -> "CameraSigma":
         """Return those of one camera of an adjustment, by its number."""
-        sigma = np.sqrt(np.diagonal(adjusted.covariance))
+        sigma = np.sqrt(np.diagonal(covariance.covariance))
         lens = np.zeros(INTRINSICS + adjusted.state.cameras[number].model.coefficients)
         place = np.zeros(POSE)
         own, pose = adjusted.layout.lens[number], adjusted.layout.pose[number]
@@ -100,6 +101,8 @@ class HandheldCalibration:
     """Of all dots that entered, in the rig."""
     covariance: CameraCovariance
     """Of all cameras together."""
+    sources: ErrorSources
+    """Sources of the errors that the covariance holds."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

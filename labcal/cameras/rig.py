@@ -10,6 +10,7 @@ from labcal.arguments import object_of, one_text, wrong_type
 from labcal.cameras.camera import Camera
 from labcal.cameras.camera_description import camera_description
 from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
@@ -69,6 +70,8 @@ class Rig(PublicObject, BaseModel):
     """Names of the views that it was calibrated from, where that is known: figures of these are no check."""
     calibration: CalibrationRecord | None = None
     """Agreement of these cameras; left out of the file if nothing is known."""
+    covariance: RigCovariance | None = None
+    """Joint covariance of lenses and poses; left out if not known: points then have the noise alone."""
 
     @model_serializer(mode="wrap")
     def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
@@ -315,6 +318,9 @@ def checked_rig(rig: Rig, source: str) -> Rig:
             record.sensible_camera(name)
         except InputError as error:
             raise InputError(f"{source}: {error}") from error
+    wrong = None if rig.covariance is None else wrong_parameters(rig.cameras, rig.covariance)
+    if wrong is not None:
+        raise InputError(f"{source}: {wrong}. Take the file as 'labcal calibrate' wrote it.")
     return rig
 
 

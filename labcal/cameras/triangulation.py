@@ -9,7 +9,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import AnyArray, Mask, PointCovariances, Vectors3, float_array
 from labcal.cameras.camera import Camera
-from labcal.cameras.derivatives import Imaged, imaged
+from labcal.cameras.derivatives import RUN, Imaged, imaged
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.rays import closest_points
 
@@ -198,6 +198,46 @@ def covariance_at(
     known[known] = _resolved(normal[known])
     found = np.full_like(normal, np.nan)
     found[known] = np.linalg.inv(normal[known])
+    return found
+
+
+def noise_covariance(
+    imagers: Sequence[Imager],
+    p: Vectors3,
+    covariance: Float64[np.ndarray, "n cameras 2 2"],
+    extra: float,
+) -> PointCovariances:
+    """Return the covariances of triangulated points whose pixels scatter more than they were weighted by.
+
+    Parameters
+    ----------
+    imagers : sequence of Imager
+        At least two, in the order of `covariance`.
+    p : ndarray, shape (n, 3)
+        Points as triangulated, mm; NaN where there is none.
+    covariance : ndarray, shape (n, cameras, 2, 2)
+        Covariances of pixels, px squared, by which the points were triangulated.
+    extra : float
+        Variance of pixels along each axis beyond these, px squared.
+
+    Returns
+    -------
+    ndarray, shape (n, 3, 3)
+        Mm squared; NaN where there is no point.
+    """
+    found = np.full((len(p), 3, 3), np.nan)
+    known = np.flatnonzero(np.isfinite(p).all(axis=1) & positive_definite(covariance).all(axis=1))
+    for first in range(0, len(known), RUN):
+        rows = known[first : first + RUN]
+        weight = np.linalg.inv(covariance[rows])
+        normal, beyond = np.zeros((2, len(rows), 3, 3))
+        for i, imager in enumerate(imagers):
+            by_point = imager.imaged(p[rows]).by_point
+            weighted = weight[:, i] @ by_point
+            normal += by_point.transpose(0, 2, 1) @ weighted
+            beyond += weighted.transpose(0, 2, 1) @ weighted
+        own = np.linalg.inv(normal)
+        found[rows] = own + extra * (own @ beyond @ own)
     return found
 
 

@@ -33,7 +33,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--only",
         metavar="GROUP,...",
         help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile; "
-        "of solve: limits, training, adjustment, mistakes, real, mrcal",
+        "of solve: limits, training, adjustment, mistakes, budget, real, mrcal",
     )
     parser.add_argument(
         "--method",
@@ -82,7 +82,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
-    add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits and mistakes),")
+    add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits, mistakes and budget),")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:

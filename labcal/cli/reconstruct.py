@@ -5,7 +5,7 @@ from pathlib import Path
 
 from labcal.cli.methods import own_method
 from labcal.cli.named_points import add_named_points, refuse_named_points, write_named
-from labcal.cli.options import add_detector_settings, add_output, add_workers
+from labcal.cli.options import add_detector_settings, add_output, add_workers, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.ply import add_ply, ply_outputs, write_ply_beside
 from labcal.cli.session import Session
@@ -39,6 +39,12 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="MODULE:CLASS",
         help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
+    parser.add_argument(
+        "--budget",
+        choices=("full", "noise"),
+        help="sources of errors in the covariances of a rig's points: pixel noise and calibration (default, "
+        "if the rig states its covariance), or pixel noise alone",
+    )
     add_output(parser, "points.csv", "table of points to write")
     add_named_points(parser)
     add_ply(parser)
@@ -61,6 +67,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.outputs import write_file
 
     if is_pixels(arguments.source):
+        refuse_option(
+            arguments,
+            "budget",
+            "goes with dots of a target; covariances of named points hold the noise of their pixels alone",
+        )
         refuse_idle_detection(arguments)
         return write_named(arguments, arguments.source, session)
     refuse_named_points(arguments)
@@ -73,7 +84,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     target = given.target(arguments.target) if known else None
     # A shoot's dots are found by its own target, whatever they are then said to be of.
     detections = dots_given(given, None if given.shoot is None else given.shoot.target, arguments, session)
-    found = reconstruct(model, detections, target)
+    found = reconstruct(model, detections, target, budget=arguments.budget)
     write_file(arguments.output, points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)
     result = reconstruct_result(arguments.output, model, found)

@@ -5,7 +5,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING, overload
 
-from labcal.arguments import texts
+from labcal.arguments import choice_of, texts
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.dot_source import DotSource, open_dots
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.reconstruct.named_reconstruction import NamedReconstruction
+    from labcal.reconstruct.point_budget import Budget
     from labcal.reconstruct.reconstruction import Reconstruction
     from labcal.report.page.output import PageOutput
 
@@ -50,6 +51,8 @@ def reconstruct(
     target: Target | AnyPath | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
+    *,
+    budget: "Budget | str | None" = None,
 ) -> "Reconstruction": ...
 
 
@@ -60,6 +63,8 @@ def reconstruct(
     target: Target | AnyPath | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
+    *,
+    budget: "Budget | str | None" = None,
 ) -> "Reconstruction | NamedReconstruction": ...
 
 
@@ -69,6 +74,8 @@ def reconstruct(
     target: Target | AnyPath | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
+    *,
+    budget: "Budget | str | None" = None,
 ) -> "Reconstruction | NamedReconstruction":
     """Return the points of all dots that every camera measured, or those of named pixels.
 
@@ -86,6 +93,10 @@ def reconstruct(
         Of the detection.
     settings : MeasureSettings, optional
         Of named pixels alone.
+    budget : {"full", "noise"}, optional
+        The sources of errors in the covariances of a rig's points: noise of the pixels and the calibration,
+        or the noise alone. If left out, all that the rig states: one of an older file states none. Points of
+        named pixels hold the noise alone, and take none.
 
     Returns
     -------
@@ -96,7 +107,9 @@ def reconstruct(
     ------
     InputError
         As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`, or of :func:`measure`; or
-        settings are given that go with named pixels.
+        settings are given that go with named pixels, or a budget with these.
+    UnknownNameError
+        There is no such budget.
 
     Examples
     --------
@@ -107,13 +120,19 @@ def reconstruct(
     >>> found.warnings
     ()
     """
-    if isinstance(detections, NamedPixels):
-        return measure(model, detections, target, settings)
-    if isinstance(detections, str | os.PathLike) and is_pixels(detections):
-        return measure(model, as_path(detections), target, settings)
+    if isinstance(detections, NamedPixels) or (
+        isinstance(detections, str | os.PathLike) and is_pixels(detections)
+    ):
+        if budget is not None:
+            raise InputError(
+                "`budget` goes with dots of a target: covariances of named points hold the noise of their "
+                "pixels alone. Leave it out."
+            )
+        named = detections if isinstance(detections, NamedPixels) else as_path(detections)
+        return measure(model, named, target, settings)
     if settings is not None:
         raise InputError("`settings` go with named pixels, not with dots of a target. Leave them out.")
-    return _of_dots(model, detections, target, progress)
+    return _of_dots(model, detections, target, progress, budget)
 
 
 def _of_dots(
@@ -121,17 +140,20 @@ def _of_dots(
     detections: Detections | Shoot | AnyPath,
     target: Target | AnyPath | None,
     progress: Progress | None,
+    budget: "Budget | str | None",
 ) -> "Reconstruction":
     """Return the points of dots; as :func:`reconstruct`."""
+    from labcal.reconstruct.point_budget import Budget
     from labcal.reconstruct.reconstruction import load_reconstructor, reconstruct_centres
     from labcal.reconstruct.reconstruction_warnings import reconstruction_warnings
 
+    wanted = None if budget is None else choice_of(budget, Budget, "budget")
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     receiver = progress_of(progress)
     given = DotSource(None, detections) if isinstance(detections, Detections) else open_dots(detections)
     shown = None if target is None and given.shoot is None else _reconstructed_target(given, target)
     dots = dots_of(given.table, given.shoot, receiver)
-    found = reconstruct_centres(used, dots, shown)
+    found = reconstruct_centres(used, dots, shown, wanted)
     known = None if shown is None else shown.name
     return replace(found, warnings=reconstruction_warnings(used, dots, found, known))
 
@@ -146,6 +168,16 @@ def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPl
     if isinstance(source, str | os.PathLike) and os.fspath(source) and is_places(source):
         return read_places(source)
     return shown_by(source)
+
+
+def _rig_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Rig | None:
+    """Return the rig, read where a path of one was given; None of anything else."""
+    from labcal.cameras.rig import read_rig
+    from labcal.estimators.model_file import ModelKind, model_kind
+
+    if isinstance(rig, str | os.PathLike):
+        return read_rig(as_path(rig)) if model_kind(as_path(rig)) is ModelKind.RIG else None
+    return rig if isinstance(rig, Rig) else None
 
 
 def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Collection[str] | None:
@@ -184,7 +216,8 @@ def evaluate(
         How the points are brought onto the truth; rigid for a target in the hand, else none.
     rig : Rig, Model, path or collection of str, optional
         What the points were reconstructed with, or the views that it was calibrated from: these are not
-        scored, or are said to be.
+        scored, or are said to be. With a rig and detections, the coverage after a rigid alignment is that of
+        what the alignment leaves of the calibration's errors.
     page : path, optional
         A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
 
@@ -263,7 +296,7 @@ def _errors(
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):
         dots = None if detections is None else dots_of(detections, None)
-        return errors_against_truth(found, shown, dots, alignment, learned)
+        return errors_against_truth(found, shown, dots, alignment, learned, _rig_of(rig))
     if learned is None:
         found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
     return errors_of_lengths(found, shown.target, learned)

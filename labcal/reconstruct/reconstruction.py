@@ -22,6 +22,7 @@ from labcal.estimators.model_file import ModelKind, load_model, model_kind, trai
 from labcal.estimators.valid_points import predicted, within_sense
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.reconstruct.point_budget import Budget, PointBudget
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ class Reconstruction(PublicObject):
     >>> target = load_target(examples.TARGET)
     >>> found = pipeline.reconstruct(examples.rig(), examples.detections(), target)
     >>> found
-    Reconstruction(points=704, ok=704, median_residual=0.00933 px, warnings=0)
+    Reconstruction(points=704, ok=704, median_residual=0.00933 px, budget=noise, warnings=0)
     """
 
     points: Points
@@ -86,6 +87,8 @@ class Reconstruction(PublicObject):
     """Comparison of this with the value expected from the calibration; None if the model has no cameras."""
     warnings: tuple[str, ...] = ()
     """Warnings in words."""
+    budget: PointBudget | None = None
+    """The shares of noise and calibration in the covariances, line by line; None if the model has no rig."""
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
         """Write the points as ``points.csv``, which :meth:`Points.load` reads.
@@ -120,6 +123,8 @@ class Reconstruction(PublicObject):
         summary: dict[str, object] = {"points": len(self.points), "ok": int(self.points.ok.sum())}
         if self.miss_px is not None:
             summary["median_residual"] = f"{self.miss_px:.3g} px"
+        if self.budget is not None:
+            summary["budget"] = self.budget.kind.value
         return {**summary, "warnings": len(self.warnings)}
 
 
@@ -128,24 +133,29 @@ def reconstruct_points(model: Model | Rig, detections: Detections, target: Targe
     return reconstruct_centres(model, detections, target).points
 
 
-def reconstruct_centres(model: Model | Rig, detections: Detections, target: Target | None) -> Reconstruction:
+def reconstruct_centres(
+    model: Model | Rig, detections: Detections, target: Target | None, budget: Budget | None = None
+) -> Reconstruction:
     """Return the points of all dots that every camera of the model measured.
 
     Parameters
     ----------
     model : Model or Rig
         A fitted method gives points in the stage's world, with the covariances that it states; a rig
-        triangulates, with covariances from the pixels', in its own world.
+        triangulates in its own world, with covariances from the pixels' and from its own.
     detections : Detections
     target : Target, optional
         If given, the eccentricity of centroids is corrected, with the cameras of the rig, or with those of a
         method that was fitted to centres. The pose of the target comes from the points of the centroids.
+    budget : Budget, optional
+        The sources of errors in the covariances of a rig's points; all that the rig knows if left out.
 
     Raises
     ------
     InputError
-        A dot is not on the target or its points are not, a camera of the model is missing, its pictures are
-        of another size or exchanged, or no dot was seen by all cameras.
+        A budget is named for a fitted method, or the full one for a rig that states no covariance; a dot is
+        not on the target or its points are not, a camera of the model is missing, its pictures are of another
+        size or exchanged, or no dot was seen by all cameras.
     """
     if target is not None:
         require_on_target(detections, target)
@@ -155,8 +165,13 @@ def reconstruct_centres(model: Model | Rig, detections: Detections, target: Targ
         raise InputError(f"No dot was measured by all of the cameras {', '.join(cameras)} in the same view.")
     if isinstance(model, Rig):
         _require_sizes(detections, {name: record.size for name, record in model.cameras.items()})
-        found = _by_rig(model, matches, target)
+        found = _by_rig(model, matches, target, budget)
         return replace(found, points=within_sense(found.points))
+    if budget is not None:
+        raise InputError(
+            "`budget` is for points of a rig; a fitted method states the covariance of its points itself. "
+            "Leave `budget` out."
+        )
     _require_sizes(detections, dict(zip(cameras, model.image_sizes, strict=True)))
     found = _by_method(model, matches, target)
     return replace(found, points=within_sense(found.points))
@@ -172,7 +187,7 @@ def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) ->
             )
 
 
-def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction:
+def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | None) -> Reconstruction:
     if len(rig.cameras) == 1:
         raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
     cameras, corrected = [rig.camera(name) for name in matches.cameras], None
@@ -189,11 +204,16 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None) -> Reconstruction
     doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration)
     flag = np.where(residuals.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
+    budget = PointBudget.of(rig, found.point, matches.covariance, wanted)
+    covariance = found.covariance
+    if budget.kind is Budget.FULL:
+        covariance = budget.noise + budget.calibration
     return Reconstruction(
-        Points(matches.view, matches.index, found.point, found.covariance, flag),
+        Points(matches.view, matches.index, found.point, covariance, flag),
         corrected,
         residuals.typical_px,
         check,
+        budget=budget,
     )
 
 

@@ -41,6 +41,8 @@ class Adjusted:
     """Positions of parameters in `covariance`."""
     covariance: Float64[np.ndarray, "shared shared"]
     """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
+    spread: Float64[np.ndarray, "shared shared"]
+    """The same, with some very large variance for what the views leave open."""
     residual: Float64[np.ndarray, "n 2"]
     """Predicted minus measured, px."""
     eccentricity: Float64[np.ndarray, "n 2"]
@@ -54,6 +56,8 @@ class Adjusted:
     """The normal equations at the end, with the scatter."""
     prior_width: PriorWidth
     """Width of the prior of lens coefficients."""
+    prior: LensPrior
+    """The prior itself."""
 
     @property
     def typical_px(self) -> float:
@@ -158,6 +162,7 @@ class _Rounds:
             state=now.state,
             layout=end.layout,
             covariance=end.shared_covariance(),
+            spread=end.shared_spread(),
             residual=now.state.residuals(now.measured),
             eccentricity=now.eccentricity,
             outlier=now.aside,
@@ -165,6 +170,7 @@ class _Rounds:
             reason=reasons[-1],
             normal=end.blocks,
             prior_width=width,
+            prior=prior,
         )
 
 

@@ -201,7 +201,12 @@ def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
     """
     for name in names:
         rig.camera(name)
-    return rig.model_copy(update={"cameras": {name: rig.cameras[name] for name in names}})
+    covariance = (
+        rig.covariance if tuple(rig.cameras) == tuple(names) else None
+    )  # it is of all, in their order
+    return rig.model_copy(
+        update={"cameras": {name: rig.cameras[name] for name in names}, "covariance": covariance}
+    )
 
 
 def _folder(path: Path, chosen: RigFormat, texts: RigTexts) -> dict[str, str] | None:

@@ -1,0 +1,216 @@
+"""One simulated set: calibrated anew, and what its stated budget holds of the true errors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+from pydantic import BaseModel, ConfigDict
+from scipy.spatial.transform import Rotation
+
+from labcal.arrays import Vectors3
+from labcal.bench.solve.budget_rigs import KINDS, PairKind
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.cameras.camera import Camera
+from labcal.cameras.triangulation import triangulate
+from labcal.correspond.detections import Detections
+from labcal.correspond.points import Points
+from labcal.distributions import chi2_quantile
+from labcal.errors import InputError
+from labcal.evaluate.statistics import coverage
+from labcal.geometry.poses import pose, rotation_vector
+from labcal.reconstruct.distance import distance
+from labcal.reconstruct.plane import plane
+from labcal.reconstruct.point_budget import PointBudget
+from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.rigid_motion import rigid_motion
+from labcal.report.values import Measured
+from labcal.rng import generator
+
+NOISE_PX = 0.05
+CAMERAS = ("left", "right")
+PRINTS = ("even", "uneven", "uneven, freed")
+"""Even; off by its kind's standard deviation; the same with the dots freed."""
+POINTS, BODIES = 200, 25
+"""Of each set: points, of which bodies of :data:`_OF_BODY` are made."""
+_OF_BODY = 8
+_MOVED_MM, _TURNED_RAD = 2.0, 0.01
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class BudgetSet:
+    """A case: kind of pair, print, number of views, lens model of the calibration."""
+
+    kind: str
+    surface: str
+    views: int
+    lens: str
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """The name of the result file."""
+        surface = self.surface.replace(", ", "-")
+        return f"{self.kind}-{surface}-{self.views}-{self.lens}-{self.seed}"
+
+
+class BudgetFigures(BaseModel):
+    """Shares of a set's true errors that are inside the stated 95% regions."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    points: Measured
+    """Of points, in the datum of the rig."""
+    noise_alone: Measured
+    """Of points by the noise of pixels alone."""
+    distances: Measured
+    planes: Measured
+    motions: Measured
+    parameters: Measured
+    """Squared errors of the cameras in units of their covariance, per parameter; NaN for another lens."""
+    warned: bool
+    """`calibrate` warns that views disagree."""
+
+
+def measured_set(case: BudgetSet) -> BudgetFigures:
+    """Simulate, calibrate, reconstruct other points, and compare with the truth."""
+    kind = KINDS[case.kind]
+    random = generator(case.seed, "bench solve", "budget", case.kind, case.surface, str(case.views))
+    settings = HandheldSettings(eccentricity_rounds=0, free_dots=case.surface == PRINTS[2])
+    found = calibrate_handheld(_detections(kind, case, random), kind.target(), case.lens, settings)
+    rig = found.rig
+    if rig.covariance is None:
+        raise InputError("A calibration with free lenses states no covariance.")
+    true = kind.points(POINTS, random)
+    members = random.permutation(POINTS)[: BODIES * _OF_BODY].reshape(BODIES, _OF_BODY)
+    everything = np.concatenate([true, _moved(true, members, random), _flattened(true, members)])
+    clean = np.stack([camera.project(everything).q for camera in kind.cameras()], axis=1)
+    q = clean + NOISE_PX * random.standard_normal(clean.shape)
+    pixels = np.tile(NOISE_PX**2 * np.eye(2), (len(q), 2, 1, 1))
+    cameras = [rig.camera(name) for name in rig.cameras]
+    points = triangulate(cameras, q, pixels)
+    budget = PointBudget.of(rig, points.point, pixels, None)
+    n = len(q)
+    table = Points(
+        ["a"] * n, np.zeros((n, 2), np.int64), points.point, budget.noise + budget.calibration, ["ok"] * n
+    )
+    reconstruction = Reconstruction(table, None, None, None, budget=budget)
+    error = (points.point - everything)[:POINTS]
+    return BudgetFigures(
+        points=coverage(error, table.covariance[:POINTS]),
+        noise_alone=coverage(error, points.covariance[:POINTS]),
+        distances=_distances(reconstruction, true),
+        planes=_planes(reconstruction, everything, members),
+        motions=_motions(reconstruction, everything, members),
+        parameters=_per_parameter(cameras, kind.cameras(), rig.covariance.matrix),
+        warned=found.sources.views.is_beyond_chance,
+    )
+
+
+def _detections(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
+    """Return images of centres with noise, of a print that is as the case says."""
+    target = kind.target()
+    dots = target.points()
+    if case.surface != PRINTS[0]:
+        dots[:, :2] += kind.print_mm * random.standard_normal((len(dots), 2))
+    views = kind.poses(case.views, random)
+    places = [dots @ T[:3, :3].T + T[:3, 3] for T in views]
+    q = np.concatenate([camera.project(p).q for camera in kind.cameras() for p in places])
+    n = len(q)
+    names = np.repeat([f"view-{number:02d}" for number in range(len(views))], len(dots))
+    return Detections(
+        view=np.tile(names, 2),
+        camera=np.repeat(CAMERAS, n // 2),
+        image=np.full(n, "none.png"),
+        size=np.tile(kind.size, (n, 1)),
+        index=np.tile(target.indices(), (2 * len(views), 1)),
+        has_id=np.ones(n, dtype=bool),
+        position=q + NOISE_PX * random.standard_normal(q.shape),
+        covariance=np.tile(NOISE_PX**2 * np.eye(2), (n, 1, 1)),
+        flag=np.full(n, "ok"),
+    )
+
+
+def _moved(true: Vectors3, members: np.ndarray, random: np.random.Generator) -> Vectors3:
+    """Return all points after a rigid motion of their body."""
+    moved = true.copy()
+    for body in members:
+        turn = Rotation.from_rotvec(_TURNED_RAD * random.standard_normal(3)).as_matrix()
+        middle = true[body].mean(axis=0)
+        moved[body] = (true[body] - middle) @ turn.T + middle + _MOVED_MM * random.standard_normal(3)
+    return moved
+
+
+def _flattened(true: Vectors3, members: np.ndarray) -> Vectors3:
+    """Return all points on the plane that lies nearest to those of their body."""
+    flat = true.copy()
+    for body in members:
+        arm = true[body] - true[body].mean(axis=0)
+        normal = np.linalg.svd(arm)[2][2]
+        flat[body] = true[body] - np.outer(arm @ normal, normal)
+    return flat
+
+
+def _distances(found: Reconstruction, true: Vectors3) -> float:
+    """Return the share of distances of neighbours in the list within 95% of their truth."""
+    inside = []
+    for one in range(0, len(true), 2):
+        length = distance(found, one, one + 1)
+        off = length.value - float(np.linalg.norm(true[one] - true[one + 1]))
+        inside.append(off**2 <= chi2_quantile(CONFIDENCE, 1) * length.sigma**2)
+    return float(np.mean(inside))
+
+
+def _planes(found: Reconstruction, everything: Vectors3, members: np.ndarray) -> float:
+    """Return the share of planes through flat bodies within the 95% regions of height and slopes."""
+    inside = []
+    for body in members + 2 * POINTS:
+        fitted = plane(found, body)
+        # The true plane in the axes of the fitted one: its height above the centre, and its slopes.
+        arm = (everything[body] - fitted.centre) @ fitted.axes.T
+        design = np.stack([np.ones(len(arm)), arm[:, 0], arm[:, 1]], axis=1)
+        off = np.linalg.lstsq(design, arm[:, 2], rcond=None)[0]
+        inside.append(_within(off, fitted.shares.total))
+    return float(np.mean(inside))
+
+
+def _motions(found: Reconstruction, everything: Vectors3, members: np.ndarray) -> float:
+    """Return the share of rigid motions of bodies within 95% of their truth."""
+    inside = []
+    for body in members:
+        moved = rigid_motion(found, body, body + POINTS)
+        exact = everything[body + POINTS].mean(axis=0) - everything[body].mean(axis=0)
+        turn = _turn(everything[body], everything[body + POINTS])
+        off_turn = rotation_vector(pose(moved.T_after_before[:3, :3] @ turn.T, np.zeros(3)))
+        inside.append(_within(np.concatenate([moved.displacement_mm - exact, off_turn]), moved.shares.total))
+    return float(np.mean(inside))
+
+
+def _turn(before: Vectors3, after: Vectors3) -> Float64[np.ndarray, "3 3"]:
+    """Return the rotation between exact places of a rigid body."""
+    found, _ = Rotation.align_vectors(after - after.mean(axis=0), before - before.mean(axis=0))
+    return np.asarray(found.as_matrix())
+
+
+def _within(off: np.ndarray, covariance: np.ndarray) -> bool:
+    """Tell whether errors are inside the 95% ellipsoid of their covariance."""
+    return bool(off @ np.linalg.solve(covariance, off) <= chi2_quantile(CONFIDENCE, len(off)))
+
+
+def _per_parameter(
+    found: list[Camera], true: tuple[Camera, ...], covariance: Float64[np.ndarray, "n n"]
+) -> float:
+    """Return the mean square of the cameras' errors in units of their covariance."""
+    if any(one.lens != other.lens for one, other in zip(found, true, strict=True)):
+        return float("nan")
+    off: list[float] = []
+    for number, (one, other) in enumerate(zip(found, true, strict=True)):
+        off += [*np.subtract(one.intrinsics, other.intrinsics), *(one.dist - other.dist)]
+        if number:
+            turn = one.T_cam_world[:3, :3] @ other.T_cam_world[:3, :3].T
+            off += [
+                *rotation_vector(pose(turn, np.zeros(3))),
+                *(one.T_cam_world[:3, 3] - other.T_cam_world[:3, 3]),
+            ]
+    error = np.array(off)
+    return float(error @ np.linalg.solve(covariance, error) / len(error))

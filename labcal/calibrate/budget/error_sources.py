@@ -1,0 +1,78 @@
+"""The sources of a calibration's errors, found from its residuals, and the covariance that they make."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.calibrate.adjustment.observations import Observations
+from labcal.calibrate.adjustment.rounds import Adjusted
+from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.budget.entered import Entered
+from labcal.calibrate.budget.print_share import PrintShare
+from labcal.calibrate.budget.view_dispersion import ViewDispersion
+from labcal.calibrate.freed_dots import FreedDots
+
+
+@dataclass(frozen=True)
+class ErrorSources:
+    """Sizes of the errors of pixels, views and print.
+
+    Attributes
+    ----------
+    views : ViewDispersion
+    print_share : PrintShare or None
+        None where nothing was estimated, as of lenses that were kept.
+
+    prior : float64 array, (cameras,)
+        Inverse variances of the prior of lens coefficients by parameter, 0 elsewhere.
+    """
+
+    views: ViewDispersion
+    print_share: PrintShare | None
+    prior: Float64[np.ndarray, " cameras"]
+
+    @classmethod
+    def of(cls, adjusted: Adjusted, observations: Observations, freed: FreedDots | None) -> "ErrorSources":
+        """Return the sources of the errors of an adjustment.
+
+        Parameters
+        ----------
+        adjusted : Adjusted
+        observations : Observations
+            Centroids as measured; all that the adjustment was given.
+        freed : FreedDots or None
+            The dots where they were freed.
+        """
+        entered = Entered.of(adjusted, observations)
+        fixed = adjusted.layout.freedom.lenses is Lenses.FIXED
+        if fixed or entered.with_fixed_dots().reduced is None:
+            return cls(ViewDispersion(1.0, 0.0), None, np.zeros(entered.cameras))
+        share = PrintShare.of_declared(entered) if freed is None else PrintShare.of_freed(entered, freed)
+        return cls(ViewDispersion.of(entered, share.residual), share, entered.prior_by_parameter())
+
+    @property
+    def noise_factor(self) -> float:
+        """Variance of residuals without the print's share, over the one that is stated."""
+        return 1.0 if self.print_share is None else self.print_share.noise
+
+    @property
+    def print_sigma_mm(self) -> float:
+        """Standard deviation of dots on the print along each direction of its plane, mm."""
+        return 0.0 if self.print_share is None else self.print_share.sigma_mm
+
+    def total(
+        self, cameras: Float64[np.ndarray, "cameras cameras"]
+    ) -> Float64[np.ndarray, "cameras cameras"]:
+        """Return the covariance with all sources, of the one that noise as stated and the prior make.
+
+        Notes
+        -----
+        Of C = (H + P)^-1 with the information H of the dots and P of the prior, the factors are of the dots'
+        errors alone: C (f H + P) C = f C + (1 - f) C P C.
+        """
+        if self.print_share is None:
+            return cameras
+        factor = self.noise_factor * self.views.factor
+        by_prior = (cameras * self.prior) @ cameras
+        return np.asarray(factor * cameras + (1.0 - factor) * by_prior + self.print_share.covariance)

@@ -1,0 +1,118 @@
+"""The print's share of a calibration's errors: all views see the same dots, off by the same amounts.
+
+More views do not average it away, and no residual shows all of it: a print that is too large as a whole is a
+rig that is too large.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.calibrate.adjustment.dot_freedom import plane_modes
+from labcal.calibrate.adjustment.problem import ViewsEliminated
+from labcal.calibrate.adjustment.state import POSE
+from labcal.calibrate.budget.entered import Entered
+from labcal.calibrate.freed_dots import FreedDots
+
+_MOST_DOTS = 400
+"""Dots whose errors are followed one by one; of larger boards, so many stand for all."""
+
+
+@dataclass(frozen=True)
+class PrintShare:
+    """Errors of dots on the print, independent and alike in both directions of the plane.
+
+    Attributes
+    ----------
+    sigma_mm : float
+        Standard deviation of a dot along each direction of the plane, mm; 0 where residuals show none.
+    residual : float
+        Variance of residuals over the one that their covariances state.
+    noise : float
+        The same without the print's share.
+    effect : float64 array, (cameras, modes)
+        Derivatives of the cameras' parameters by errors of the print that the adjustment did not free.
+    """
+
+    sigma_mm: float
+    residual: float
+    noise: float
+    effect: Float64[np.ndarray, "cameras modes"]
+
+    @property
+    def covariance(self) -> Float64[np.ndarray, "cameras cameras"]:
+        """The share of the print in the covariance of the cameras."""
+        return np.asarray(self.sigma_mm**2 * self.effect @ self.effect.T)
+
+    @classmethod
+    def of_declared(cls, entered: Entered) -> "PrintShare":
+        """Return the share where dots were taken as declared; residuals tell the size of their errors.
+
+        Notes
+        -----
+        With B the information about errors of dots after all else has followed, the gradient g by them has
+        the expected square tr(B) times the noise plus tr(B B) times the print's variance; the sum of squares
+        of residuals their degrees of freedom times the noise plus tr(B) times the print's variance. The two
+        equations give both variances (variance components by moments, as Paule and Mandel 1982 for one).
+        """
+        measured = np.flatnonzero(np.bincount(entered.observations.dot, minlength=len(entered.state.dots)))
+        some = measured[:: -(-len(measured) // _MOST_DOTS)]
+        stand_for = len(measured) / len(some)
+        basis = np.zeros((len(entered.state.dots), 3, 2 * len(some)))
+        for axis in range(2):
+            basis[some, axis, 2 * np.arange(len(some)) + axis] = 1.0
+        end = entered.linearised(basis.reshape(entered.state.dots.size, -1))
+        free = entered.cameras
+        information, gradient = _reduced(end)
+        C = entered.with_fixed_dots().shared_spread()
+        across = information[:free, free:]
+        B = information[free:, free:] - across.T @ C @ across
+        trace, square = float(np.trace(B)), float((B * B).sum())
+        total, freedom = entered.chi_square(), _freedom(entered, free)
+        found = float((gradient[free:] ** 2).sum())
+        plain = total / freedom
+        variance = (found - plain * trace) / max(square - stand_for * trace**2 / freedom, 1e-300)
+        noise = plain - max(0.0, variance) * stand_for * trace / freedom
+        if not (variance > 0.0 and noise > 0.0):
+            variance, noise = 0.0, plain
+        return cls(float(np.sqrt(variance)), plain, noise, np.sqrt(stand_for) * C @ across)
+
+    @classmethod
+    def of_freed(cls, entered: Entered, dots: FreedDots) -> "PrintShare":
+        """Return the share where dots were freed: what no view tells, above all the size of the whole.
+
+        The found displacements tell how far dots are off; their mean scale, and what was constrained, is as
+        declared and off by what dots that are off so much are off in the mean.
+        """
+        basis = entered.adjusted.layout.freedom.dots
+        modes = plane_modes(entered.state.dots, dots.freed)
+        spread, axes = np.linalg.eigh(modes.T @ modes - modes.T @ basis @ (basis.T @ modes))
+        held = modes @ axes[:, spread > 0.5]  # noqa: PLR2004 -- 1 for what is held, 0 for what is free
+        end = entered.linearised(np.concatenate([basis, held], axis=1))
+        known = entered.cameras + basis.shape[1]
+        information, _ = _reduced(end)
+        C = entered.linearised(basis).shared_spread()
+        effect = C[: entered.cameras] @ information[:known, known:]
+        in_plane = (dots.displacement[dots.freed, :2] ** 2).sum()
+        noise_of_it = (dots.sigma[dots.freed, :2] ** 2).sum()
+        free = max(1, 2 * int(dots.freed.sum()) - held.shape[1])
+        variance = max(0.0, float(in_plane - noise_of_it)) / free
+        noise = entered.chi_square() / _freedom(entered, known)
+        return cls(float(np.sqrt(variance)), noise, noise, effect)
+
+
+def _reduced(end: ViewsEliminated) -> tuple[Float64[np.ndarray, "n n"], Float64[np.ndarray, " n"]]:
+    """Return information and gradient of all that views share, after their poses have followed."""
+    reduced = end.reduced
+    if reduced is None:
+        n = len(end.blocks.shared)
+        return np.zeros((n, n)), np.zeros(n)
+    scale = reduced.scale
+    return reduced.matrix * np.outer(scale, scale), reduced.gradient(end.blocks.gradient) * scale
+
+
+def _freedom(entered: Entered, shared: int) -> float:
+    """Return the degrees of freedom of the residuals, where so many parameters are shared by all views."""
+    views = len(np.unique(entered.observations.view))
+    return float(max(1, 2 * len(entered.observations) - shared - POSE * views))

@@ -1,0 +1,82 @@
+"""Derivatives of triangulated points by the parameters of all cameras, in the order of ``rig.json``."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Vectors3
+from labcal.cameras.camera import Camera
+from labcal.cameras.derivatives import RUN, projection_derivatives
+from labcal.cameras.optics import INTRINSICS
+from labcal.geometry.cross_matrices import cross_matrices
+from labcal.geometry.poses import transform
+
+POSE = 6
+"""A rotation vector, rad, and a shift, mm, both along the camera's axes; the first camera has none."""
+
+
+def parameter_count(cameras: Sequence[Camera]) -> int:
+    """Return the number of parameters: each camera's lens, and the pose of all but the first."""
+    lenses = sum(INTRINSICS + camera.model.coefficients for camera in cameras)
+    return lenses + POSE * (len(cameras) - 1)
+
+
+def triangulation_derivatives(
+    cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
+) -> Float64[np.ndarray, "n 3 parameters"]:
+    """Return the derivatives of points, where pixels stay and cameras change.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+        At least two; the first one is the world.
+    p : ndarray, shape (n, 3)
+        Triangulated points, mm; NaN where there is none.
+    covariance : ndarray, shape (n, cameras, 2, 2)
+        Of their pixels, px squared, by which they were triangulated.
+
+    Returns
+    -------
+    ndarray, shape (n, 3, parameters)
+        Mm per px, per unit of a coefficient, per rad and per mm; NaN for points that are none.
+
+    Notes
+    -----
+    A triangulated point is where the gradient ``sum J'W r`` of its reprojection errors r vanishes. By the
+    implicit function theorem it moves by ``-(sum J'WJ)^-1 sum J'W G`` per change of the cameras, where J and
+    G are the derivatives of pixels by the point and by the cameras, W the inverse covariances of pixels;
+    second derivatives times residuals are left out, as in Gauss-Newton.
+    """
+    found = np.full((len(p), 3, parameter_count(cameras)), np.nan)
+    usable = np.flatnonzero(np.isfinite(p).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2, 3)))
+    for first in range(0, len(usable), RUN):
+        rows = usable[first : first + RUN]
+        found[rows] = _of_some(cameras, p[rows], np.linalg.inv(covariance[rows]))
+    return found
+
+
+def _of_some(
+    cameras: Sequence[Camera], p: Vectors3, weight: Float64[np.ndarray, "n cameras 2 2"]
+) -> Float64[np.ndarray, "n 3 parameters"]:
+    """Return the derivatives of points that all cameras image."""
+    normal = np.zeros((len(p), 3, 3))
+    gradient = np.zeros((len(p), 3, parameter_count(cameras)))
+    first = 0
+    for number, camera in enumerate(cameras):
+        R = camera.T_cam_world[:3, :3]
+        p_cam = transform(camera.T_cam_world, p)
+        found = projection_derivatives(camera, p_cam)
+        by_world = found.by_point @ R
+        weighted = by_world.transpose(0, 2, 1) @ weight[:, number]
+        normal += weighted @ by_world
+        last = first + INTRINSICS + camera.model.coefficients
+        gradient[:, :, first:last] = weighted @ found.by_camera
+        if number:
+            # The camera's rotation turns points about its centre: w x (R p) = -[R p] w.
+            turned = -found.by_point @ cross_matrices(p_cam - camera.T_cam_world[:3, 3])
+            gradient[:, :, last : last + 3] = weighted @ turned
+            gradient[:, :, last + 3 : last + POSE] = weighted @ found.by_point
+            last += POSE
+        first = last
+    return np.asarray(-np.linalg.solve(normal, gradient))

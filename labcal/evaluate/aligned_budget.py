@@ -1,0 +1,80 @@
+"""Covariances of points after a rigid alignment, which removes a part of the calibration's share.
+
+In the datum of the rig, its first camera, all errors of the calibration are in the points. Where points are
+brought onto a truth by a rigid motion, what moves all of them together is gone, and only the change of shape
+and size is left. The full covariance of a point would then be far too large.
+"""
+
+import numpy as np
+from jaxtyping import Int64
+
+from labcal.arrays import PointCovariances
+from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
+from labcal.correspond.matching import match
+from labcal.correspond.points import Points
+from labcal.geometry.covariances import positive_definite
+from labcal.geometry.cross_matrices import cross_matrices
+from labcal.reconstruct.point_budget import Budget, PointBudget
+
+_SAME = 0.01
+"""Relative difference of variances up to which points are those of the full budget: pixels with the
+eccentricity corrected move points a little, files are rounded."""
+
+
+def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> PointCovariances | None:
+    """Return the covariances of points after a rigid alignment onto their true places.
+
+    Parameters
+    ----------
+    points : Points
+        All with a solution; as they were reconstructed, in the world of the rig.
+    rig : Rig
+        What they were reconstructed with.
+    detections : Detections
+        What they come from.
+
+    Returns
+    -------
+    ndarray, shape (n, 3, 3), or None
+        In the world of the rig, mm squared. None where the points do not have the full budget of this rig and
+        these dots: then their covariances stay as they are.
+
+    Notes
+    -----
+    With M the derivatives of all points by the six parameters of a rigid motion, and D those by the cameras,
+    ``D - M (M'M)^-1 M'D`` takes the place of D. The noise of single points loses 6 of 3 n parts, which is
+    left in.
+    """
+    pixels = _pixels(points, rig, detections)
+    if rig.covariance is None or pixels is None:
+        return None
+    budget = PointBudget.of(rig, points.point, pixels, Budget.FULL)
+    stated = np.trace(points.covariance, axis1=1, axis2=2)
+    full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
+    if not (np.abs(stated - full) <= _SAME * full).all():  # of NaN, too
+        return None
+    n, by = len(points), budget.derivatives(np.arange(len(points))).reshape(3 * len(points), -1)
+    turn = -cross_matrices(points.point - points.point.mean(axis=0))
+    shift = np.broadcast_to(np.eye(3), (n, 3, 3))
+    rigid, _ = np.linalg.qr(np.concatenate([turn, shift], axis=2).reshape(3 * n, 6))
+    left = (by - rigid @ (rigid.T @ by)).reshape(n, 3, -1)
+    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+
+
+def _pixels(points: Points, rig: Rig, detections: Detections) -> np.ndarray | None:
+    """Return the covariances of the pixels of points; None where one is not known."""
+    if not set(rig.cameras) <= set(detections.cameras):
+        return None
+    matches = match(detections, tuple(rig.cameras))
+    rows = {key: row for row, key in enumerate(_keys(matches.view, matches.index))}
+    found = [rows.get(key, -1) for key in _keys(points.view, points.index)]
+    if -1 in found:
+        return None
+    covariance = matches.covariance[found]
+    return covariance if positive_definite(covariance).all() else None
+
+
+def _keys(view: np.ndarray, index: Int64[np.ndarray, "n 2"]) -> list[tuple[str, int, int]]:
+    """Return view, column and row of each line."""
+    return list(zip(view.tolist(), *index.T.tolist(), strict=True))

@@ -1,0 +1,52 @@
+"""A value measured from several points of one rig, with the shares of its uncertainty."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.public_object import PublicObject
+from labcal.reconstruct.chosen_points import Shares
+from labcal.reconstruct.point_budget import Budget
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measured(PublicObject):
+    """A value computed from points, with its standard deviation from their joint covariance.
+
+    Attributes
+    ----------
+    value : float
+    sigma : float
+        Standard deviation by all that the budget holds, in the unit of the value.
+    noise_sigma, calibration_sigma : float
+        Shares of pixel noise and of the calibration; their squares add up. The second one is 0 where the
+        budget is that of noise alone.
+    unit : str
+        ``mm`` or ``rad``.
+    budget : Budget
+        The sources of errors that `sigma` holds.
+    """
+
+    value: float
+    sigma: float
+    noise_sigma: float
+    calibration_sigma: float
+    unit: str
+    budget: Budget
+
+    @classmethod
+    def of(cls, value: float, shares: Shares, unit: str) -> "Measured":
+        """Return a value with the shares of its variance, which are 1 x 1."""
+        noise, calibration = float(shares.noise[0, 0]), max(0.0, float(shares.calibration[0, 0]))
+        sigma, own, common = np.sqrt([noise + calibration, noise, calibration]).tolist()
+        return cls(value, sigma, own, common, unit, shares.budget)
+
+    def _summary(self) -> Mapping[str, object]:
+        return {
+            "value": f"{self.value:.9g} {self.unit}",
+            "sigma": f"{self.sigma:.3g}",
+            "noise": f"{self.noise_sigma:.3g}",
+            "calibration": f"{self.calibration_sigma:.3g}",
+            "budget": self.budget.value,
+        }
