@@ -47,7 +47,7 @@ def outline_factor(
         return flat
     table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
     radius = float(np.median(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2)))
-    harmonics = tested_harmonics(radius, settings)
+    harmonics = chosen_harmonics(radius, settings)
     sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
     sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
     powers = own_powers(sums, (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE]))
@@ -61,7 +61,7 @@ def outline_factor(
     return exp(trust * log(ratio) + (1.0 - trust) * log(flat))
 
 
-def tested_harmonics(radius: float, settings: EdgeSettings) -> Harmonics:
+def chosen_harmonics(radius: float, settings: EdgeSettings) -> Harmonics:
     """Return the harmonics by which the noise along an outline is measured.
 
     Odd ones move opposite edges the same way, as a shift does. Even ones hold what pixels, lens and fit do
