@@ -42,8 +42,8 @@ class EdgeFits:
     centre : ndarray, shape (n, 2)
         Centres of area of the outer outlines, px.
     covariance : ndarray, shape (n, 2, 2)
-        Of `centre`, px squared, from the residuals of the dot itself, and from how the noise of the picture
-        is correlated from pixel to pixel.
+        Of `centre`, px squared, from the residuals of the dot itself, and from how the noise along the
+        outlines of the picture differs from white noise.
     shape : ndarray, shape (n, 2, 2)
         Outline matrices, see `PictureDots.outline`.
     blur : ndarray, shape (n,)
@@ -61,7 +61,8 @@ class EdgeFits:
     variance : ndarray, shape (n,)
         Of the residuals, in grey values squared.
     noise_factor : float
-        Factor by which correlated noise widens the covariances.
+        Variance of the noise along the outlines, as it moves a centre, over that of white noise with the
+        variance of the residuals.
     """
 
     ok: Mask

@@ -176,25 +176,39 @@ def _write_sums(
     """
     slopes, residual = band
     priors, system = fit
-    solved = np.empty(PARAMETERS)
-    for j in range(len(tests)):
-        test, seen, own = tests[j], 0.0, 0.0
+    both = np.empty((2, PARAMETERS))
+    for harmonic in range(len(sums)):
+        cosine, sine = tests[2 * harmonic], tests[2 * harmonic + 1]
+        # Several sums at a time, so that none waits for the last.
+        seen_c, seen_s, own = 0.0, 0.0, 0.0
         for k in range(len(residual)):
-            seen += test[k] * residual[k]
-            own += test[k] * test[k]
-        for i in range(PARAMETERS):
-            followed, slope = 0.0, slopes[i]
+            seen_c += cosine[k] * residual[k]
+            seen_s += sine[k] * residual[k]
+            own += cosine[k] * cosine[k] + sine[k] * sine[k]
+        for i in range(0, PARAMETERS, 2):
+            p, q = slopes[i], slopes[i + 1]
+            cosine_p, cosine_q, sine_p, sine_q = 0.0, 0.0, 0.0, 0.0
             for k in range(len(residual)):
-                followed += test[k] * slope[k]
-            solved[i] = followed
-        both = solved.copy()
-        solve(system, solved)
+                cosine_p += cosine[k] * p[k]
+                cosine_q += cosine[k] * q[k]
+                sine_p += sine[k] * p[k]
+                sine_q += sine[k] * q[k]
+            both[0, i], both[0, i + 1], both[1, i], both[1, i + 1] = cosine_p, cosine_q, sine_p, sine_q
+        for followed in both:
+            own -= _followed(followed, priors, system)
+        sums[harmonic, 0], sums[harmonic, 1], sums[harmonic, 2] = seen_c, seen_s, max(own, 0.0)
+
+
+@compiled
+def _followed(products: np.ndarray, priors: np.ndarray, system: np.ndarray) -> float:
+    """Return the power of white noise that a fit takes from a test function, by its products with slopes."""
+    solved, power = products.copy(), 0.0
+    solve(system, solved)
+    for i in range(PARAMETERS):
+        power += products[i] * solved[i]
+    for row in range(PRIORS):
+        held = 0.0
         for i in range(PARAMETERS):
-            own -= both[i] * solved[i]
-        for row in range(PRIORS):
-            held = 0.0
-            for i in range(PARAMETERS):
-                held += priors[row, i] * solved[i]
-            own -= held * held
-        sums[j // 2, j % 2] = seen
-        sums[j // 2, 2] += max(own, 0.0)
+            held += priors[row, i] * solved[i]
+        power += held * held
+    return power
