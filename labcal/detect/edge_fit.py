@@ -10,16 +10,15 @@ from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
 from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.gauss_newton import fit_all
 from labcal.detect.edges.noise import noise_factor
+from labcal.detect.edges.one_light import OneLight
+from labcal.detect.edges.outline_noise import outline_factor
 from labcal.detect.edges.residuals import (
     BURNT,
     CLIPPED,
     COLUMNS,
-    COVARIANCE,
     DEPARTURE,
     LAGS,
     PROFILE,
-    SLOPE_DIFFERENCE,
-    SLOPE_DIFFERENCE_COVARIANCE,
     SUMS,
     VARIANCE,
     ResidualLimits,
@@ -29,8 +28,6 @@ from labcal.detect.outlines.outlines import Outlines, matrix_root
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.geometry.two_by_two import inverses
 
-_MEDIAN_SQUARE = 0.4549
-"""The median of chi-square's distribution with one degree of freedom."""
 _DEFAULTS = EdgeSettings()
 
 
@@ -45,8 +42,8 @@ class EdgeFits:
     centre : ndarray, shape (n, 2)
         Centres of area of the outer outlines, px.
     covariance : ndarray, shape (n, 2, 2)
-        Of `centre`, px squared, from the residuals of the dot itself, and from how the noise of the picture
-        is correlated from pixel to pixel.
+        Of `centre`, px squared, from the residuals of the dot itself, and from how the noise along the
+        outlines of the picture differs from white noise.
     shape : ndarray, shape (n, 2, 2)
         Outline matrices, see `PictureDots.outline`.
     blur : ndarray, shape (n,)
@@ -64,7 +61,8 @@ class EdgeFits:
     variance : ndarray, shape (n,)
         Of the residuals, in grey values squared.
     noise_factor : float
-        Factor by which correlated noise widens the covariances.
+        Variance of the noise along the outlines, as it moves a centre, over that of white noise with the
+        variance of the residuals.
     """
 
     ok: Mask
@@ -122,16 +120,21 @@ def fit_edges(
     limits = settings.limits(EdgeLimits), settings.limits(ResidualLimits)
     ok = fit_all(grey, table, hole, picture, limits, sums)
     table[~ok] = np.nan
-    factor = noise_factor(sums, settings)
+    flat = noise_factor(sums, settings)
+    light = OneLight.of(table, flat, settings)
+    some = np.flatnonzero(ok)
+    some = some[:: max(1, -(-len(some) // settings.noise_outlines))]
+    weights = light.select(some).weights(table[some], black)
+    factor = outline_factor(grey, table[some], weights, (hole[some], reach), flat, settings)
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
-    centre, covariance = _in_one_light(table, factor, settings)
+    covariance = light.covariances(table, factor)
     in_steps = table[:, 5] <= settings.min_blur_px  # the outline runs from pixel to pixel
     stepped = np.where(in_steps, settings.stepped_variance_px3 / spots.radius, 0.0)
     covariance = covariance + stepped[:, None, None] * np.eye(2)
     board, dot = np.abs(table[:, [STATE, STATE + 3]] - black).T
     return EdgeFits(
         ok=ok,
-        centre=centre,
+        centre=light.centres(table),
         covariance=covariance,
         shape=inverses(F @ F),
         blur=table[:, 5],
@@ -144,33 +147,3 @@ def fit_edges(
         variance=table[:, VARIANCE],
         noise_factor=factor,
     )
-
-
-def _in_one_light(
-    table: np.ndarray, factor: float, settings: EdgeSettings
-) -> tuple[Pixels, PixelCovariances]:
-    """Return centres and covariances, given that one light falls on dot and board.
-
-    A small dot does not distinguish a slope of its grey values from a shift. But its slope is that of the
-    board, as far as the picture's dots together show: the differences scatter by more than their noise where
-    paper shines or a lens glares. They enter as a further measurement (a Kalman update).
-    """
-    twice = np.array([0, 1, 1, 2])
-    centre = table[:, :2]
-    covariance = table[:, COVARIANCE + twice].reshape(-1, 2, 2) * factor
-    off = table[:, SLOPE_DIFFERENCE : SLOPE_DIFFERENCE + 2]
-    noise = table[:, SLOPE_DIFFERENCE_COVARIANCE + twice].reshape(-1, 2, 2) * factor
-    shared = table[:, SLOPE_DIFFERENCE_COVARIANCE + 3 + np.arange(4)].reshape(-1, 2, 2) * factor
-    known = np.isfinite(off[:, 0])
-    if not known.any():
-        return centre, covariance
-    expected = np.median(np.diagonal(noise[known], axis1=1, axis2=2))
-    seen = np.median(off[known] ** 2) / _MEDIAN_SQUARE - expected
-    count = 2 * int(known.sum())
-    usual = settings.shared_light_count * settings.shared_light_share**2
-    scatter = (count * max(seen, 0.0) + usual) / (count + settings.shared_light_count)
-    gain = shared @ inverses(noise + scatter * np.eye(2))
-    moved = centre - np.einsum("nij,nj->ni", gain, off)
-    covariance = covariance - gain @ np.swapaxes(shared, 1, 2)
-    covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
-    return moved, covariance

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from labcal.bench.detect.accuracy import accuracy_findings
 from labcal.bench.detect.bias import bias_checks
+from labcal.bench.detect.developed import developed_findings
 from labcal.bench.detect.hostile import hostile_findings
 from labcal.bench.detect.real import real_findings
 from labcal.bench.detect.speed import speed_findings
@@ -16,6 +17,7 @@ from labcal.run.progress import Progress
 GROUPS: Groups = {
     "suite": suite_findings,
     "accuracy": accuracy_findings,
+    "developed": developed_findings,
     "real": real_findings,
     "bias": lambda bench: Findings(bias_checks(bench.seed), []),
     "speed": speed_findings,

@@ -217,6 +217,43 @@ class EdgeSettings(StageSettings):
         le=100,
         description="Correlation that chance explains. Larger: covariances are widened less often.",
     )
+    noise_outlines: int = Field(
+        64,
+        ge=1,
+        le=100_000,
+        description="Dots along whose outlines the noise is measured. Larger: slower, steadier.",
+    )
+    noise_harmonics: int = Field(
+        6,
+        ge=2,
+        le=100,
+        description="Most harmonics of an outline by which it is. Larger: slower, steadier.",
+    )
+    noise_short_px: float = Field(
+        4.5,
+        gt=2,
+        le=100,
+        description="Shortest wave along an outline that tells of its noise. Larger: fewer harmonics.",
+    )
+    noise_long_px: float = Field(
+        24.0,
+        gt=4,
+        le=10_000,
+        description="Longest one: longer waves are the print's. Larger: ragged prints widen covariances.",
+    )
+    noise_smoothing_px: float = Field(
+        0.9,
+        ge=0,
+        le=100,
+        description="Standard deviation of the most that demosaicing or compression smooths noise. Larger: "
+        "ragged prints widen covariances.",
+    )
+    noise_outlier_factor: float = Field(
+        5.0,
+        gt=1,
+        le=1000,
+        description="Noise over the usual one from which a dot does not count. Larger: bad fits do.",
+    )
     stepped_variance_px3: float = Field(
         0.009,
         ge=0,

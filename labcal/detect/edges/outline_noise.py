@@ -1,0 +1,179 @@
+"""Effect of the noise that outlines really have on the covariances of a picture's dots."""
+
+from math import exp, inf, log, pi, sqrt
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.detect.edges.edge_limits import EdgeLimits
+from labcal.detect.edges.edge_model import STATE
+from labcal.detect.edges.harmonics import Harmonics, harmonic_sums
+from labcal.detect.edges.residuals import VARIANCE
+from labcal.detect.grey import GreyPicture
+from labcal.detect.stage_settings.edge import EdgeSettings
+
+_ROUNDS = 20
+"""Of the regression; it settles in a few."""
+_LEAST = 1e-12
+"""Of a dot's white noise that a harmonic has left, below which it says nothing."""
+
+
+def outline_factor(
+    grey: GreyPicture,
+    table: Float64[np.ndarray, "n c"],
+    weights: Float64[np.ndarray, "n 2 p"],
+    picture: tuple[Float64[np.ndarray, " n"], float],
+    flat: float,
+    settings: EdgeSettings,
+) -> float:
+    """Return the variance of a picture's outlines over what the fits' residuals say, for a shift.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+    table : ndarray, shape (n, COLUMNS)
+        Converged fits, see :func:`~labcal.detect.edges.gauss_newton.fit_all`.
+    weights : ndarray, shape (n, 2, PARAMETERS)
+        Weights of the fit's parameters in the centre that is stated.
+    picture : (ndarray, float)
+        The holes of rings, shape (n,), and how far no other dot is met; radii.
+    flat : float
+        The same as the noise beside the outlines says. It counts the more the fewer dots there are, and if
+        it is 1, that of white noise, it holds where chance explains what differs from it.
+    settings : EdgeSettings
+    """
+    some = table[:, VARIANCE] > 0.0  # a drawn picture may be without noise
+    if not some.any():
+        return flat
+    table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
+    radius = float(np.median(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2)))
+    harmonics = chosen_harmonics(radius, settings)
+    sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
+    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
+    powers = own_powers(sums, (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE]))
+    number = harmonics.first + harmonics.stride * np.arange(harmonics.terms)
+    ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / number, settings)
+    if not error < inf:
+        return flat
+    if flat == 1.0 and abs(log(ratio)) < settings.noise_chance_sigma * error:
+        return 1.0
+    trust = 1.0 / (1.0 + error**2)  # against the flat parts' word, which is good to a factor of e or so
+    return exp(trust * log(ratio) + (1.0 - trust) * log(flat))
+
+
+def chosen_harmonics(radius: float, settings: EdgeSettings) -> Harmonics:
+    """Return the harmonics by which the noise along an outline is measured.
+
+    Odd ones move opposite edges the same way, as a shift does. Even ones hold what pixels, lens and fit do
+    to opposite edges alike: that moves no centre. The first and the second are the fit's own.
+
+    Parameters
+    ----------
+    radius : float
+        Of a usual dot of the picture, px.
+    settings : EdgeSettings
+    """
+    around = 2.0 * pi * radius
+    first = max(3, 1 + 2 * round(0.5 * (around / settings.noise_long_px - 1.0)))
+    last = max(first, int(around / settings.noise_short_px))
+    odd = 1 + (last - first) // 2
+    stride = 2 * max(1, -(-odd // settings.noise_harmonics))
+    return Harmonics(first, stride, 1 + (last - first) // stride)
+
+
+def own_powers(
+    sums: Float64[np.ndarray, "n k 3"], step: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, "n k 2"]:
+    """Return the power of each dot's residuals without what all dots share, and that of white noise.
+
+    All dots of a print, or of a renderer, may have the same shape. It shifts all alike, and is no noise.
+
+    Parameters
+    ----------
+    sums : ndarray, shape (n, k, 3)
+        See :func:`~labcal.detect.edges.harmonics.harmonic_sums`, over the dots' noise.
+    step : ndarray, shape (n,)
+        From dot to board, over the dot's noise.
+    """
+    n, kept = len(sums), sums[..., :2]
+    if n > 1:
+        shared = (step[:, None, None] * kept).sum(axis=0) / (step**2).sum()
+        kept = (kept - step[:, None, None] * shared) * np.sqrt(n / (n - 1.0))
+    return np.stack([(kept**2).sum(axis=2), sums[..., 2]], axis=2)
+
+
+def long_wave_ratio(
+    powers: Float64[np.ndarray, "n k 2"], wavelengths: Float64[np.ndarray, " k"], settings: EdgeSettings
+) -> tuple[float, float]:
+    """Return the variance of outlines over that of white noise at long waves, and its relative error.
+
+    A shift is one long wave around the whole outline. Noise that is alike in neighbouring pixels is stronger
+    in long waves than in short ones, and what compression or demosaicing leaves is often weaker. The
+    logarithm of the variance is linear in the square of the wave number, as it is for noise that a Gauss
+    function has smoothed; it is estimated by gamma regression (McCullagh and Nelder 1989, chapter 8) over
+    all dots but those that fit far worse than the others. What grows with the wave by more than pixels are
+    ever smoothed is the print's ragged outline, the same at every sight of a dot, and no noise: then shorter
+    waves count alone.
+
+    Parameters
+    ----------
+    powers : ndarray, shape (n, k, 2)
+        See :func:`own_powers`.
+    wavelengths : ndarray, shape (k,)
+        Of the harmonics, px.
+    settings : EdgeSettings
+
+    Returns
+    -------
+    ratio : float
+        NaN where there is nothing to estimate it from.
+    error : float
+        Standard deviation of its logarithm.
+    """
+    powers = powers[powers[:, :, 1].sum(axis=1) > _LEAST]
+    if len(powers) == 0:
+        return float("nan"), float("inf")
+    each = powers[..., 0].sum(axis=1) / powers[..., 1].sum(axis=1)
+    powers = powers[each <= settings.noise_outlier_factor * np.median(each)]
+    seen, weight = powers.sum(axis=0).T
+    if not (seen > 0.0).all() or not (weight > _LEAST).all():
+        return float("nan"), float("inf")
+    return _at_long_waves(seen / weight, weight, 1.0 / wavelengths**2, settings)
+
+
+def _at_long_waves(
+    ratio: Float64[np.ndarray, " k"],
+    weight: Float64[np.ndarray, " k"],
+    square: Float64[np.ndarray, " k"],
+    settings: EdgeSettings,
+) -> tuple[float, float]:
+    """Return the ratio at the wave number 0 and the error of its logarithm, from those at squared numbers."""
+    steepest = (2.0 * pi * settings.noise_smoothing_px) ** 2  # of a Gauss function's power
+    X = np.stack([np.ones_like(square), square], axis=1)
+    first, slope = len(ratio) - 1, -steepest if len(ratio) > 1 else 0.0  # if all others are the print's
+    for longest in range(len(ratio) - 1):
+        some = slice(longest, None)
+        (level, steep), covariance = _gamma_regression(X[some], ratio[some], weight[some])
+        if abs(steep) <= steepest:
+            return exp(level), sqrt(covariance[0, 0])
+        if steep > -steepest - settings.noise_chance_sigma * sqrt(covariance[1, 1]):
+            first, slope = longest, float(np.clip(steep, -steepest, steepest))
+            break
+    levels, weight = ratio[first:] * np.exp(-slope * square[first:]), weight[first:]
+    return float(np.average(levels, weights=weight)), 1.0 / sqrt(float(weight.sum()))
+
+
+def _gamma_regression(
+    X: Float64[np.ndarray, "k p"], ratio: Float64[np.ndarray, " k"], weight: Float64[np.ndarray, " k"]
+) -> tuple[Float64[np.ndarray, " p"], Float64[np.ndarray, "p p"]]:
+    """Return the coefficients of the ratio's logarithm and their covariance, by Fisher's scoring.
+
+    A ratio has two degrees of freedom a dot: its relative variance is one over its weight.
+    """
+    information = (X * weight[:, None]).T @ X
+    coefficients = np.linalg.solve(information, X.T @ (weight * np.log(ratio)))
+    for _ in range(_ROUNDS):
+        excess = ratio / np.exp(X @ coefficients) - 1.0
+        step = np.linalg.solve(information, X.T @ (weight * excess))
+        coefficients = coefficients + step / max(1.0, float(np.abs(X @ step).max()))
+    return coefficients, np.linalg.inv(information)
