@@ -80,23 +80,23 @@ def sweep_methods(
     """
     methods = cases[0].methods if cases else ()
     own = own_methods(methods)
+    parts = _parts(methods, own)
     with _suspected(own):
         outcomes = sweep(cases, work.function, work.result_type, folder, executor, progress)
-    failed = [number for number, one in enumerate(outcomes) if own and one.fault is Fault.MACHINE]
-    if not failed:
-        return outcomes
-    parts = _parts(methods, own)
-    found = [
-        sweep(
-            [_with_methods(cases[number], part) for number in failed],
-            work.function,
-            work.result_type,
-            folder.with_name(f"{folder.name}-apart-{place}"),
-            executor,
-            progress,
-        )
-        for place, part in enumerate(parts)
-    ]
+        failed = [number for number, one in enumerate(outcomes) if own and one.fault is Fault.MACHINE]
+        if not failed or len(parts) == 1:
+            return outcomes
+        found = [
+            sweep(
+                [_with_methods(cases[number], part) for number in failed],
+                work.function,
+                work.result_type,
+                folder.with_name(f"{folder.name}-apart-{place}"),
+                executor,
+                progress,
+            )
+            for place, part in enumerate(parts)
+        ]
     for number, *again in zip(failed, *found, strict=True):
         outcomes[number] = _joined(outcomes[number], dict(zip(parts, again, strict=True)), methods, work)
     return outcomes

@@ -1,5 +1,11 @@
 """Section: through rendered pictures."""
 
+from collections.abc import Sequence
+
+import numpy as np
+
+from labcal.bench.distortion.cell_summary import CellSummary
+from labcal.bench.distortion.checks import LOW_COVERAGE
 from labcal.bench.distortion.curves import error_figure
 from labcal.bench.distortion.page.cell_table import cell_download
 from labcal.bench.distortion.page.family_charts import strength_words
@@ -10,6 +16,7 @@ from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Section
 from labcal.report.page.prose import Prose
+from labcal.wording import listed
 
 _HOW = (
     "The same cameras take rendered pictures of a board on a stage, and labcal's detector measures its dots. "
@@ -47,4 +54,27 @@ def rendered_section(findings: Findings) -> Section | None:
     beside = [Beside(tuple(charts))] if charts else []
     strengths = sorted({one.strength for one in rendered})
     table = family_table("families-rendered", rendered, strengths)
-    return Section("Through rendered pictures", [Prose((_HOW,)), *beside, table])
+    words = coverage_words(pictured)
+    return Section("Through rendered pictures", [Prose((_HOW, *words)), *beside, table])
+
+
+def coverage_words(pictured: Sequence[CellSummary]) -> tuple[str, ...]:
+    """Return a sentence on ellipsoids that are too small without a flag; none where no covariance is stated.
+
+    Parameters
+    ----------
+    pictured : sequence of CellSummary
+        Of pictures in which nothing is wrong.
+    """
+    known = [one for one in pictured if np.isfinite(one.unflagged_coverage95)]
+    wrong = [one for one in known if one.unflagged_coverage95 < LOW_COVERAGE]
+    if wrong:
+        cells = [
+            f"{one.method}, {one.cell.family} {one.cell.strength:g} ({one.unflagged_coverage95:.3f})"
+            for one in sorted(wrong, key=lambda one: one.unflagged_coverage95)
+        ]
+        share = f"Coverage of 95% ellipsoids below {LOW_COVERAGE:g}"
+        return (f"{share}, where the flag model-misfit is not raised: {listed(cells)}.",)
+    if known:
+        return (f"95% ellipsoids hold at least {LOW_COVERAGE:.0%} of the errors wherever no flag is raised.",)
+    return ()

@@ -96,10 +96,11 @@ def test_a_method_that_ends_its_process_costs_its_own_rows_alone(tmp_path: Path)
 
 
 def test_a_case_that_ends_its_processes_whatever_is_measured_keeps_that_reason(tmp_path: Path) -> None:
-    methods = ("mine:Bad",)
-    found = swept(tmp_path, Ending("mine:Bad", {1}), methods)
+    executor = Ending("mine:Bad", {1})
+    found = swept(tmp_path, executor, ("mine:Bad",))
     assert found[1].result is None
     assert found[1].fault is Fault.MACHINE
+    assert len(executor.tried) == 3  # one method alone has no parts
     executor = Ending("dlt", {1})  # methods of labcal are not measured apart from each other
     assert swept(tmp_path / "labcal", executor, ("hybrid", "dlt"))[1].result is None
     assert len(executor.tried) == 3

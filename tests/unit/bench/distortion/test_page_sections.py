@@ -62,6 +62,14 @@ def test_the_curve_of_pictures_is_of_pictures_alone(plain: Findings) -> None:
     shown = html(section)
     assert shown.count('<figure class="chart"') == 1
     assert "noise of the sensor" in shown
+    assert "95% ellipsoids hold at least 93% of the errors wherever no flag is raised." in shown
+    wrong = [
+        replace(one, unflagged_coverage95=0.917 if one.method == "dlt" else NAN)
+        for one in pictured
+        if one.cell.strength == 1.0
+    ]
+    shown_wrong = html(rendered_section(Findings(result, [*plain.summaries, *wrong])))
+    assert "below 0.93, where the flag model-misfit is not raised: dlt, brown 1 (0.917)." in shown_wrong
     assert "brown, rendered: strength 1 is k1 -0.5." in shown
     assert "3.25" in shown
 
