@@ -9,9 +9,9 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots", "hold_out", "lens",
-        "method", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
-        "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
+        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots",
+        "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler",
+        "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views", "whole", "workers",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
