@@ -43,6 +43,8 @@ MOST_DOTS = 250_000
 """On one target."""
 LEAST_SHARE_OF_PITCH = 1e-3
 """Of a dot's diameter."""
+MOST_PARAMETER_VARIANCE = 1e24
+"""Of a parameter of a camera, in its unit squared; what views leave open has some very large one."""
 MOST_WEIGHT = 1e60
 """Of a number in a model: squares and products of a few of them are still numbers."""
 

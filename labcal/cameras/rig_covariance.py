@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from labcal.bounds import MOST_PARAMETER_VARIANCE, Amount, Margin
 from labcal.cameras.record import CameraRecord
 from labcal.wording import clipped, printable
 
@@ -18,8 +19,10 @@ _MOST = 400
 """Parameters of a rig, at most: twenty cameras."""
 _ROUNDING = 1e-6
 """Of the least eigenvalue of correlations, below which they are none."""
-Number = Annotated[float, Field(allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Element = Annotated[
+    float, Field(ge=-MOST_PARAMETER_VARIANCE, le=MOST_PARAMETER_VARIANCE, allow_inf_nan=False)
+]
+"""Of a covariance."""
 
 
 class RigCovariance(BaseModel):
@@ -36,14 +39,14 @@ class RigCovariance(BaseModel):
     """Frame and scale, which are exact by definition."""
     parameters: Annotated[tuple[str, ...], Field(min_length=1, max_length=_MOST)]
     """Names in order: camera by camera ``CAMERA.fx`` and so on, coefficients, then turns and shifts."""
-    lower: tuple[tuple[Number, ...], ...]
+    lower: tuple[tuple[Element, ...], ...]
     """Lower triangle of the covariance, a tuple for each row; px, rad, mm and the coefficients' units."""
-    noise_factor: NotNegative = 1.0
+    noise_factor: Amount = 1.0
     """Variance of residuals without the print's share, over the one that dots' covariances and the variance
     component state; a factor of the matrix."""
-    view_factor: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 1.0
+    view_factor: Annotated[float, Field(ge=1, le=1e12, allow_inf_nan=False)] = 1.0
     """Factor by which views disagree beyond the noise of their dots; a factor of the matrix."""
-    print_sigma_mm: NotNegative = 0.0
+    print_sigma_mm: Margin = 0.0
     """Standard deviation of the dots' places on the print along each direction; its share is included."""
 
     @model_validator(mode="after")
@@ -55,8 +58,7 @@ class RigCovariance(BaseModel):
         if not (variance >= 0.0).all():
             raise ValueError("'lower' has a negative variance")
         scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))
-        with np.errstate(over="ignore", invalid="ignore"):
-            correlation = self.matrix / np.outer(scale, scale)
+        correlation = self.matrix / scale[:, None] / scale
         if not np.isfinite(correlation).all() or not np.linalg.eigvalsh(correlation)[0] > -_ROUNDING * count:
             raise ValueError("'lower' is no covariance: some combination has a negative variance")
         return self

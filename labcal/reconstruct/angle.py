@@ -20,6 +20,11 @@ def angle(found: Reconstruction, corner: int, one: int, other: int) -> Measured:
     corner, one, other : int
         Lines of the points in ``found.points``.
 
+    Returns
+    -------
+    Measured
+        Rad, 0 to pi; its sigma and the shares of noise and calibration in it.
+
     Raises
     ------
     InputError, InputTypeError

@@ -20,6 +20,11 @@ def distance(found: Reconstruction, one: int, other: int) -> Measured:
     one, other : int
         Lines of the points in ``found.points``.
 
+    Returns
+    -------
+    Measured
+        Mm; its sigma and the shares of noise and calibration in it.
+
     Raises
     ------
     InputError, InputTypeError

@@ -26,6 +26,14 @@ class Measured(PublicObject):
         ``mm`` or ``rad``.
     budget : Budget
         The sources of errors that `sigma` holds.
+
+    Examples
+    --------
+    >>> import labcal
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.reconstruct(examples.rig(), examples.detections(), examples.TARGET)
+    >>> round(labcal.distance(found, 0, 1).value, 1)  # neighbours on the board
+    20.0
     """
 
     value: float

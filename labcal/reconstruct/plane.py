@@ -30,6 +30,15 @@ class Plane(PublicObject):
         Root mean square distance of the points from the plane.
     shares : Shares
         Covariance of the plane's height above its centre (mm) and of its slopes along both directions (rad).
+
+    Examples
+    --------
+    >>> import labcal
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.reconstruct(examples.rig(), examples.detections(), examples.TARGET)
+    >>> board = labcal.plane(found, found.points.view == "hand-0")
+    >>> bool(board.sigma_height_mm < 0.05), board.sigma_slopes_rad.shape
+    (True, (2,))
     """
 
     centre: Float64[np.ndarray, "3"]
@@ -70,6 +79,11 @@ def plane(found: Reconstruction, lines: AnyArray) -> Plane:
     found : Reconstruction
     lines : array_like of int or of bool
         Lines of the points in ``found.points``: their numbers, or a mask.
+
+    Returns
+    -------
+    Plane
+        Mm; with the covariance of its height and slopes.
 
     Raises
     ------

@@ -31,6 +31,16 @@ class RigidMotion(PublicObject):
         Root mean square distance of the moved points from those after.
     shares : Shares
         Covariance of the displacement (mm), then of a turn after the rotation (rad).
+
+    Examples
+    --------
+    >>> import labcal
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.reconstruct(examples.rig(), examples.detections(), examples.TARGET)
+    >>> view = found.points.view
+    >>> moved = labcal.rigid_motion(found, view == "hand-0", view == "hand-1")
+    >>> bool((moved.sigma_displacement_mm < 0.05).all()), moved.sigma_rotation_rad.shape
+    (True, (3,))
     """
 
     T_after_before: Pose
@@ -70,6 +80,11 @@ def rigid_motion(found: Reconstruction, before: AnyArray, after: AnyArray) -> Ri
     found : Reconstruction
     before, after : array_like of int or of bool
         Lines of the same points in ``found.points`` at both moments, in the same order.
+
+    Returns
+    -------
+    RigidMotion
+        Mm and rad; with the covariance of displacement and rotation.
 
     Raises
     ------

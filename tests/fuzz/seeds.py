@@ -11,6 +11,7 @@ from labcal.cameras.dot_image import dot_images
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import write_rig_files
 from labcal.cameras.rig import Rig, write_rig
+from labcal.cameras.rig_covariance import RigCovariance, parameter_names
 from labcal.cameras.window import FlatWindow
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import detections_csv
@@ -238,7 +239,9 @@ def make_seeds(home: Path) -> Path:
         (home / name).write_text(text, encoding="utf-8")
     cameras = rig_cameras()
     rig = Rig.of(cameras)
-    write_rig(home / "rig.json", rig)
+    count = len(parameter_names(rig.cameras))
+    stated = RigCovariance.of(rig.cameras, np.diag(np.full(count, 1e-8)) + 1e-9)
+    write_rig(home / "rig.json", rig.model_copy(update={"covariance": stated}))
     windowed = {
         name: Camera(
             one.K, one.lens, one.dist, one.T_cam_world, one.size, window=FlatWindow(distance_mm=50.0)
