@@ -77,7 +77,7 @@ class AllDirections:
 class SomeDirections:
     """Plane waves of independent amplitudes, each with a share of the variance.
 
-    A pane that was rolled has few of them, and a field that knows which needs fewer points than one that
+    A rolled window has few of them, and a field that knows which needs fewer points than one that
     expects them from everywhere.
 
     Attributes
