@@ -32,7 +32,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--only",
         metavar="GROUP,...",
-        help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile; "
+        help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile, "
+        "coded-dots; "
         "of solve: limits, training, adjustment, mistakes, real, mrcal",
     )
     parser.add_argument(
