@@ -33,7 +33,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--only",
         metavar="GROUP,...",
         help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile, "
-        "coded-dots; "
+        "coded-dots, tags; "
         "of solve: limits, training, adjustment, mistakes, real, mrcal",
     )
     parser.add_argument(

@@ -1,4 +1,4 @@
-"""Marks that are not a target's: coded dots, and the corners of ArUco markers and AprilTags, by name.
+"""Marks that are no grid: coded dots, and the corners of ArUco markers and AprilTags, as named pixels.
 
-``marks.py`` finds those of a named dictionary; ``coded_dots.py`` and ``tags.py`` do so for either kind.
+``coded_dots.py`` and ``tags.py`` find them; ``coded_sheet.py`` makes a target of a sheet of coded dots.
 """
