@@ -35,7 +35,7 @@ class Blurred:
 
 
 Pattern = Callable[[np.ndarray, float, np.ndarray], Blurred]
-"""A pattern of two edges: of distances from them (2, n), of the correlation of their blurs, and of distances of
+"""A pattern of two edges, of distances from them (2, n), the correlation of their blurs, and distances of
 markers' edges (2, 1); all distances are in blurs."""
 
 
