@@ -105,8 +105,8 @@ def _read(
         return NO_MARK
     mixed = mixing(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
     best = NO_MARK
-    farthest = min(settings.max_perspective, settings.perspective_per_px * float(spots.radius[number]))
-    steps = np.arange(0.0, farthest + 1e-9, settings.perspective_step)
+    farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
+    steps = np.arange(0.0, farthest + 1e-9, settings.perspective_step_radii)
     for step in (0.0, *(sign * step for step in steps[1:].tolist() for sign in (1.0, -1.0))):
         samples = sample_ring(grey, centre, root, step * minor, sectors)
         reading = read_ring(samples, mixed, book, settings)

@@ -64,7 +64,7 @@ def read_ring(
     if not has_white_gap(samples, settings):
         return NO_MARK
     hidden = _is_hidden(samples, settings)
-    value, raw, in_sight = _sectors(samples.ring, ~hidden, mixed, settings.blur_regularisation)
+    value, raw, in_sight = _sectors(samples.ring, ~hidden, mixed, settings.blur_variance_share)
     black = value[in_sight] > 0.5  # noqa: PLR2004 -- half-way
     if in_sight.mean() < settings.min_sight_share or black.all() or not black.any():
         return NO_MARK
@@ -78,7 +78,7 @@ def read_ring(
     margin = (1.0 + 0.5 * wrong) * settings.min_margin_sectors
     if seen.mean() < 1.0 - settings.max_hidden_share:
         flag = MarkFlag.HIDDEN
-    elif wrong > settings.max_wrong_sectors or float(np.sqrt((off**2).mean())) > settings.max_residual:
+    elif wrong > settings.max_wrong_sectors or float(np.sqrt((off**2).mean())) > settings.max_residual_share:
         flag = MarkFlag.UNKNOWN_CODE
     elif others - best[start, row] < margin:
         flag = MarkFlag.AMBIGUOUS
@@ -98,7 +98,7 @@ def has_white_gap(samples: RingSamples, settings: MarkSettings) -> bool:
     samples : RingSamples
     settings : MarkSettings
     """
-    white = np.abs(samples.gap) < settings.hidden_level  # NaN beyond the frame is not
+    white = np.abs(samples.gap) < settings.hidden_level_share  # NaN beyond the frame is not
     return bool(np.isfinite(samples.gap).all() and white.mean() >= settings.min_gap_share)
 
 
@@ -112,10 +112,10 @@ def _is_hidden(samples: RingSamples, settings: MarkSettings) -> Mask:
     beside = _smoothed(np.stack([samples.gap, samples.paper]))
     ring = _smoothed(samples.ring)
     usual = float(np.nanmedian(np.abs(beside)))
-    level = np.clip(_USUAL_TIMES * usual, settings.least_hidden_level, settings.hidden_level)
-    covered = (np.abs(beside) > level) & (np.abs(ring - beside) < settings.cover_likeness)
+    level = np.clip(_USUAL_TIMES * usual, settings.least_hidden_share, settings.hidden_level_share)
+    covered = (np.abs(beside) > level) & (np.abs(ring - beside) < settings.cover_likeness_share)
     off = np.abs(ring - 0.5) - 0.5
-    hidden: Mask = covered.any(axis=0) | ~(off < settings.ring_overshoot)
+    hidden: Mask = covered.any(axis=0) | ~(off < settings.ring_overshoot_share)
     return hidden
 
 

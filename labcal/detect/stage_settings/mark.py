@@ -19,34 +19,34 @@ class MarkSettings(StageSettings):
         description="Most changes between dark and bright a pixel along a row, around a dot; rings have "
         "many. Larger: dots in texture and noise are looked at, too.",
     )
-    hidden_level: float = Field(
+    hidden_level_share: float = Field(
         0.4,
         gt=0,
         lt=1,
         description="Grey value of paper beside the ring from which on something hides it there, in soft "
         "pictures. Larger: softer ones are read, what hides it is missed.",
     )
-    least_hidden_level: float = Field(
+    least_hidden_share: float = Field(
         0.08,
         ge=0,
         lt=1,
         description="The same in sharp pictures. Larger: faint shadows are missed, bright covers, too.",
     )
-    cover_likeness: float = Field(
+    cover_likeness_share: float = Field(
         0.35,
         gt=0,
         le=2,
         description="The ring is hidden where its grey value is so near to that of what hides paper beside "
         "it. Larger: more sectors are left out.",
     )
-    ring_overshoot: float = Field(
+    ring_overshoot_share: float = Field(
         0.45,
         gt=0,
         le=10,
         description="A sector so much darker than the dot, or brighter than paper, is hidden. Larger: fewer "
         "are.",
     )
-    blur_regularisation: float = Field(
+    blur_variance_share: float = Field(
         0.03,
         ge=1e-6,
         le=10,
@@ -72,7 +72,7 @@ class MarkSettings(StageSettings):
         le=1,
         description="Least share of sectors in sight, likewise. Larger: less clutter is reported.",
     )
-    max_residual: float = Field(
+    max_residual_share: float = Field(
         0.25,
         gt=0,
         le=1,
@@ -99,7 +99,7 @@ class MarkSettings(StageSettings):
         lt=0.5,
         description="Least share of black sectors, and of white ones, in sight. Larger: the same.",
     )
-    max_perspective: float = Field(
+    max_perspective_radii: float = Field(
         0.12,
         ge=0,
         lt=0.3,
@@ -113,7 +113,7 @@ class MarkSettings(StageSettings):
         description="The same a px of the dot's radius, which bounds it for small dots. Larger: slower, "
         "wider lenses are read at closer range.",
     )
-    perspective_step: float = Field(
+    perspective_step_radii: float = Field(
         0.03, ge=0.005, le=0.3, description="Steps in which it is tried. Larger: faster, rougher."
     )
     usual_departure_factor: float = Field(

@@ -14,7 +14,7 @@ def test_list_names_every_target(capsys: pytest.CaptureFixture[str]) -> None:
     assert told["kinds"] == ["dots", "charuco", "coded-dots"]
     assert main(["target", "list"]) == 0
     table = capsys.readouterr().out
-    assert all(name in table for name in (*target_names(), "dots, charuco and coded-dots"))
+    assert all(name in table for name in (*target_names(), "dots, charuco, coded-dots"))
 
 
 def test_show_gives_the_description_itself(capsys: pytest.CaptureFixture[str]) -> None:
