@@ -32,8 +32,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--only",
         metavar="GROUP,...",
-        help="only some groups of checks; of detect: suite, accuracy, real, bias, speed, hostile; "
-        "of solve: limits, training, adjustment, mistakes, budget, real, mrcal",
+        help="only some groups of checks; of detect: suite, accuracy, developed, real, bias, speed, hostile, "
+        "coded-dots, tags; of solve: limits, training, adjustment, mistakes, budget, real, mrcal",
     )
     parser.add_argument(
         "--method",

@@ -10,6 +10,7 @@ grid.py           lattice/       outlines to a lattice, and to (col, row) of eac
 edge_fit.py       edges/         outline to a centre of area with its covariance        edge
 quality.py        checks/        flags of dots, refusals of pictures                    quality
 charuco.py        corners/       the same for the corners of ChArUco boards             corner
+                  marks/         coded dots (dots as above, rings read), corners of tags mark
 ================= ============== ====================================================== ================
 
 `flags.py` defines each flag and each refusal, `dots.py` is the result, `settings.py` holds all

@@ -9,6 +9,7 @@ from labcal.arguments import texts
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.detect.stage_settings.grid import GridSettings
+from labcal.detect.stage_settings.mark import MarkSettings
 from labcal.detect.stage_settings.quality import QualitySettings
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
 from labcal.detect.stage_settings.setting import PREFIX, SettingDescription, SettingValue, as_text, describe
@@ -35,6 +36,8 @@ class DetectSettings(BaseModel):
         Flags of dots and refusals of pictures.
     corner : CornerSettings
         Corners of ChArUco boards, in place of the first three.
+    mark : MarkSettings
+        Rings of coded dots.
 
     Raises
     ------
@@ -60,6 +63,7 @@ class DetectSettings(BaseModel):
     edge: EdgeSettings = EdgeSettings()
     quality: QualitySettings = QualitySettings()
     corner: CornerSettings = CornerSettings()
+    mark: MarkSettings = MarkSettings()
 
     if not TYPE_CHECKING:  # which knows what may be given from the fields
 

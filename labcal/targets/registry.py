@@ -11,6 +11,7 @@ from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.run.registration import require_members, require_own_name
 from labcal.run.user_code import Place, imported, user_code
 from labcal.targets.charuco import CharucoBoard
+from labcal.targets.coded_dots import CodedDots
 from labcal.targets.grid import DotGrid
 from labcal.targets.target import PrintableTarget, Target
 
@@ -57,6 +58,12 @@ _SHIPPED = (
         CharucoBoard,
         "labcal.detect.charuco:detect_charuco",
         "labcal.targets.shapes:charuco_outlines",
+    ),
+    TargetKind(
+        "coded-dots",
+        CodedDots,
+        "labcal.detect.marks.coded_sheet:detect_coded_sheet",
+        "labcal.targets.coded_dot_outlines:coded_dot_outlines",
     ),
 )
 _KINDS: dict[str, TargetKind] = {kind.name: kind for kind in _SHIPPED}

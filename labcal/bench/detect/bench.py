@@ -10,6 +10,8 @@ from labcal.bench.detect.real import real_findings
 from labcal.bench.detect.speed import speed_findings
 from labcal.bench.detect.suite import suite_findings
 from labcal.bench.groups import Findings, Groups, measured_groups
+from labcal.bench.marks.coded_dots import coded_dot_findings
+from labcal.bench.marks.tags import tag_findings
 from labcal.bench.settings import BenchSettings
 from labcal.report.bench import BenchResult
 from labcal.run.progress import Progress
@@ -22,6 +24,8 @@ GROUPS: Groups = {
     "bias": lambda bench: Findings(bias_checks(bench.seed), []),
     "speed": speed_findings,
     "hostile": hostile_findings,
+    "coded-dots": coded_dot_findings,
+    "tags": tag_findings,
 }
 
 

@@ -86,7 +86,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
     window = _window(grey, around, settings.marker_guard_blurs * settings.first_blur_px / narrow, settings)
-    first = _settle(
+    first = settle(
         _begin(window, around, settings.first_blur_px), window, settings.first_tolerance_px, settings
     )
     if first is None:
@@ -94,7 +94,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     # What is left out around markers follows the blur, now that it is known.
     blur = float(first[4:6].max())
     window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
-    state = _settle(first, window, settings.tolerance_px, settings)
+    state = settle(first, window, settings.tolerance_px, settings)
     if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
         return None
     moved = float(np.hypot(state[0], state[1]))
@@ -102,7 +102,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
         return None
     if is_cut(around.centre + state[:2], grey, settings.frame_margin_px):
         return None
-    return _judge(state, window, around, settings)
+    return judge(state, window, around.centre, settings)
 
 
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
@@ -143,7 +143,7 @@ def _begin(window: CornerPixels, around: Surroundings, blur: float) -> np.ndarra
     )
 
 
-def _settle(
+def settle(
     state: np.ndarray, window: CornerPixels, tolerance: float, settings: CornerSettings
 ) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
@@ -177,8 +177,8 @@ def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
     return np.asarray(np.maximum(fitted, least * squares.mean()))
 
 
-def _judge(
-    state: np.ndarray, window: CornerPixels, around: Surroundings, settings: CornerSettings
+def judge(
+    state: np.ndarray, window: CornerPixels, centre: np.ndarray, settings: CornerSettings
 ) -> CornerFit | None:
     """Return the fit with its uncertainty."""
     linear = linearise(state, window)
@@ -196,7 +196,7 @@ def _judge(
         return None
     variance = _variance(noise, linear.board, settings.min_variance_share) * len(noise) / freedom
     return CornerFit(
-        centre=around.centre + state[:2],
+        centre=centre + state[:2],
         covariance=(gain * variance) @ gain.T,
         step=2 * float(state[7]),
         roughness=float(np.sqrt((linear.residual**2).mean())) / (2 * float(state[7])),

@@ -29,6 +29,7 @@ UNITS = {
     "steps": "grid steps",
     "nodes": "grid nodes",
     "squares": "squares of the board",
+    "sectors": "sectors of a ring",
 }
 """Unit of a setting by the end of its name; a whole number whose name ends otherwise is a count."""
 SettingValue = int | float | tuple[int | float, ...]

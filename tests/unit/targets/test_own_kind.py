@@ -244,7 +244,9 @@ def test_what_its_file_says_wrongly_is_told(board: Chessboard, tmp_path: Path) -
     with pytest.raises(UnknownNameError, match=r"named 'chesboard'. Did you mean 'chessboard'"):
         load_target(str(path))
     path.write_text(DESCRIPTION.replace("kind: chessboard", "kind: dots"))
-    with pytest.raises(InputError, match=r"'dots' should be one of charuco, chessboard, or left out"):
+    with pytest.raises(
+        InputError, match=r"'dots' should be one of charuco, coded-dots, chessboard, or left out"
+    ):
         load_target(str(path))
 
 

@@ -1,0 +1,1 @@
+"""Measurement of marks, coded dots and tags, on drawn pictures whose truth is exact."""

@@ -1,0 +1,184 @@
+"""Coded dots in one picture: found by their outline, named by their ring, measured by their edge."""
+
+import numpy as np
+
+from labcal.detect.checks.usual_light import misfits
+from labcal.detect.edge_fit import EdgeFits, fit_edges
+from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture, is_flat
+from labcal.detect.marks.picture_marks import MarkFlag, PictureMarks, SeenMark, collected
+from labcal.detect.marks.ring_blur import mixing
+from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
+from labcal.detect.marks.ring_samples import sample_ring
+from labcal.detect.outlines.blobs import blobs_of, joined, pyramid
+from labcal.detect.outlines.outlines import Outlines, clear_reach, inside_frame, matrix_root, trace_outlines
+from labcal.detect.settings import DEFAULTS, DetectSettings
+from labcal.detect.stage_settings.mark import MarkSettings
+from labcal.geometry.two_by_two import eigenvalues
+from labcal.targets.coded_dots import RING_INNER, RING_OUTER
+from labcal.targets.grid import DotGrid
+from labcal.targets.ring_codes import CodeBook, RingCode, code_book
+
+_SURROUNDED = DotGrid(
+    name="coded-dot",
+    cols=2,
+    rows=2,
+    pitch_x_mm=0.5 * (1.0 + RING_INNER),
+    pitch_y_mm=0.5 * (1.0 + RING_INNER),
+    dot_diameter_mm=1.0,
+    rings=None,
+)
+"""A grid whose dots have as much paper around them as a coded dot has within its ring."""
+_MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
+_LEAST_BLUR_PX = 0.3
+"""Of any edge that is sampled between pixels."""
+_SECTORS_OVER_CENTRE = 6.0**0.5
+"""Standard deviation of the place of a twelfth of an outline, over that of the centre along an axis."""
+
+
+def find_coded_dots(
+    image: AnyPicture, code: RingCode, settings: DetectSettings | None = None
+) -> PictureMarks:
+    """Find the coded dots of a code in one picture, black on white.
+
+    Every round dot is looked at; those with a ring of the code around them are marks. Only these are
+    measured, by the same fit as the dots of a grid, so that nothing else in the picture has a say in what is
+    usual.
+
+    Parameters
+    ----------
+    image : ndarray, shape (h, w), (h, w, 3) or (h, w, 4)
+        uint8, uint16 or float; colour in any order.
+    code : RingCode
+        Code of the rings. A picture may hold marks of several codes, each of which is looked for by itself.
+    settings : DetectSettings, optional
+        Thresholds, sizes and counts of all stages; the defaults where not given.
+
+    Returns
+    -------
+    PictureMarks
+        Points named ``CODE-NUMBER``, such as ``ring-23-17``. What looks like a mark and cannot be read has no
+        name and a flag that says why.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
+    """
+    settings = DEFAULTS if settings is None else settings
+    grey = grey_picture(image)
+    size = (grey.shape[1], grey.shape[0])
+    spots = _spots(grey, settings)
+    book = code_book(RingCode(code))
+    readings = [_read(grey, spots, number, book, settings.mark) for number in range(len(spots.centre))]
+    seen = _each_once(readings, spots)
+    named = [k for k in seen if readings[k].mark >= 0]
+    marks = [
+        SeenMark("", flag, spots.centre[k], spots.shape[k])
+        for k in seen
+        if (flag := readings[k].flag) is not None and readings[k].mark < 0
+    ]
+    if named:
+        names = [f"{book.code}-{readings[k].mark}" for k in named]
+        marks += _measured(grey, spots.select(np.array(named)), names, settings)
+    return collected(marks, size)
+
+
+def _spots(grey: GreyPicture, settings: DetectSettings) -> Outlines:
+    """Return all round dark dots of a picture, of every size, that lie whole in the frame."""
+    search = settings.segmentation.model_copy(update={"max_texture_share": settings.mark.max_texture_share})
+    levels = [] if is_flat(grey) else pyramid(grey, search)
+    blobs = joined([blobs_of(level, search) for level in levels])
+    outlines = trace_outlines(grey, blobs, _SURROUNDED, search)
+    inside = inside_frame(outlines.centre, outlines.shape, (grey.shape[1], grey.shape[0]), _MARGIN)
+    return outlines.select(inside)
+
+
+def _read(
+    grey: GreyPicture, spots: Outlines, number: int, book: CodeBook, settings: MarkSettings
+) -> RingReading:
+    """Read the ring around a spot: as it is without perspective, then with ever more of it either way."""
+    centre, shape = spots.centre[number], spots.shape[number]
+    root = matrix_root(shape[None])[0]
+    minor = np.linalg.eigh(shape)[1][:, 0]
+    sectors = book.code.sectors
+    if not has_white_gap(sample_ring(grey, centre, root, np.zeros(2), sectors), settings):
+        return NO_MARK
+    mixed = mixing(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
+    best = NO_MARK
+    farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
+    steps = np.arange(0.0, farthest + 1e-9, settings.perspective_step_radii)
+    for step in (0.0, *(sign * step for step in steps[1:].tolist() for sign in (1.0, -1.0))):
+        samples = sample_ring(grey, centre, root, step * minor, sectors)
+        reading = read_ring(samples, mixed, book, settings)
+        if reading.mark >= 0:
+            return reading
+        if step == 0.0 and reading.flag is None:
+            return reading
+        best = min(best, reading, key=lambda one: one.cost)
+    return best
+
+
+def _each_once(readings: list[RingReading], spots: Outlines) -> list[int]:
+    """Return the spots that are marks: the best of each place, and none that is part of another's ring."""
+    marks = [k for k, one in enumerate(readings) if one.flag is not None]
+    marks.sort(key=lambda k: (readings[k].mark < 0, readings[k].cost))
+    kept: list[int] = []
+    for k in marks:
+        away = np.linalg.norm(spots.centre[kept] - spots.centre[k], axis=1)
+        if not (away < np.maximum(spots.radius[kept], spots.radius[k])).any():
+            kept.append(k)
+    named = [k for k in kept if readings[k].mark >= 0]
+    return [k for k in kept if not _is_in_a_ring(k, named if readings[k].mark >= 0 else kept, spots)]
+
+
+def _is_in_a_ring(spot: int, marks: list[int], spots: Outlines) -> bool:
+    """Tell whether a spot lies in the ring of a larger one: it is a sector."""
+    away = spots.centre[spot] - spots.centre[marks]
+    flat = np.linalg.solve(spots.shape[marks], away[..., None])[..., 0]
+    radii = np.sqrt(np.einsum("ni,ni->n", away, flat))
+    return bool(((radii > 0.0) & (radii < RING_OUTER) & (spots.radius[marks] > spots.radius[spot])).any())
+
+
+def _measured(
+    grey: GreyPicture, spots: Outlines, names: list[str], settings: DetectSettings
+) -> list[SeenMark]:
+    """Return named dots with the fit of their edge, flagged as the dots of a grid are."""
+    reach = clear_reach(_SURROUNDED, settings.segmentation)
+    fits = fit_edges(grey, spots, np.zeros(len(names)), reach, 0.0, settings.edge)
+    flags = _flags(fits, spots, settings)
+    marks = []
+    for number, (name, flag) in enumerate(zip(names, flags, strict=True)):
+        if flag is MarkFlag.OK:
+            place, S = fits.centre[number], fits.shape[number]
+            marks.append(SeenMark(name, flag, place, S, place, fits.covariance[number]))
+        else:
+            marks.append(SeenMark(name, flag, spots.centre[number], spots.shape[number]))
+    return marks
+
+
+def _flags(fits: EdgeFits, spots: Outlines, settings: DetectSettings) -> list[MarkFlag]:
+    """Return the flag of every named dot, by its fit and by what is usual among the picture's marks.
+
+    A picture may hold one mark alone. So the departure of an outline from its ellipse is compared with what
+    noise explains, too.
+    """
+    limits = settings.quality
+    dark, light = np.minimum(fits.board, fits.dot), np.maximum(fits.board, fits.dot)
+    misfit = misfits(dark, light, fits.variance, limits)
+    usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
+    noise = _SECTORS_OVER_CENTRE * np.sqrt(np.trace(fits.covariance, axis1=1, axis2=2) / 2.0)
+    usual = np.minimum(usual, settings.mark.usual_departure_factor * noise)
+    farthest = limits.departure_factor * np.maximum(usual, noise) + limits.departure_share * spots.radius
+    rough = (fits.departure > farthest) | (misfit > limits.max_misfit_factor)
+    minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
+    flags = []
+    for number in range(len(spots.centre)):
+        if spots.blur[number] > limits.max_blur_share * minor[number]:
+            flags.append(MarkFlag.BLURRED)
+        elif fits.ok[number] and fits.clipped[number] > limits.max_clipped_share:
+            flags.append(MarkFlag.SATURATED)
+        elif not fits.ok[number] or rough[number]:
+            flags.append(MarkFlag.BAD_FIT)
+        else:
+            flags.append(MarkFlag.OK)
+    return flags

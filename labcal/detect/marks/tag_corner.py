@@ -1,0 +1,110 @@
+"""Sub-pixel fit of one corner of a tag: a black wedge on white, with the tag's border and quiet zone."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.detect.corners.corner_fit import CornerFit, is_cut, judge, settle
+from labcal.detect.corners.corner_model import CornerPixels, wedge
+from labcal.detect.grey import GreyPicture
+from labcal.detect.stage_settings.corner import CornerSettings
+
+_QUIET_CELLS = 0.8
+"""Reach into the quiet zone around a tag, which is a cell wide."""
+_TO_MIDDLE = 0.5
+"""Reach along an edge, of its length."""
+
+
+@dataclass(frozen=True)
+class TagCorner:
+    """Surroundings of a corner of a tag.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (2,)
+        Rough place of the corner, px.
+    edges : ndarray, shape (2, 2)
+        Columns: from the corner along its two edges to the next corners, px.
+    cells : int
+        Cells along an edge, the border included, which is one cell wide.
+    """
+
+    centre: np.ndarray
+    edges: np.ndarray
+    cells: int
+
+
+def fit_tag_corner(grey: GreyPicture, corner: TagCorner, settings: CornerSettings) -> CornerFit | None:
+    """Fit ``(1 + g d) (m + h W)`` to the pixels along the two edges of a corner, by Gauss-Newton.
+
+    ``W`` is a black wedge on white that a Gaussian blurs, and the rest as for a chessboard
+    (:func:`labcal.detect.corners.corner_fit.fit_corner`). Pixels reach to the middle of both edges, as far as
+    a lens leaves them straight; the tag's own cells are left out.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    corner : TagCorner
+        Where to begin.
+    settings : CornerSettings
+
+    Returns
+    -------
+    CornerFit or None
+        None where the fit does not converge within a cell of the beginning, or the frame is too near.
+    """
+    cell = np.linalg.norm(corner.edges, axis=0) / corner.cells
+    narrow = float(
+        abs(np.linalg.det(corner.edges)) / np.linalg.norm(corner.edges, axis=0).max() / corner.cells
+    )
+    state = _begin(grey, corner, settings)
+    if state is None:
+        return None
+    for tolerance in (settings.first_tolerance_px, settings.tolerance_px):
+        guard = settings.marker_guard_blurs * float(state[4:6].max()) / narrow
+        window = _window(grey, corner, guard, settings)
+        settled = settle(state, window, tolerance, settings)
+        if settled is None:
+            return None
+        state = settled
+    if state[7] <= 0.0 or state[4:6].max() > narrow or float(np.hypot(*state[:2])) > cell.min():
+        return None
+    if is_cut(corner.centre + state[:2], grey, settings.frame_margin_px):
+        return None
+    return judge(state, window, corner.centre, settings)
+
+
+def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: CornerSettings) -> CornerPixels:
+    """Select the pixels along the edges of a corner, with the border within and the quiet zone beyond."""
+    height, width = grey.shape
+    longest = float(np.sqrt(settings.reach_bend_px * max(grey.shape)))
+    reach = min(max(settings.min_reach_px, longest), float(np.linalg.norm(corner.edges, axis=0).max()))
+    low = np.maximum(np.ceil(corner.centre - reach), 0).astype(int)
+    high = np.minimum(np.floor(corner.centre + reach), [width - 1, height - 1]).astype(int)
+    if (high < low).any():
+        return CornerPixels(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), np.ones(2), wedge)
+    y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
+    offset = np.stack([x.ravel() - corner.centre[0], y.ravel() - corner.centre[1]])
+    along = corner.cells * np.linalg.solve(corner.edges, offset)
+    nearest, farthest = along.min(axis=0), along.max(axis=0)
+    mask = (nearest > -_QUIET_CELLS) & (nearest < 1.0 - guard) & (farthest < _TO_MIDDLE * corner.cells)
+    mask &= np.hypot(*offset) < reach
+    value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
+    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, np.ones(2), wedge)
+
+
+def _begin(grey: GreyPicture, corner: TagCorner, settings: CornerSettings) -> np.ndarray | None:
+    """Return first parameters; the normals point into the tag."""
+    window = _window(grey, corner, 0.0, settings)
+    if len(window.value) < settings.min_pixels:
+        return None
+    first, second = corner.edges.T
+    normals = []
+    for edge, inward in ((first, second), (second, first)):
+        normal = np.array([-edge[1], edge[0]])
+        normals.append(normal * np.sign(normal @ inward))
+    angles = [float(np.arctan2(normal[1], normal[0])) for normal in normals]
+    black, white = np.percentile(window.value, [10, 90])
+    blur = settings.first_blur_px
+    return np.array([0.0, 0.0, *angles, blur, blur, (black + white) / 2, (white - black) / 2, 0.0, 0.0])

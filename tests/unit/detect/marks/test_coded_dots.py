@@ -1,0 +1,103 @@
+"""Coded dots on drawn pictures whose truth is exact."""
+
+import numpy as np
+import pytest
+
+from labcal.bench.marks.coded_dots import coded_outcome
+from labcal.bench.marks.coded_picture import CodedPicture, coded_picture
+from labcal.bench.marks.drawn_picture import Exposure, drawn, tilted
+from labcal.detect.marks.coded_dots import find_coded_dots
+from labcal.detect.marks.picture_marks import MarkFlag
+from labcal.targets.coded_dots import RING_INNER, RING_OUTER
+from labcal.targets.ring_codes import RingCode, code_book
+
+CODE = RingCode.RING_23
+SIZE = (260, 200)
+
+
+def one_mark(word: np.ndarray, tilt: float = 40.0, radius: float = 9.0, turn: float = 0.3) -> np.ndarray:
+    """Draw one mark whose sectors are a word's, black where it is true."""
+
+    def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        rho = np.hypot(x, y)
+        sector = np.floor((turn - np.arctan2(y, x) / (2 * np.pi)) * len(word)).astype(int) % len(word)
+        ring = (rho > RING_INNER) & (rho < RING_OUTER) & word[sector]
+        return np.where((rho < 1.0) | ring, 1.0, 0.0)
+
+    H = tilted(np.radians(tilt), 0.4, 0.0, 600.0 / radius, 600.0)
+    H = np.array([[1.0, 0.0, 131.2], [0.0, 1.0, 99.7], [0.0, 0.0, 1.0]]) @ H
+    exposure = Exposure(SIZE, H, 0.8, np.array([0.002, -0.001]), 0.01)
+    return drawn(exposure, ink, (), np.random.default_rng(5))
+
+
+@pytest.fixture(scope="module")
+def pictures() -> list[CodedPicture]:
+    return [coded_picture(CODE, number, 0) for number in range(4)]
+
+
+def test_marks_in_sight_are_read_none_wrongly_and_stated_sigmas_hold(pictures: list[CodedPicture]) -> None:
+    outcomes = [coded_outcome(one, find_coded_dots(one.picture, CODE)) for one in pictures]
+    found, hidden = (np.concatenate([getattr(one, name) for one in outcomes]) for name in ("found", "hidden"))
+    assert len(found) > 10
+    assert found[hidden == 0.0].all()
+    assert sum(one.wrong for one in outcomes) == 0
+    error = np.concatenate([one.error for one in outcomes])
+    covariance = np.concatenate([one.covariance for one in outcomes])
+    squares = float(np.einsum("ni,nij,nj->", error, np.linalg.inv(covariance), error))
+    freedom = 2 * len(error)
+    assert abs(squares - freedom) < 4.0 * np.sqrt(2.0 * freedom)
+
+
+@pytest.mark.parametrize("mark", [0, 57, 111])
+def test_the_name_is_that_of_the_word_however_it_is_turned(mark: int) -> None:
+    word = code_book(CODE).word(mark)
+    for turn in (0.0, 0.31, 0.77):
+        marks = find_coded_dots(one_mark(word, turn=turn), CODE)
+        assert [name for name, ok in zip(marks.point, marks.ok, strict=True) if ok] == [f"ring-23-{mark}"]
+
+
+def test_one_wrong_sector_is_borne_and_four_are_not() -> None:
+    word = code_book(CODE).word(57).copy()
+    word[3] = ~word[3]
+    assert find_coded_dots(one_mark(word), CODE).point[0] == "ring-23-57"
+    word[[8, 14, 20]] = ~word[[8, 14, 20]]
+    marks = find_coded_dots(one_mark(word), CODE)
+    assert not marks.ok.any()
+    assert MarkFlag.UNKNOWN_CODE in marks.flag
+
+
+def test_plain_dots_and_whole_rings_are_no_marks_at_all() -> None:
+    for black in (False, True):
+        assert len(find_coded_dots(one_mark(np.full(23, black)), CODE).point) == 0
+
+
+def test_a_name_that_is_seen_twice_is_measured_nowhere() -> None:
+    picture = one_mark(code_book(CODE).word(5))
+    marks = find_coded_dots(np.concatenate([picture, picture], axis=1), CODE)
+    assert marks.point[:2] == ("ring-23-5", "ring-23-5")
+    assert marks.flag[:2] == (MarkFlag.REPEATED, MarkFlag.REPEATED)
+    assert np.isnan(marks.position).all()
+
+
+def test_strong_perspective_is_undone() -> None:
+    word = code_book(CODE).word(33)
+    H = tilted(np.radians(55.0), 1.1, 0.0, 9.0, 250.0)
+    H = np.array([[1.0, 0.0, 131.2], [0.0, 1.0, 99.7], [0.0, 0.0, 1.0]]) @ H
+
+    def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        rho = np.hypot(x, y)
+        sector = np.floor(-np.arctan2(y, x) / (2 * np.pi) * 23).astype(int) % 23
+        return np.where((rho < 1.0) | ((rho > RING_INNER) & (rho < RING_OUTER) & word[sector]), 1.0, 0.0)
+
+    picture = drawn(Exposure(SIZE, H, 0.8, np.zeros(2), 0.01), ink, (), np.random.default_rng(2))
+    assert find_coded_dots(picture, CODE).point[0] == "ring-23-33"
+
+
+@pytest.mark.parametrize("picture", [np.zeros((0, 0), np.uint8), np.full((60, 80), 7, np.uint8)])
+def test_a_picture_of_nothing_holds_no_marks(picture: np.ndarray) -> None:
+    assert find_coded_dots(picture, CODE).point == ()
+
+
+def test_noise_holds_no_marks() -> None:
+    noise = np.random.default_rng(3).integers(0, 256, (200, 300)).astype(np.uint8)
+    assert not find_coded_dots(noise, CODE).ok.any()
