@@ -203,7 +203,7 @@ def test_an_interrupted_command_leaves_nobody_and_says_one_line(
     longer = replace(rendering, words=(*rendering.words, "--spp", "1024"))  # else it may be done before
     process = started(longer, tmp_path, 0.5)
     os.killpg(process.pid, signal.Signals[how])  # as a terminal does: all of them
-    out, said = process.communicate(timeout=30)
+    out, said = process.communicate(timeout=120)
     assert process.returncode == status
     assert said.splitlines() == [f"error: {word}. The same command again resumes where its output allows it."]
     assert json.loads(out)["error"]["status"] == status

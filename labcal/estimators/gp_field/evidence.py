@@ -10,6 +10,7 @@ from jaxtyping import Float64
 from labcal.estimators.gp_field.kernel import FieldKernel
 from labcal.estimators.gp_field.restricted import NO_FIELD, Logs, RestrictedLikelihood
 from labcal.estimators.gp_field.wave_directions import spread_of_waves
+from labcal.estimators.gp_field.waves import ALL_ALIKE
 from labcal.rng import generator
 
 _RATIOS, _ACROSS, _ALONG = (1.0, 1e2, 1e4, 1e6), (0.06, 0.12, 0.25, 0.5), (0.6, 2.0, 8.0)
@@ -105,7 +106,10 @@ def field_scale(
     no_field = likelihood.cost(NO_FIELD)
     rival = None
     if near is not None and near.amplitude_px > 0.0:
-        best = likelihood.best_from(_logs(near))
+        if near.kernel.waves is not None and near.kernel.waves.spread != ALL_ALIKE:
+            likelihood, best = _with_directions(likelihood, _logs(near))
+        else:
+            best = likelihood.best_from(_logs(near))
     else:
         start = min((np.log(place) for place in product(_RATIOS, _ACROSS, _ALONG)), key=likelihood.cost)
         best = likelihood.best_from(start)
@@ -114,7 +118,8 @@ def field_scale(
     if no_field - likelihood.cost(best) < _WORTH:
         none = FieldScale(likelihood.kernel(NO_FIELD), 0.0, likelihood.noise(NO_FIELD), 0.0)
         return LikelyScale(none, -no_field)
-    likelihood, best = _directed(likelihood, best)
+    if likelihood.spread == ALL_ALIKE:
+        likelihood, best = _directed(likelihood, best)
     return LikelyScale(
         _scale(likelihood, best, no_field),
         -likelihood.cost(best),
@@ -143,15 +148,18 @@ def _directed(likelihood: RestrictedLikelihood, best: Logs) -> tuple[RestrictedL
     """
     if likelihood.kernel(best).waves is None:
         return likelihood, best
-    spread, ratio = spread_of_waves(_thinned(likelihood), best)
-    directed = likelihood.with_spread(spread)
-    start = best.copy()
-    start[0] = np.log(ratio)
-    found = directed.best_from(start)
-    worth = 0.5 * len(spread.directions) * np.log(likelihood.residual.size)
+    directed, found = _with_directions(likelihood, best)
+    worth = 0.5 * len(directed.spread.directions) * np.log(likelihood.residual.size)
     if likelihood.cost(best) - directed.cost(found) < worth:
         return likelihood, best
     return directed, found
+
+
+def _with_directions(likelihood: RestrictedLikelihood, near: Logs) -> tuple[RestrictedLikelihood, Logs]:
+    """Return the likelihood with waves of some directions, and its hyperparameters near those of waves."""
+    spread, ratio = spread_of_waves(_thinned(likelihood), near)
+    directed = likelihood.with_spread(spread)
+    return directed, directed.best_from(np.array([np.log(ratio), *near[1:]]))
 
 
 def _with_waves(likelihood: RestrictedLikelihood, without: Logs) -> tuple[Logs, Logs | None]:

@@ -1,7 +1,7 @@
 """Joint estimation of a camera and a residual field."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,10 +49,7 @@ def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera
     if ideal is None:
         return FittedCamera(start.placed, start.covariance, start.sigma_px)
     known = [ideal]
-    if ideal.waves is not None:
-        waves = _fitted(_Stage(ideal.found, ideal.waves, ideal.found.camera.project(p).q), q, p, Asked.IDEAL)
-        known += [] if waves is None else [waves]
-    for begun in tuple(known):
+    for begun in (ideal, *ideal.with_waves()):
         # At the places of the lens formula alone waves have harmonics: those not found are looked for anew.
         scale = begun.scale if begun.scale.kernel.waves is not None else None
         arrived = _fitted(_Stage(begun.found, scale, begun.arrived(q)), q, p, Asked.ARRIVED)
@@ -99,6 +96,13 @@ class _Learned:
         turn = np.eye(2) - field.slopes(field.x)[:, :, :2] / self.fitted.places.width_px
         with np.errstate(divide="ignore"):
             return self.scale.gain + float(np.log(np.maximum(np.linalg.det(turn), 0.0)).sum())
+
+    def with_waves(self) -> tuple["_Learned", ...]:
+        """Return the same camera with the field of waves that is as likely, if there is one."""
+        if self.waves is None:
+            return ()
+        field = PixelField(self.waves, self.fitted.field.x, self.fitted.field.residual)
+        return (replace(self, scale=self.waves, fitted=replace(self.fitted, field=field), waves=None),)
 
     def arrived(self, q: Pixels) -> Pixels:
         """Return the true images of training points, by lens and field."""
