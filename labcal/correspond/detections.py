@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, kept, lines_array, text_array, truth_array, whole_array
+from labcal.arrays import AnyArray, float_array, text_array, truth_array, whole_array
+from labcal.correspond.table_lines import PictureLines
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath
-from labcal.public_object import HtmlTable, PublicObject
+from labcal.public_object import HtmlTable
+from labcal.run.table_columns import numbers_of_names
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Detections(PublicObject):
+class Detections(PictureLines):
     """Dots of many pictures, a line each, in columns of equal length.
 
     Columns may be given as anything that NumPy takes. Two tables are equal where all their lines are, in
@@ -43,10 +45,6 @@ class Detections(PublicObject):
     (640, 480)
     """
 
-    view: np.ndarray
-    """(n,) of str"""
-    camera: np.ndarray
-    """(n,) of str"""
     image: np.ndarray
     """(n,) of str, the path as given."""
     size: Int64[np.ndarray, "n 2"]
@@ -76,18 +74,15 @@ class Detections(PublicObject):
         n = np.shape(np.asarray(view))[:1]
         texts = {"view": view, "camera": camera, "image": image, "flag": flag}
         whole = {"size": size, "index": index}
-        columns = {
-            **{name: text_array(given, n, name) for name, given in texts.items()},
-            **{name: whole_array(given, (*n, 2), name) for name, given in whole.items()},
-            "has_id": truth_array(has_id, n, "has_id"),
-            "position": float_array(position, (*n, 2), "position"),
-            "covariance": float_array(covariance, (*n, 2, 2), "covariance"),
-        }
-        for name, column in columns.items():
-            object.__setattr__(self, name, kept(column))
-
-    def __len__(self) -> int:
-        return len(self.view)
+        self._keep(
+            {
+                **{name: text_array(given, n, name) for name, given in texts.items()},
+                **{name: whole_array(given, (*n, 2), name) for name, given in whole.items()},
+                "has_id": truth_array(has_id, n, "has_id"),
+                "position": float_array(position, (*n, 2), "position"),
+                "covariance": float_array(covariance, (*n, 2, 2), "covariance"),
+            }
+        )
 
     @property
     def ok(self) -> Bool[np.ndarray, " n"]:
@@ -95,49 +90,15 @@ class Detections(PublicObject):
         return np.asarray(self.flag == DotFlag.OK.value)
 
     @cached_property
-    def cameras(self) -> tuple[str, ...]:
-        """Names of the cameras, in order of appearance."""
-        return tuple(dict.fromkeys(self.camera.tolist()))
-
-    @cached_property
-    def views(self) -> tuple[str, ...]:
-        """Names of the views, in order of appearance."""
-        return tuple(dict.fromkeys(self.view.tolist()))
-
-    @cached_property
-    def view_number(self) -> Int64[np.ndarray, " n"]:
-        """Of each line, the place of its view among :attr:`views`."""
-        return _numbers(self.view, self.views)
-
-    @cached_property
     def camera_number(self) -> Int64[np.ndarray, " n"]:
         """Of each line, the place of its camera among :attr:`cameras`."""
-        return _numbers(self.camera, self.cameras)
+        return numbers_of_names(self.camera.tolist(), {})
 
     def by_view(self) -> list["Detections"]:
         """Return the lines of every view, in the order of :attr:`views`."""
         order = np.argsort(self.view_number, kind="stable")
         edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))
         return [self.where(lines) for lines in np.split(order, edges)]
-
-    def where(self, mask: AnyArray) -> "Detections":
-        """Return the lines where the mask holds, or those of some numbers.
-
-        Parameters
-        ----------
-        mask : array_like of bool, shape (n,), or of int
-            A truth value for each line, or the numbers of those that are wanted, in that order.
-
-        Raises
-        ------
-        InputError, InputTypeError
-            It has another length, or is made of something else.
-        """
-        mask = lines_array(mask, len(self), "mask")
-        return Detections(
-            self.view[mask], self.camera[mask], self.image[mask], self.size[mask], self.index[mask],
-            self.has_id[mask], self.position[mask], self.covariance[mask], self.flag[mask],
-        )  # fmt: skip
 
     def measured(self) -> "Detections":
         """Return the dots that are measurements of the declared grid.
@@ -294,9 +255,3 @@ class Detections(PublicObject):
                 "Distinguish cameras with `cameras`, or leave the other pictures out."
             )
         return (int(sizes[0, 0]), int(sizes[0, 1]))
-
-
-def _numbers(names: np.ndarray, order: tuple[str, ...]) -> Int64[np.ndarray, " n"]:
-    """Return the place of each name in an order."""
-    place = {name: number for number, name in enumerate(order)}
-    return np.array([place[name] for name in names.tolist()], dtype=np.int64)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, kept, lines_array, text_array
+from labcal.arrays import AnyArray, float_array, text_array
+from labcal.correspond.table_lines import PictureLines
 from labcal.paths import AnyPath
-from labcal.public_object import HtmlTable, PublicObject
+from labcal.public_object import HtmlTable
 from labcal.run.table_columns import numbers_of_names
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class NamedPixels(PublicObject):
+class NamedPixels(PictureLines):
     """Named pixels in columns of equal length: a line for each point in each picture that shows it.
 
     The same name in two cameras of a view is the same point. Whoever finds pixels (coded markers, plain dots,
@@ -38,10 +39,6 @@ class NamedPixels(PublicObject):
     NamedPixels(views=1, cameras=['left', 'right'], points=1, pixels=2, with_covariance=0)
     """
 
-    view: np.ndarray
-    """(n,) of str"""
-    camera: np.ndarray
-    """(n,) of str"""
     point: np.ndarray
     """(n,) of str, the name of the point."""
     position: Float64[np.ndarray, "n 2"]
@@ -59,63 +56,27 @@ class NamedPixels(PublicObject):
     ) -> None:
         n = np.shape(np.asarray(view))[:1]
         unknown = np.full((*n, 2, 2), np.nan)
-        columns = {
-            "view": text_array(view, n, "view"),
-            "camera": text_array(camera, n, "camera"),
-            "point": text_array(point, n, "point"),
-            "position": float_array(position, (*n, 2), "position"),
-            "covariance": float_array(
-                unknown if covariance is None else covariance, (*n, 2, 2), "covariance"
-            ),
-        }
-        for name, column in columns.items():
-            object.__setattr__(self, name, kept(column))
-
-    def __len__(self) -> int:
-        return len(self.view)
-
-    @cached_property
-    def cameras(self) -> tuple[str, ...]:
-        """Names of the cameras, in order of appearance."""
-        return tuple(dict.fromkeys(self.camera.tolist()))
-
-    @cached_property
-    def views(self) -> tuple[str, ...]:
-        """Names of the views, in order of appearance."""
-        return tuple(dict.fromkeys(self.view.tolist()))
-
-    @cached_property
-    def view_number(self) -> Int64[np.ndarray, " n"]:
-        """Of each line, the place of its view among :attr:`views`."""
-        return numbered(self.view)
+        self._keep(
+            {
+                "view": text_array(view, n, "view"),
+                "camera": text_array(camera, n, "camera"),
+                "point": text_array(point, n, "point"),
+                "position": float_array(position, (*n, 2), "position"),
+                "covariance": float_array(
+                    unknown if covariance is None else covariance, (*n, 2, 2), "covariance"
+                ),
+            }
+        )
 
     @cached_property
     def point_number(self) -> Int64[np.ndarray, " n"]:
         """Of each line, the place of its point among the names of points, in order of appearance."""
-        return numbered(self.point)
+        return numbers_of_names(self.point.tolist(), {})
 
     @property
     def has_covariance(self) -> Bool[np.ndarray, " n"]:
         """The lines whose covariance is known."""
         return np.asarray(~np.isnan(self.covariance).any(axis=(1, 2)))
-
-    def where(self, mask: AnyArray) -> "NamedPixels":
-        """Return the lines where the mask holds, or those of some numbers.
-
-        Parameters
-        ----------
-        mask : array_like of bool, shape (n,), or of int
-            A truth value for each line, or the numbers of those that are wanted, in that order.
-
-        Raises
-        ------
-        InputError, InputTypeError
-            It has another length, or is made of something else.
-        """
-        mask = lines_array(mask, len(self), "mask")
-        return NamedPixels(
-            self.view[mask], self.camera[mask], self.point[mask], self.position[mask], self.covariance[mask]
-        )
 
     @classmethod
     def load(cls, path: AnyPath) -> "NamedPixels":
@@ -170,8 +131,3 @@ class NamedPixels(PublicObject):
     def _html_tables(self) -> Sequence[HtmlTable]:
         counts = Counter(self.camera.tolist())
         return [HtmlTable(("camera", "pixels"), [[name, str(n)] for name, n in counts.items()])]
-
-
-def numbered(names: np.ndarray) -> Int64[np.ndarray, " n"]:
-    """Return of each name its place among the names, in order of appearance."""
-    return numbers_of_names(names.tolist(), {})

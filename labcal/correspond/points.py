@@ -1,26 +1,21 @@
 """Reconstructed points in one table, a line a dot."""
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int64
+from jaxtyping import Int64
 
 from labcal.arrays import (
     AnyArray,
     PointCovariances,
-    Vectors3,
     float_array,
-    kept,
-    lines_array,
     text_array,
     whole_array,
 )
+from labcal.correspond.table_lines import PointLines
 from labcal.paths import AnyPath
-from labcal.public_object import HtmlTable, PublicObject
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -46,7 +41,7 @@ class PointFlag(StrEnum):
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Points(PublicObject):
+class Points(PointLines):
     """Points in columns of equal length, in the frame of the model.
 
     Columns may be given as anything that NumPy takes. Two tables are equal where all their lines are, in
@@ -64,16 +59,8 @@ class Points(PublicObject):
     Points(views=8, points=704, ok=704, median_sigma=0.076 mm)
     """
 
-    view: np.ndarray
-    """(n,) of str"""
     index: Int64[np.ndarray, "n 2"]
     """(col, row)"""
-    point: Vectors3
-    """(n, 3), mm; NaN where there is none."""
-    covariance: PointCovariances
-    """(n, 3, 3), mm squared; NaN where none is stated. Of what is given, upper triangles count."""
-    flag: np.ndarray
-    """(n,) of str, a :class:`PointFlag`."""
 
     def __init__(
         self,
@@ -84,45 +71,14 @@ class Points(PublicObject):
         flag: AnyArray,
     ) -> None:
         n = np.shape(np.asarray(view))[:1]
-        columns = {
-            "view": text_array(view, n, "view"),
-            "index": whole_array(index, (*n, 2), "index"),
-            "point": float_array(point, (*n, 3), "point"),
-            "covariance": symmetric(float_array(covariance, (*n, 3, 3), "covariance")),
-            "flag": text_array(flag, n, "flag"),
-        }
-        for name, column in columns.items():
-            object.__setattr__(self, name, kept(column))
-
-    def __len__(self) -> int:
-        return len(self.view)
-
-    @property
-    def ok(self) -> Bool[np.ndarray, " n"]:
-        """The points that are flagged ``ok``."""
-        return np.asarray(self.flag == PointFlag.OK.value)
-
-    @property
-    def sigma_mm(self) -> Float64[np.ndarray, " n"]:
-        """Standard deviation of each point, mm: root of its covariance's trace; NaN where none is stated."""
-        return np.asarray(np.sqrt(np.trace(self.covariance, axis1=1, axis2=2)))
-
-    def where(self, mask: AnyArray) -> "Points":
-        """Return the lines where the mask holds, or those of some numbers.
-
-        Parameters
-        ----------
-        mask : array_like of bool, shape (n,), or of int
-            A truth value for each line, or the numbers of those that are wanted, in that order.
-
-        Raises
-        ------
-        InputError, InputTypeError
-            It has another length, or is made of something else.
-        """
-        mask = lines_array(mask, len(self), "mask")
-        return Points(
-            self.view[mask], self.index[mask], self.point[mask], self.covariance[mask], self.flag[mask]
+        self._keep(
+            {
+                "view": text_array(view, n, "view"),
+                "index": whole_array(index, (*n, 2), "index"),
+                "point": float_array(point, (*n, 3), "point"),
+                "covariance": symmetric(float_array(covariance, (*n, 3, 3), "covariance")),
+                "flag": text_array(flag, n, "flag"),
+            }
         )
 
     @classmethod
@@ -203,20 +159,6 @@ class Points(PublicObject):
         from labcal.correspond.points_figure import points_figure  # noqa: PLC0415 -- imports matplotlib
 
         return points_figure(self)
-
-    def _summary(self) -> Mapping[str, object]:
-        stated = self.sigma_mm[np.isfinite(self.sigma_mm)]
-        summary: dict[str, object] = {
-            "views": len(dict.fromkeys(self.view.tolist())),
-            "points": len(self),
-            "ok": int(self.ok.sum()),
-        }
-        if len(stated):
-            summary["median_sigma"] = f"{np.median(stated):.3g} mm"
-        return summary
-
-    def _html_tables(self) -> Sequence[HtmlTable]:
-        return [HtmlTable(("flag", "points"), [[k, str(n)] for k, n in Counter(self.flag.tolist()).items()])]
 
 
 def symmetric(covariance: PointCovariances) -> PointCovariances:

@@ -15,6 +15,8 @@ from labcal.report.bench import Figure, at_most
 from labcal.targets.coded_dots import RING_INNER
 from labcal.targets.ring_codes import RingCode
 
+_MUCH = 0.1
+"""Share of a ring that is hidden, from which on its marks have a figure of their own."""
 PICTURES, QUICK_PICTURES = 500, 40
 CODE = RingCode.RING_23
 MOST_MISSED = 0.02
@@ -121,7 +123,9 @@ def coded_dot_checks(name: str, outcomes: list[CodedOutcome]) -> Findings:
         checks,
         [
             Figure(name=f"{name}: marks that should be read", value=float(len(found))),
-            Figure(name=f"{name}: share not read, 10 to 30% hidden", value=1.0 - _mean(found[hidden > 0.1])),  # noqa: PLR2004 -- a tenth
+            Figure(
+                name=f"{name}: share not read, 10 to 30% hidden", value=1.0 - _mean(found[hidden > _MUCH])
+            ),
             Figure(name=f"{name}: RMS error over what is stated", value=over_bound(error, covariance)),
         ],
     )

@@ -15,6 +15,8 @@ from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.budget.entered import Entered
 from labcal.calibrate.freed_dots import FreedDots
 
+_HELD = 0.5
+"""Between the eigenvalues of directions that are held, 1, and of those that are free, 0."""
 _MOST_DOTS = 400
 """Dots whose errors are followed one by one; of larger boards, so many stand for all."""
 
@@ -88,7 +90,7 @@ class PrintShare:
         basis = entered.adjusted.layout.freedom.dots
         modes = plane_modes(entered.state.dots, dots.freed)
         spread, axes = np.linalg.eigh(modes.T @ modes - modes.T @ basis @ (basis.T @ modes))
-        held = modes @ axes[:, spread > 0.5]  # noqa: PLR2004 -- 1 for what is held, 0 for what is free
+        held = modes @ axes[:, spread > _HELD]
         end = entered.linearised(np.concatenate([basis, held], axis=1))
         known = entered.cameras + basis.shape[1]
         information, _ = _reduced(end)

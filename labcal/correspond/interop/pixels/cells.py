@@ -2,7 +2,7 @@
 
 import csv
 import io
-from math import isfinite
+from math import isinf
 from pathlib import Path
 
 from labcal.correspond.named_pixels_csv import MOST_BYTES
@@ -60,6 +60,6 @@ def number_in(cell: str, path: Path, line: int) -> float:
     except ValueError as error:
         given = clipped(printable(cell), 20)
         raise InputError(f"Line {line} of {path} is damaged: '{given}' is no number.") from error
-    if not (isfinite(value) or value != value):  # noqa: PLR0124 -- NaN is not itself
+    if isinf(value):
         raise InputError(f"Line {line} of {path} is damaged: '{clipped(cell, 20)}' is no pixel.")
     return value

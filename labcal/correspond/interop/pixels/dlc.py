@@ -7,6 +7,7 @@ centre of the first pixel, as pictures are drawn for labelling; the file does no
 """
 
 from collections.abc import Sequence
+from math import isnan
 from pathlib import Path
 
 from labcal.correspond.interop.pixels.cells import cells_of, number_in
@@ -22,6 +23,8 @@ from labcal.wording import counted
 
 LIKELIHOOD = 0.6
 """Least likelihood of a pixel, where none is stated: the value that both programs begin with."""
+_WITH_LIKELIHOOD = 3
+"""Columns of a body part in a table of predictions; two in one of labels."""
 _LEVELS = ("scorer", "individuals", "bodyparts", "coords")
 
 
@@ -40,7 +43,7 @@ def read_dlc(paths: Sequence[Path], given: PixelOptions) -> ReadPixels:
         rows = cells_of(path)
         head = _header(rows, path)
         columns = _columns(head, path)
-        judged = judged or any(len(column) == 3 for column in columns.values())  # noqa: PLR2004 -- likelihood
+        judged = judged or any(len(column) == _WITH_LIKELIHOOD for column in columns.values())
         first = min(at for column in columns.values() for at in column)
         for number, row in rows[len(head) :]:
             if len(row) != len(head[0]):
@@ -50,7 +53,7 @@ def read_dlc(paths: Sequence[Path], given: PixelOptions) -> ReadPixels:
             view = "-".join(filter(None, (rest, Path("".join(row[first - 1 : first])).stem)))
             for point, column in columns.items():
                 x, y, *likelihood = (number_in(row[at], path, number) for at in column)
-                if x != x or y != y:  # noqa: PLR0124 -- NaN: not labelled
+                if isnan(x) or isnan(y):  # not labelled
                     continue
                 if likelihood and not likelihood[0] >= least:
                     unlikely += 1

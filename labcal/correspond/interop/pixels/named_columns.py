@@ -9,6 +9,7 @@ camera that the name of the file states.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isnan
 from pathlib import Path
 
 from labcal.bounds import LEAST_VARIANCE_PX2, LONGEST_SIDE_PX
@@ -111,7 +112,7 @@ def read_chosen(paths: Sequence[Path], chosen: ColumnChoice, given: PixelOptions
                     sum(number_in(row[place.of(column)], path, number) for column in columns)
                     for columns in sums
                 )
-                if x != x or y != y or sigma < 0.0:  # noqa: PLR0124 -- NaN: not found there
+                if isnan(x) or isnan(y) or sigma < 0.0:  # not found there
                     lost += 1
                     continue
                 lines.add((of_view, camera if name == _THIS else name, point), x, y, sigma or float("nan"))
