@@ -291,12 +291,13 @@ def _errors(
     from labcal.evaluate.scored_views import ScoredViews
     from labcal.shoot.truth import has_truth
 
-    learned = _calibration_views_of(rig)
+    known = _rig_of(rig)
+    learned = _calibration_views_of(rig if known is None else known)
     if not isinstance(shown, Shoot):
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):
         dots = None if detections is None else dots_of(detections, None)
-        return errors_against_truth(found, shown, dots, alignment, learned, _rig_of(rig))
+        return errors_against_truth(found, shown, dots, alignment, learned, known)
     if learned is None:
         found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
     return errors_of_lengths(found, shown.target, learned)

@@ -102,13 +102,12 @@ def rigid_motion(found: Reconstruction, before: AnyArray, after: AnyArray) -> Ri
     >>> bool(moved.rms_mm < 0.3)
     True
     """
-    count = len(ChosenPoints.of(found, before, "before").point)
-    if len(ChosenPoints.of(found, after, "after").point) != count:
+    chosen, moved = ChosenPoints.of(found, before, "before"), ChosenPoints.of(found, after, "after")
+    first, second = chosen.point, moved.point
+    count = len(first)
+    if len(second) != count:
         raise InputError("`before` and `after` must list the same points, but one of them lists more.")
-    numbers = np.arange(len(found.points))
-    both = np.concatenate([numbers[np.asarray(before)], numbers[np.asarray(after)]])
-    points = ChosenPoints.of(found, both, "before, after")
-    first, second = points.point[:count], points.point[count:]
+    points = chosen.and_others(moved, "before, after")
     T = rigid_alignment(second, first)
     R, arm = T[:3, :3], second - second.mean(axis=0)
     # Normal equations of a small turn w, which moves a point by w x arm.

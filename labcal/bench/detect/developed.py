@@ -5,13 +5,13 @@ from itertools import product
 
 import cv2
 import numpy as np
-from scipy.stats import chi2
 
 from labcal.arrays import PixelCovariances, Pixels
 from labcal.bench.detect.accuracy import SIGMAS, chi_square_z, over_bound
 from labcal.bench.detect.lit_board import LitBoard, lit_board
 from labcal.bench.groups import Bench, Findings
 from labcal.detect.detector import detect_dots
+from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.render.development import develop
 from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.report.bench import Check, Figure, at_most
@@ -27,7 +27,6 @@ MOST_SHIFT_PX = 16
 """A picture is taken again from up to so many pixels aside: elsewhere on the mosaic and on JPEG's blocks."""
 MOST_OFF = 0.15
 """Of the root of the mean normalised error from 1."""
-WITHIN_95 = float(chi2.ppf(0.95, 2))
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,7 @@ def covariance_figures(name: str, errors: Pixels, covariance: PixelCovariances) 
     """
     squares = np.einsum("ni,ni->n", errors, np.linalg.solve(covariance, errors[..., None])[..., 0])
     stated = float(np.sqrt(np.trace(covariance, axis1=1, axis2=2).mean() / 2.0))
-    share = float((squares < WITHIN_95).mean()) if len(errors) else float("nan")
+    share = float(within_ellipsoids(errors, covariance, 0.95).mean()) if len(errors) else float("nan")
     return [
         Figure(name=f"{name}: RMS error of a coordinate, px", value=float(np.sqrt((errors**2).mean()))),
         Figure(name=f"{name}: the same as stated, px", value=stated),
