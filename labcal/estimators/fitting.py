@@ -18,6 +18,7 @@ from labcal.calibrate.calibration import Calibration, calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens
+from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.correspond.training import TrainingData, training_data
@@ -281,16 +282,41 @@ def fit_methods(
     surrogate = None
     if settings.rehearsal:
         surrogate = surrogate_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
+    adjustment_mm = 0.0 if surrogate is None else _adjustment_mm(training, surrogate)
     progress.advance()
     for estimator in estimators:
         try:
             model = fit_method(data, estimator, training.centred.cameras, surrogate)
-            about = replace(model, calibration=training.centred.calibration, warnings=training.warnings)
-            fitted.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
+            fitted.append(_with_its_origin(model, training, adjustment_mm))
         except InputError as error:
             fitted.append(error)
         progress.advance()
     return fitted
+
+
+def _adjustment_mm(training: Training, surrogate: Surrogate) -> float:
+    """Return the RMS error that the adjustment of a hand-held target adds to the points of a surrogate."""
+    centred = training.centred
+    if training.held is None:
+        return 0.0
+    if centred.cameras is None or centred.covariance is None:
+        return float("nan")
+    share = calibration_share(centred.cameras, centred.covariance.matrix, surrogate.p, surrogate.covariance)
+    return float(np.sqrt(np.trace(share, axis1=1, axis2=2).mean()))
+
+
+def _with_its_origin(model: Model, training: Training, adjustment_mm: float) -> Model:
+    """Return a model that tells what it was fitted to, and what that adds to its errors."""
+    centred, expected = training.centred, model.rehearsed
+    return replace(
+        model,
+        rehearsed=None if expected is None else replace(expected, adjustment_mm=adjustment_mm),
+        calibration=centred.calibration,
+        covariance=centred.covariance,
+        calibrated_on=training.calibrated_on,
+        held_out=training.held_out,
+        warnings=training.warnings,
+    )
 
 
 def fit_method(

@@ -52,6 +52,5 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
     centred = replace(matches, q=matches.q - eccentricity)
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
-    return CentredTraining(
-        data, tuple(cameras), CorrectedEccentricity.of(eccentricity), None, found.rig.calibration
-    )
+    rig, corrected = found.rig, CorrectedEccentricity.of(eccentricity)
+    return CentredTraining(data, tuple(cameras), corrected, None, rig.calibration, rig.covariance)

@@ -5,6 +5,8 @@ brought onto a truth by a rigid motion, what moves all of them together is gone,
 and size is left. The full covariance of a point would then be far too large.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Int64
 
@@ -22,14 +24,32 @@ _SAME = 0.01
 eccentricity corrected move points a little, files are rounded."""
 
 
-def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> PointCovariances | None:
+@dataclass(frozen=True)
+class PointOrigin:
+    """The rig in whose world points are, and whose errors are in them.
+
+    Attributes
+    ----------
+    rig : Rig
+    triangulated : bool
+        True if it triangulated the points; False if it placed the target that a method was fitted to. What
+        a method adds to the errors is its own.
+    """
+
+    rig: Rig
+    triangulated: bool = True
+
+
+def aligned_covariance(
+    points: Points, origin: PointOrigin, detections: Detections
+) -> PointCovariances | None:
     """Return the covariances of points after a rigid alignment onto their true places.
 
     Parameters
     ----------
     points : Points
         All with a solution; as they were reconstructed, in the world of the rig.
-    rig : Rig
+    origin : PointOrigin
         What they were reconstructed with.
     detections : Detections
         What they come from.
@@ -37,7 +57,7 @@ def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> Poin
     Returns
     -------
     ndarray, shape (n, 3, 3), or None
-        In the world of the rig, mm squared. None where the points do not have the full budget of this rig and
+        In the world of the rig, mm squared. None where the points do not have the budget of this rig and
         these dots: then their covariances stay as they are.
 
     Notes
@@ -46,20 +66,30 @@ def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> Poin
     ``D - M (M'M)^-1 M'D`` takes the place of D. The noise of single points loses 6 of 3 n parts, which is
     left in.
     """
+    rig = origin.rig
     pixels = _pixels(points, rig, detections)
     if rig.covariance is None or pixels is None:
         return None
     budget = PointBudget.of(rig, points.point, pixels, Budget.FULL)
-    stated = np.trace(points.covariance, axis1=1, axis2=2)
-    full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
-    if not (np.abs(stated - full) <= _SAME * full).all():  # of NaN, too
+    own = _own_share(points, budget, origin)
+    if own is None:
         return None
     n, by = len(points), budget.derivatives(np.arange(len(points))).reshape(3 * len(points), -1)
     turn = -cross_matrices(points.point - points.point.mean(axis=0))
     shift = np.broadcast_to(np.eye(3), (n, 3, 3))
     rigid, _ = np.linalg.qr(np.concatenate([turn, shift], axis=2).reshape(3 * n, 6))
     left = (by - rigid @ (rigid.T @ by)).reshape(n, 3, -1)
-    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+    return np.asarray(own + left @ budget.parameters @ left.transpose(0, 2, 1))
+
+
+def _own_share(points: Points, budget: PointBudget, origin: PointOrigin) -> PointCovariances | None:
+    """Return the covariances of points without the calibration's share; None where they do not have it."""
+    if not origin.triangulated:
+        own: PointCovariances = points.covariance - budget.calibration
+        return own if positive_definite(own).all() else None
+    stated = np.trace(points.covariance, axis1=1, axis2=2)
+    full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
+    return budget.noise if (np.abs(stated - full) <= _SAME * full).all() else None  # None of NaN, too
 
 
 def _pixels(points: Points, rig: Rig, detections: Detections) -> np.ndarray | None:

@@ -229,8 +229,7 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
         residuals = TriangulationResiduals.of(model.resected, matches)
         check = TriangulationCheck.of(residuals, matches, model.calibration)
         outlying, typical_px = residuals.outlying | np.isin(matches.view, check.views), residuals.typical_px
-    outputs, covariance = predicted(model.estimator, matches)
-    point = np.ascontiguousarray(outputs[:, :3])
+    point, covariance = predicted(model, matches)
     misfit = model.misfit or _inconsistent(model.calibration)
     flag = np.where(outlying | misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)

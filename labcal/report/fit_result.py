@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 from rich.table import Table
 
@@ -139,7 +140,7 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
             f"{min(limits):.4f} mm"
         )
         if result.handheld is not None:
-            captions.append("the expected error does not include errors of the target's estimated poses")
+            captions.append(_adjustment_words(result))
     elif not rehearsed:
         captions.append("no expected error: surrogate validation was left out")
     else:
@@ -176,6 +177,17 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
             str(model.file),
         )
     return table
+
+
+def _adjustment_words(result: FitResult) -> str:
+    """Return what the adjustment that placed a hand-held target adds to the expected error."""
+    added = next(model.expected.adjustment_mm for model in result.models if model.expected is not None)
+    if not isfinite(added):
+        return "the expected error does not include errors of the adjustment that placed the target"
+    return (
+        f"the adjustment that placed the target adds an RMS error of {added:.4f} mm, which points share; "
+        "their covariances hold it"
+    )
 
 
 def _expectation(model: MethodResult) -> str:
