@@ -17,6 +17,8 @@ STEPS = 10
 """Most Gauss-Newton steps; from the rays' meeting point three are enough."""
 _ARRIVED_MM = 1e-9
 """Step of all points below which the next one, which is smaller by far, is of no use."""
+_PAIR = 2
+"""Cameras that a point takes at least."""
 _RESOLVED = 1e14
 """Condition of a normal matrix beyond which float64 resolves no point."""
 
@@ -216,7 +218,8 @@ def noise_covariance(
     p : ndarray, shape (n, 3)
         Points as triangulated, mm; NaN where there is none.
     covariance : ndarray, shape (n, cameras, 2, 2)
-        Covariances of pixels, px squared, by which the points were triangulated.
+        Covariances of pixels, px squared, by which the points were triangulated; NaN of cameras that took no
+        part in a point.
     extra : float
         Variance of pixels along each axis beyond these, px squared.
 
@@ -226,16 +229,17 @@ def noise_covariance(
         Mm squared; NaN where there is no point.
     """
     found = np.full((len(p), 3, 3), np.nan)
-    known = np.flatnonzero(np.isfinite(p).all(axis=1) & positive_definite(covariance).all(axis=1))
+    taking_part = positive_definite(covariance)
+    known = np.flatnonzero(np.isfinite(p).all(axis=1) & (taking_part.sum(axis=1) >= _PAIR))
     for first in range(0, len(known), RUN):
         rows = known[first : first + RUN]
-        weight = np.linalg.inv(covariance[rows])
         normal, beyond = np.zeros((2, len(rows), 3, 3))
         for i, imager in enumerate(imagers):
-            by_point = imager.imaged(p[rows]).by_point
-            weighted = weight[:, i] @ by_point
-            normal += by_point.transpose(0, 2, 1) @ weighted
-            beyond += weighted.transpose(0, 2, 1) @ weighted
+            at = taking_part[rows, i]
+            by_point = imager.imaged(p[rows[at]]).by_point
+            weighted = np.linalg.inv(covariance[rows[at], i]) @ by_point
+            normal[at] += by_point.transpose(0, 2, 1) @ weighted
+            beyond[at] += weighted.transpose(0, 2, 1) @ weighted
         own = np.linalg.inv(normal)
         found[rows] = own + extra * (own @ beyond @ own)
     return found

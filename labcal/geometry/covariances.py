@@ -45,3 +45,21 @@ def valid_or_not_stated(covariance: Float64[np.ndarray, "n dim dim"], most: floa
     safe = np.where((finite & (largest <= most))[:, None, None], covariance, 0.0)
     least = np.linalg.eigvalsh(safe)[:, 0]
     return np.asarray(left_open | (finite & (largest <= most) & (least >= -1e-9 * largest)))
+
+
+def covariance_root(covariance: Float64[np.ndarray, "dim dim"]) -> Float64[np.ndarray, "dim dim"]:
+    """Return a matrix whose product with its transpose is a covariance, which may be singular.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (d, d)
+        Symmetric; of quantities of any units, whose sizes may differ by many orders.
+
+    Returns
+    -------
+    ndarray, shape (d, d)
+    """
+    sigma = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
+    scale = np.where(sigma > 0.0, sigma, 1.0)
+    spread, directions = np.linalg.eigh(covariance / scale[:, None] / scale)
+    return np.asarray(scale[:, None] * directions * np.sqrt(np.maximum(spread, 0.0)))
