@@ -33,6 +33,16 @@ def add_named_points(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_budget(parser: argparse.ArgumentParser) -> None:
+    """Add ``--budget``, of dots and of named points."""
+    parser.add_argument(
+        "--budget",
+        choices=("full", "noise"),
+        help="sources of errors in the covariances of a rig's points: pixel noise and calibration (default, "
+        "if the rig states its covariance), or pixel noise alone",
+    )
+
+
 def refuse_named_points(arguments: Namespace) -> None:
     """Raise where options of named pixels are given and there are none.
 
@@ -62,7 +72,7 @@ def write_named(arguments: Namespace, source: str | Path, session: Session) -> E
     read = paths_read([arguments.model, source, arguments.target, None if frame is None else frame.path])
     claim_outputs([FileOutput(arguments.output, KIND), *ply_outputs(arguments)], read, force=arguments.force)
     model = load_reconstructor(arguments.model, own_method(arguments.method))
-    found = measure(model, source, arguments.target, settings)
+    found = measure(model, source, arguments.target, settings, budget=arguments.budget)
     write_file(arguments.output, named_points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)
     result = measure_result(arguments.output, model, found)
