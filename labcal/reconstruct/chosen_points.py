@@ -27,7 +27,7 @@ class Shares:
     calibration: Float64[np.ndarray, "m m"]
     """Of the cameras."""
     stated: Float64[np.ndarray, "m m"]
-    """Of coordinates that were stated for the frame; 0 without a frame by known points."""
+    """Of known coordinates of the frame, or lengths of scale bars; 0 without either."""
     budget: Budget
 
     @property
