@@ -27,6 +27,8 @@ from .evaluate.own_lengths import LengthErrors as LengthErrors
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .reconstruct.angle import angle as angle
+from .reconstruct.displacements import Displacements as Displacements
+from .reconstruct.displacements import displacements as displacements
 from .reconstruct.distance import distance as distance
 from .reconstruct.measured import Measured as Measured
 from .reconstruct.named_reconstruction import NamedReconstruction as NamedReconstruction

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labcal.arguments import whole_number
-from labcal.arrays import Pose
+from labcal.arrays import Pose, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.rig import Rig
@@ -116,12 +116,31 @@ def pixels() -> NamedPixels:
     >>> pixels()
     NamedPixels(views=1, cameras=['left', 'right'], points=5, pixels=10, with_covariance=10)
     """
+    return _pixels_of("block", np.zeros(3))
+
+
+def moved_pixels() -> NamedPixels:
+    """Return the pixels of the block before and after a motion of 2 mm to the right, as views of their own.
+
+    Examples
+    --------
+    >>> moved_pixels()
+    NamedPixels(views=2, cameras=['left', 'right'], points=5, pixels=20, with_covariance=20)
+    """
+    before, after = pixels(), _pixels_of("moved", np.array([2.0, 0.0, 0.0]))
+    columns = ("view", "camera", "point", "position", "covariance")
+    return NamedPixels(*(np.concatenate([getattr(before, name), getattr(after, name)]) for name in columns))
+
+
+def _pixels_of(view: str, motion: Vectors3) -> NamedPixels:
+    """Return the pixels of the block in a view, after a motion (mm)."""
     cameras = rig()
-    names, places = list(_BLOCK), np.array(list(_BLOCK.values()))
+    names, places = list(_BLOCK), np.array(list(_BLOCK.values())) + motion
     position = np.concatenate([cameras.camera(name).project(places).q for name in cameras.cameras])
-    position += SIGMA_PX * generator(0, "examples", "pixels").normal(size=position.shape)
+    noise = generator(0, "examples", "pixels", *([] if view == "block" else [view]))
+    position += SIGMA_PX * noise.normal(size=position.shape)
     return NamedPixels(
-        view=np.full(len(position), "block"),
+        view=np.full(len(position), view),
         camera=np.repeat(list(cameras.cameras), len(names)),
         point=np.tile(names, len(cameras.cameras)),
         position=position,

@@ -18,7 +18,8 @@ OPTIONS = {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
     "methods": "--method",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
-    "pixel_sigma": "--pixel-sigma",
+    "pixel_sigma": "--pixel-sigma", "reference_view": "--reference-view",
+    "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

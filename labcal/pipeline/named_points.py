@@ -73,6 +73,8 @@ def measure(
     from labcal.reconstruct.named_warnings import named_warnings
     from labcal.reconstruct.point_budget import Budget, PointBudget
     from labcal.reconstruct.reconstruction import load_reconstructor
+    from labcal.reconstruct.scale.adjustment import adjusted_to_bars
+    from labcal.reconstruct.scale.scale_bar import ScaleBar
     from labcal.reconstruct.stated_noise import with_covariances
 
     how = settings_of(settings, MeasureSettings)
@@ -82,6 +84,10 @@ def measure(
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     given = pixels if isinstance(pixels, NamedPixels) else read_pixels(as_path(pixels))
     found = reconstruct_named(used, with_covariances(given, how.pixel_sigma), wanted)
+    if how.scale_bars:
+        ppm = how.scale_sigma_ppm
+        bars = [ScaleBar.of(bar) for bar in how.scale_bars]
+        found = adjusted_to_bars(found, bars, None if ppm is None else 1e-6 * ppm)
     if frame is not None:
         world = found.budget if isinstance(found.budget, PointBudget) else None
         found = found.in_frame(frame.fitted(used, found.with_noise, shown, world))

@@ -20,9 +20,9 @@ class Measured(PublicObject):
     sigma : float
         Standard deviation by all that the budget holds, in the unit of the value.
     noise_sigma, calibration_sigma, stated_sigma : float
-        Shares of pixel noise, of the calibration and of coordinates that were stated for the frame; their
-        squares add up. The second one is 0 where the budget is that of noise alone, the third one where
-        the frame is not one by known points.
+        Shares of pixel noise, of the calibration (with the scale, where bars correct it), and of what was
+        stated: known coordinates of a frame, lengths of scale bars. Their squares add up. The second one is 0
+        where the budget is that of noise alone and there are no bars.
     unit : str
         ``mm`` or ``rad``.
     budget : Budget
@@ -53,10 +53,12 @@ class Measured(PublicObject):
         return cls(value, float(np.sqrt(sum(parts))), noise, calibration, stated, unit, shares.budget)
 
     def _summary(self) -> Mapping[str, object]:
-        return {
+        summary: dict[str, object] = {
             "value": f"{self.value:.9g} {self.unit}",
             "sigma": f"{self.sigma:.3g}",
             "noise": f"{self.noise_sigma:.3g}",
             "calibration": f"{self.calibration_sigma:.3g}",
-            "budget": self.budget.value,
         }
+        if self.stated_sigma > 0.0:
+            summary["stated"] = f"{self.stated_sigma:.3g}"
+        return {**summary, "budget": self.budget.value}

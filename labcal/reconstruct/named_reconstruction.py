@@ -12,6 +12,8 @@ from labcal.public_object import HtmlTable, PublicObject
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 from labcal.reconstruct.frames.framed_budget import FramedBudget
 from labcal.reconstruct.point_budget import Budget, PointBudget
+from labcal.reconstruct.scale.fitted_scale import FittedScale
+from labcal.reconstruct.scale.scaled_budget import ScaledBudget
 
 if TYPE_CHECKING:
     import pandas
@@ -39,9 +41,11 @@ class NamedReconstruction(PublicObject):
     """Comparison of the residuals with the value expected from the calibration; None without cameras."""
     frame: FittedFrame | None = None
     """The frame that the points are in; None if it is that of the model."""
-    budget: PointBudget | FramedBudget | None = None
+    budget: PointBudget | FramedBudget | ScaledBudget | None = None
     """The shares of noise and calibration in the covariances, line by line, in the frame of the points; None
     if the model has no rig."""
+    scale: FittedScale | None = None
+    """The scale that scale bars gave; None without."""
     warnings: tuple[str, ...] = ()
     """Warnings in words."""
 
@@ -90,6 +94,8 @@ class NamedReconstruction(PublicObject):
             summary["median_residual"] = f"{self.miss_px:.3g} px"
         if self.frame is not None:
             summary["frame"] = self.frame.kind.value
+        if self.scale is not None:
+            summary["scale_error"] = f"{self.scale.error_ppm:.3g} ppm"
         if self.budget is not None:
             summary["budget"] = self.budget.kind.value
         return {**summary, "warnings": len(self.warnings)}

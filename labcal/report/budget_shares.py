@@ -7,6 +7,7 @@ import numpy as np
 from labcal.arrays import PointCovariances
 from labcal.reconstruct.frames.framed_budget import FramedBudget
 from labcal.reconstruct.point_budget import Budget, PointBudget
+from labcal.reconstruct.scale.scaled_budget import ScaledBudget
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class BudgetShares:
     """Share of the calibration; null if it is not in the covariances."""
 
 
-def budget_shares(budget: PointBudget | FramedBudget) -> BudgetShares:
+def budget_shares(budget: PointBudget | FramedBudget | ScaledBudget) -> BudgetShares:
     """Return the shares over all points."""
     full = budget.kind is Budget.FULL
     calibration = _rms_mm(budget.calibration) if full else None

@@ -9,10 +9,18 @@ import numpy as np
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
+from labcal.reconstruct.displacements import Displacements, displacement_warnings
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
+from labcal.reconstruct.scale.fitted_scale import FittedScale
 from labcal.report.budget_shares import BudgetShares, budget_shares, budget_words
+from labcal.report.displacements_result import (
+    DisplacementsResult,
+    displacements_result,
+    displacements_words,
+)
 from labcal.report.reconstruct_result import InconsistentPoints, inconsistent_points, residual_words
+from labcal.wording import counted
 
 
 @dataclass(frozen=True)
@@ -64,12 +72,21 @@ class MeasureResult:
     """Sources of errors in the covariances; null of a fitted method, which states its own."""
     frame: FrameResult | None
     """The frame of the points; null if it is that of the model."""
+    scale_bars: FittedScale | None
+    """The scale that scale bars gave, and their residuals; null without."""
+    displacements: DisplacementsResult | None
+    """Displacements since a view; null without ``--displacements``."""
     warnings: list[str]
     """Warnings, for people."""
 
 
-def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction) -> MeasureResult:
-    """Return the JSON document; `file` is where the points are."""
+def measure_result(
+    file: AnyPath,
+    model: Model | Rig,
+    found: NamedReconstruction,
+    moved: tuple[AnyPath, Displacements] | None = None,
+) -> MeasureResult:
+    """Return the JSON document; `file` is where the points are, `moved` their displacements and where."""
     check = found.check
     return MeasureResult(
         file=str(file),
@@ -82,7 +99,9 @@ def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction
         inconsistent=inconsistent_points(model, check),
         budget=None if found.budget is None else budget_shares(found.budget),
         frame=None if found.frame is None else _frame(found.frame),
-        warnings=list(found.warnings),
+        scale_bars=found.scale,
+        displacements=None if moved is None else displacements_result(*moved),
+        warnings=[*found.warnings, *(() if moved is None else displacement_warnings(moved[1]))],
     )
 
 
@@ -90,6 +109,11 @@ def measure_words(result: MeasureResult) -> str:
     """Return the document for people."""
     words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
     words += budget_words(result.budget)
+    if result.scale_bars is not None:
+        scale = result.scale_bars
+        words += f"; error of the scale by {counted(len(scale.bars), 'measurement')} of scale bars: "
+        words += f"{scale.error_ppm:+.4g} ppm, now with sigma {scale.sigma_ppm:.2g} ppm"
+        words += "" if scale.sigma0 is None else f"; residuals {scale.sigma0:.2g} times as expected"
     if result.frame is not None:
         turn, shift = max(result.frame.rotation_sigma_deg), max(result.frame.place_sigma_mm)
         words += (
@@ -102,6 +126,8 @@ def measure_words(result: MeasureResult) -> str:
             words += f", residuals RMS {result.frame.rms_mm:.3g} mm"
         if result.frame.sigma0 is not None:
             words += f" ({result.frame.sigma0:.2g} times what their covariances explain)"
+    if result.displacements is not None:
+        words += displacements_words(result.displacements)
     return f"{result.file}: {words}."
 
 

@@ -80,6 +80,8 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "measure": {
         "method": (labcal.load_model, "method"),
         "output": (labcal.NamedPoints.save, "path"),
+        "displacements": (labcal.Displacements.save, "path"),
+        "reference_view": (labcal.displacements, "reference_view"),
         "force": (labcal.NamedPoints.save, "force"),
         **PLY,
     },
