@@ -17,6 +17,8 @@ from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.budget.rig_record import with_covariance
 from labcal.calibrate.camera_covariance import CameraCovariance
+from labcal.calibrate.dot_decision import decide_dots
+from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
@@ -63,7 +65,7 @@ def calibrate_handheld(
     detections : Detections
         Only dots flagged ``ok`` enter.
     target : AnyTarget
-        Its dots are flat and exactly placed, unless the settings free them.
+        Its dots are flat and exactly placed, unless the settings or held-out views free them.
     lens : str
         Any lens model but a prescription.
     settings : HandheldSettings, optional
@@ -80,32 +82,37 @@ def calibrate_handheld(
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
-    if settings.free_dots and lens_by_name(lens).parallel:
+    if settings.dot_places is DotTreatment.FREED and lens_by_name(lens).parallel:
         raise InputError(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not distinguishable there. Leave `free_dots` out."
+            "tilt are not distinguishable there. Keep them as declared: `dot_places='declared'`."
         )
     usable = usable_dots(detections, target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
 
+    as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+
+    def flat(name: str, dots: Detections) -> SingleCalibration:
+        return calibrate_single(name, dots, target, lens, as_declared)
+
+    decision, alone = decide_dots([flat(name, entering) for name in cameras], target, settings)
+    settings = replace(settings, dot_places=decision.treatment)
+
     def single(name: str, dots: Detections) -> SingleCalibration:
         return calibrate_single(name, dots, target, lens, settings)
 
-    def flat(name: str, dots: Detections) -> SingleCalibration:
-        return calibrate_single(name, dots, target, lens, replace(settings, free_dots=False))
-
-    agreeing = SingleCameras([single(name, entering) for name in cameras], entering, skipped)
-    agreeing = of_agreeing_views(agreeing, target, single, free_dots=settings.free_dots)
+    agreeing = SingleCameras(alone, entering, skipped)
+    agreeing = of_agreeing_views(agreeing, target, single, free_dots=decision.frees)
     entering, skipped = agreeing.entering, agreeing.left_out
     found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
-        return _assemble(found, found[0].result, target, entering.views, skipped)
+        return _assemble(found, found[0].result, target, decision, entering.views, skipped)
     try:
         whole = _whole(found, entering, target, settings)
     except InputError as error:
-        judged = [flat(camera.name, entering) for camera in found] if settings.free_dots else found
+        judged = [flat(camera.name, entering) for camera in found] if decision.frees else found
         doubt = disagreement(Calibrated(judged, entering, flat))
         if doubt is None:
             raise
@@ -115,7 +122,7 @@ def calibrate_handheld(
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, single))
-    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    rig_found = _assemble(found, whole, target, decision, entering.views, skipped)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
@@ -164,6 +171,8 @@ def _recorded(
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)
+    if found.dots.frees:
+        record = record.model_copy(update={"dot_places": "freed"})
     return found.rig.model_copy(update={"calibration": record})
 
 
@@ -203,6 +212,7 @@ def _assemble(
     found: list[SingleCalibration],
     whole: AdjustedDots,
     target: AnyTarget,
+    decision: DotDecision,
     views: tuple[str, ...],
     skipped: tuple[str, ...],
 ) -> HandheldCalibration:
@@ -243,4 +253,5 @@ def _assemble(
         residuals=RigResiduals.of(adjusted, whole.observations),
         covariance=covariance,
         sources=sources,
+        dots=decision,
     )

@@ -46,8 +46,8 @@ def photo_checks(name: str, detections: Detections, target: AnyTarget) -> list[C
         Of two cameras.
     target : AnyTarget
     """
-    flat = calibrate_handheld(detections, target, LENS)
-    freed = calibrate_handheld(detections, target, LENS, HandheldSettings(free_dots=True))
+    flat = calibrate_handheld(detections, target, LENS, HandheldSettings(dot_places="declared"))
+    freed = calibrate_handheld(detections, target, LENS, HandheldSettings(dot_places="freed"))
     checks = []
     for camera, fit in flat.fits.items():
         what = f"{name}: RMS of camera {camera} alone"

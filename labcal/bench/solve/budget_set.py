@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Vectors3
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
@@ -76,7 +77,8 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     """Simulate, calibrate, reconstruct other points, and compare with the truth."""
     kind = KINDS[case.kind]
     random = generator(case.seed, "bench solve", "budget", case.kind, case.surface, str(case.views))
-    settings = HandheldSettings(eccentricity_rounds=0, free_dots=case.surface == PRINTS[2])
+    places = DotTreatment.FREED if case.surface == PRINTS[2] else DotTreatment.DECLARED
+    settings = HandheldSettings(eccentricity_rounds=0, dot_places=places)
     found = calibrate_handheld(_detections(kind, case, random), kind.target(), case.lens, settings)
     rig = found.rig
     if rig.covariance is None:

@@ -56,7 +56,7 @@ def print_and_rig(learned: Detections, target: AnyTarget, lens: str) -> tuple[Ha
     InputError
         The views determine no rig.
     """
-    found = calibrate_handheld(learned, target, lens, HandheldSettings(free_dots=True))
+    found = calibrate_handheld(learned, target, lens, HandheldSettings(dot_places="freed"))
     if found.freed is None:
         raise InputError("A calibration with free dots returned none.")
     return found, found.freed.places()
