@@ -1,15 +1,16 @@
 """The decision to free the dots, by held-out views and by the certainty of the cameras."""
 
+from collections.abc import Callable
 from dataclasses import replace
-
-import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.budget.entered import Entered
-from labcal.calibrate.budget.error_sources import ErrorSources
+from labcal.calibrate.budget.print_share import PrintShare
+from labcal.calibrate.calibration_error import calibration_variance
 from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.held_out_dots import BothWays, HeldOutDots, held_out_dots
-from labcal.calibrate.single_calibration import AdjustedDots, HandheldSettings, SingleCalibration
+from labcal.calibrate.single_calibration import HandheldSettings, SingleCalibration
 from labcal.cameras.lens import lens_by_name
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
@@ -23,16 +24,14 @@ UNEVEN = 3.0
 CHANCE = 0.01
 """Most probable chance of an advantage in held-out views."""
 
+Calibrate = Callable[[list[SingleCalibration], DotDecision], HandheldCalibration]
+"""Calibrates the rig, of cameras that are calibrated alone with their dots treated as is decided."""
 
-def decide_dots(
+
+def decision_at_once(
     cameras: list[SingleCalibration], target: AnyTarget, settings: HandheldSettings
-) -> tuple[DotDecision, list[SingleCalibration]]:
-    """Decide whether the dots of a target are freed, and return the cameras calibrated by it.
-
-    They are if three things hold. The residuals of a camera with the dots as declared show an uneven print
-    (score test). The cameras become more certain: what more unknowns take from them is less than what the
-    errors of the print do to them. And held-out views are predicted better with the dots freed (Student's
-    t-test). The first costs next to nothing, so that nothing else is computed for an even print.
+) -> DotDecision | None:
+    """Return the decision where it needs no second calibration: as asked, or for want of views or evidence.
 
     Parameters
     ----------
@@ -40,75 +39,110 @@ def decide_dots(
         Each calibrated alone from all its views, with the dots as declared.
     target : AnyTarget
     settings : HandheldSettings
+    """
+    asked = DotTreatment(settings.dot_places)
+    if asked is DotTreatment.DECLARED:
+        return DotDecision(asked, asked, "as declared, as asked")
+    if asked is DotTreatment.FREED:
+        return DotDecision(asked, asked, "freed, as asked")
+    hindrance = _hindrance(cameras, target, settings)
+    if hindrance is not None:
+        return DotDecision(asked, DotTreatment.DECLARED, f"as declared: {hindrance}")
+    found = _as_declared(cameras)
+    return None if (found.unevenness or 0.0) > UNEVEN else found
+
+
+def judged(
+    cameras: list[SingleCalibration], target: AnyTarget, settings: HandheldSettings, calibrate: Calibrate
+) -> HandheldCalibration:
+    """Return the better one of both calibrations where the residuals show an uneven print.
+
+    Dots are freed if two things hold. Points become more certain: what more unknowns take from the cameras
+    is less than what the errors of the print do to them, by the covariances of both calibrations. And
+    held-out views are predicted better with the dots freed (Student's t-test).
+
+    Parameters
+    ----------
+    cameras : list of SingleCalibration
+        As of :func:`decision_at_once`.
+    target : AnyTarget
+    settings : HandheldSettings
+    calibrate : callable
 
     Raises
     ------
     InputError
-        The dots are to be freed, and the views cannot.
+        The calibration with the dots as declared fails, and the dots are not freed.
     """
-    asked = DotTreatment(settings.dot_places)
-    if asked is DotTreatment.DECLARED:
-        return DotDecision(asked, asked, "as declared, as asked"), cameras
-    if asked is DotTreatment.FREED:
-        freed = [one.with_freed_dots(target, settings) for one in cameras]
-        return DotDecision(asked, asked, "freed, as asked"), freed
-    hindrance = _hindrance(cameras, target, settings)
-    if hindrance is not None:
-        return DotDecision(asked, DotTreatment.DECLARED, f"as declared: {hindrance}"), cameras
-    sources = [ErrorSources.of(one.result.adjusted, one.result.observations, None) for one in cameras]
-    decision, freed = _judged(cameras, sources, target, settings)
-    return decision, freed if decision.frees else cameras
+    kept = _as_declared(cameras)
+    try:
+        as_declared: HandheldCalibration | InputError = calibrate(cameras, kept)
+    except InputError as error:
+        as_declared = error
+    chosen = as_declared
+    try:
+        on_print = [one.with_freed_dots(target, settings) for one in cameras]
+        freed = calibrate(on_print, replace(kept, treatment=DotTreatment.FREED))
+        found = _compared(freed, as_declared, target)
+        if found.frees:
+            found = _by_held_out_views(found, cameras, on_print, target)
+        chosen = freed if found.frees else as_declared
+    except InputError as error:
+        found = replace(kept, why=f"as declared: the views cannot free the dots. {error}")
+    if isinstance(chosen, InputError):
+        raise chosen
+    return replace(chosen, dots=found)
 
 
-def _judged(
-    cameras: list[SingleCalibration],
-    sources: list[ErrorSources],
-    target: AnyTarget,
-    settings: HandheldSettings,
-) -> tuple[DotDecision, list[SingleCalibration]]:
-    """Return the decision by residuals, and the cameras with the dots freed where this was tried."""
-    shares = [one.print_share for one in sources if one.print_share is not None]
-    kept = DotDecision(
+def _as_declared(cameras: list[SingleCalibration]) -> DotDecision:
+    """Return the decision to keep the dots, with the evidence of the residuals."""
+    entered = [Entered.of(one.result.adjusted, one.result.observations) for one in cameras]
+    known = [one for one in entered if one.with_fixed_dots().reduced is not None]
+    return DotDecision(
         DotTreatment.AUTO,
         DotTreatment.DECLARED,
         "as declared: the residuals show no uneven print",
-        unevenness=float(max((share.unevenness for share in shares), default=0.0)),
+        unevenness=max((PrintShare.of_declared(one).unevenness for one in known), default=0.0),
     )
-    if not (kept.unevenness or 0.0) > UNEVEN:
-        return kept, []
-    try:
-        freed = [one.with_freed_dots(target, settings) for one in cameras]
-        found = replace(kept, variance_ratio=_variance_ratio(cameras, sources, freed))
-        if not (found.variance_ratio or 0.0) < 1.0:
-            why = (
-                "as declared: the residuals show an uneven print, but freeing its dots would multiply the "
-                f"variance of the cameras by {found.variance_ratio:.2g}"
-            )
-            return replace(found, why=why), freed
-        held = _held_out(cameras, freed, target)
-    except InputError as error:
-        return replace(kept, why=f"as declared: the views cannot free them. {error}"), []
+
+
+def _compared(
+    freed: HandheldCalibration, as_declared: HandheldCalibration | InputError, target: AnyTarget
+) -> DotDecision:
+    """Return the decision by the certainty of points."""
+    if isinstance(as_declared, InputError):
+        return freed.dots
+    ratio = calibration_variance(freed, target) / calibration_variance(as_declared, target)
+    found = replace(freed.dots, variance_ratio=ratio)
+    if ratio < 1.0:
+        return found
+    why = (
+        "as declared: the residuals show an uneven print, but freeing the dots would multiply the variance "
+        f"of points by {ratio:.2g}"
+    )
+    return replace(found, treatment=DotTreatment.DECLARED, why=why)
+
+
+def _by_held_out_views(
+    found: DotDecision,
+    cameras: list[SingleCalibration],
+    on_print: list[SingleCalibration],
+    target: AnyTarget,
+) -> DotDecision:
+    """Return the decision by the prediction of held-out views."""
+    predicted = []
+    for one, other in zip(cameras, on_print, strict=True):
+        declared, freed = one.result.adjusted, other.result.adjusted
+        both = BothWays(declared, freed, one.result.observations, target, one.dots.views)
+        predicted.append(held_out_dots(both))
+    held = HeldOutDots.joined(predicted)
     found = replace(found, declared_px=held.declared_px, freed_px=held.freed_px, chance=held.chance)
     figures = f"RMS {held.freed_px:.3g} px, {held.declared_px:.3g} px as declared, p = {held.chance:.1g}"
-    if not held.chance < CHANCE:
-        why = f"as declared: held-out views are predicted no better with the dots freed ({figures})"
-        return replace(found, why=why), freed
-    why = f"freed: the print is uneven, and held-out views are predicted better so ({figures})"
-    return replace(found, treatment=DotTreatment.FREED, why=why), freed
-
-
-def _held_out(
-    cameras: list[SingleCalibration], freed: list[SingleCalibration], target: AnyTarget
-) -> HeldOutDots:
-    """Return how well held-out views of all cameras are predicted."""
-    found = []
-    for one, other in zip(cameras, freed, strict=True):
-        declared = one.result
-        both = BothWays(
-            declared.adjusted, other.result.adjusted, declared.observations, target, one.dots.views
-        )
-        found.append(held_out_dots(both))
-    return HeldOutDots.joined(found)
+    if held.chance < CHANCE:
+        why = f"freed: the print is uneven, and held-out views are predicted better so ({figures})"
+        return replace(found, why=why)
+    why = f"as declared: held-out views are predicted no better with the dots freed ({figures})"
+    return replace(found, treatment=DotTreatment.DECLARED, why=why)
 
 
 def _hindrance(cameras: list[SingleCalibration], target: AnyTarget, settings: HandheldSettings) -> str | None:
@@ -125,31 +159,3 @@ def _hindrance(cameras: list[SingleCalibration], target: AnyTarget, settings: Ha
     if fewest < MIN_VIEWS:
         return f"{fewest} views of a camera are too few to judge by, {MIN_VIEWS} are needed"
     return None
-
-
-def _variance_ratio(
-    cameras: list[SingleCalibration], flat: list[ErrorSources], freed: list[SingleCalibration]
-) -> float:
-    """Return the variance of the cameras with freed dots over the one with declared dots.
-
-    Each is the trace of the covariance times the information of pixels alone about the cameras, which is the
-    variance that they cause in the pixels of the calibration's pictures, poses fitted (I-optimality).
-    """
-    found = []
-    for one, sources, other in zip(cameras, flat, freed, strict=True):
-        entered = Entered.of(other.result.adjusted, other.result.observations)
-        spread = entered.with_fixed_dots().shared_spread()
-        of_freed = ErrorSources.of(other.result.adjusted, other.result.observations, other.result.freed)
-        found.append(
-            [
-                float(np.trace(np.linalg.solve(spread, _total(errors, result))))
-                for errors, result in ((of_freed, other.result), (sources, one.result))
-            ]
-        )
-    after, before = np.sum(found, axis=0)
-    return float(after / before)
-
-
-def _total(sources: ErrorSources, result: AdjustedDots) -> np.ndarray:
-    free = result.adjusted.layout.pose[-1].stop
-    return sources.total(result.adjusted.spread[:free, :free])

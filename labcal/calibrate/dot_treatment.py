@@ -32,7 +32,8 @@ class DotDecision:
     chance : float or None
         Probability that held-out views are predicted better by freed dots to this degree by chance.
     variance_ratio : float or None
-        Variance of the cameras with freed dots, over that with declared dots and their errors.
+        Mean variance of points by the calibration with freed dots, over that with declared dots and their
+        errors.
     """
 
     asked: DotTreatment

@@ -17,7 +17,7 @@ from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.budget.rig_record import with_covariance
 from labcal.calibrate.camera_covariance import CameraCovariance
-from labcal.calibrate.dot_decision import decide_dots
+from labcal.calibrate.dot_decision import decision_at_once, judged
 from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
@@ -93,18 +93,33 @@ def calibrate_handheld(
     skipped = (*unmeasured_pictures(detections), *skipped)
 
     as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+    alone = [calibrate_single(name, entering, target, lens, as_declared) for name in cameras]
+    decision = decision_at_once(alone, target, settings)
 
-    def flat(name: str, dots: Detections) -> SingleCalibration:
-        return calibrate_single(name, dots, target, lens, as_declared)
+    def calibrated(ready: list[SingleCalibration], by: DotDecision) -> HandheldCalibration:
+        how = replace(settings, dot_places=by.treatment)
+        return _calibrated(SingleCameras(ready, entering, skipped), target, lens, how, by)
 
-    decision, alone = decide_dots([flat(name, entering) for name in cameras], target, settings)
-    settings = replace(settings, dot_places=decision.treatment)
+    if decision is None:
+        return judged(alone, target, settings, calibrated)
+    if decision.frees:
+        alone = [one.with_freed_dots(target, settings) for one in alone]
+    return calibrated(alone, decision)
+
+
+def _calibrated(
+    alone: SingleCameras, target: AnyTarget, lens: str, settings: HandheldSettings, decision: DotDecision
+) -> HandheldCalibration:
+    """Calibrate the rig with cameras that are calibrated alone, their dots treated as is decided."""
 
     def single(name: str, dots: Detections) -> SingleCalibration:
         return calibrate_single(name, dots, target, lens, settings)
 
-    agreeing = SingleCameras(alone, entering, skipped)
-    agreeing = of_agreeing_views(agreeing, target, single, free_dots=decision.frees)
+    def flat(name: str, dots: Detections) -> SingleCalibration:
+        as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+        return calibrate_single(name, dots, target, lens, as_declared)
+
+    agreeing = of_agreeing_views(alone, target, single, free_dots=decision.frees)
     entering, skipped = agreeing.entering, agreeing.left_out
     found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
@@ -112,11 +127,11 @@ def calibrate_handheld(
     try:
         whole = _whole(found, entering, target, settings)
     except InputError as error:
-        judged = [flat(camera.name, entering) for camera in found] if decision.frees else found
-        doubt = disagreement(Calibrated(judged, entering, flat))
+        alike = [flat(camera.name, entering) for camera in found] if decision.frees else found
+        doubt = disagreement(Calibrated(alike, entering, flat))
         if doubt is None:
             raise
-        raise ContradictionError(doubt, _rms_alone(judged)) from error
+        raise ContradictionError(doubt, _rms_alone(alike)) from error
     if whole.freed is not None:
         found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))

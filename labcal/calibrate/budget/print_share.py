@@ -81,7 +81,7 @@ class PrintShare:
         noise = plain - max(0.0, variance) * stand_for * trace / freedom
         if not (variance > 0.0 and noise > 0.0):
             variance, noise = 0.0, plain
-        unevenness = (found - plain * trace) / max(plain * np.sqrt(2.0 * square), 1e-300)
+        unevenness = (found - plain * trace) / max(plain * float(np.sqrt(2.0 * square)), 1e-300)
         effect = np.sqrt(stand_for) * C @ across
         return cls(float(np.sqrt(variance)), plain, noise, unevenness, effect)
 
