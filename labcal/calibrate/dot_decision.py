@@ -102,7 +102,7 @@ def _as_declared(cameras: list[SingleCalibration]) -> DotDecision:
         DotTreatment.AUTO,
         DotTreatment.DECLARED,
         "as declared: the residuals show no uneven print",
-        unevenness=max((PrintShare.of_declared(one).unevenness for one in known), default=0.0),
+        unevenness=float(max((PrintShare.of_declared(one).unevenness for one in known), default=0.0)),
     )
 
 

@@ -65,7 +65,7 @@ class HeldOutDots:
         mean, spread = float(by_view.mean()), float(by_view.std(ddof=1))
         if mean <= 0.0:
             return 1.0
-        return 0.5 * f_tail(mean**2 * len(names) / max(spread, tiny) ** 2, 1, len(names) - 1)
+        return 0.5 * f_tail(mean**2 * len(names) / max(spread, tiny) ** 2, 1, float(len(names) - 1))
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     random = generator(case.seed, "bench solve", "budget", case.kind, case.surface, str(case.views))
     places = DotTreatment.FREED if case.surface == PRINTS[2] else DotTreatment.DECLARED
     settings = HandheldSettings(eccentricity_rounds=0, dot_places=places)
-    found = calibrate_handheld(_detections(kind, case, random), kind.target(), case.lens, settings)
+    found = calibrate_handheld(simulated_dots(kind, case, random), kind.target(), case.lens, settings)
     rig = found.rig
     if rig.covariance is None:
         raise InputError("A calibration with free lenses states no covariance.")
@@ -109,7 +109,7 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     )
 
 
-def _detections(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
+def simulated_dots(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
     """Return images of centres with noise, of a print that is as the case says."""
     target = kind.target()
     dots = target.points()
