@@ -1,13 +1,14 @@
 """A complete calibration: lens choice, held-out views, calibration, warnings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreement.words import contradiction_message
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
@@ -124,7 +125,8 @@ class Calibration(PublicObject):
 
         if self.found.freed is None:
             raise InputError(
-                "The dots of this calibration were not freed. Calibrate with `free_dots=True` to draw them."
+                "The dots of this calibration were not freed. Calibrate with `dot_places='freed'` to draw "
+                "them."
             )
         return displacement_figure(self.found.freed)
 
@@ -196,9 +198,10 @@ def calibrated(
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
     if lens == AUTO:
-        choice = choose_lens(entering, target, settings, progress or NoProgress())
+        choice, found = _with_chosen_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
-    found = calibrate_handheld(entering, target, lens, settings)
+    else:
+        found = calibrate_handheld(entering, target, lens, settings)
     kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
     learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
     tested = None if held_out else warning_of_test_views(entering)
@@ -209,6 +212,37 @@ def calibrated(
         *notes,
     )
     return Calibration(found, lens, choice, held_out, learned, warnings)
+
+
+def _with_chosen_lens(
+    entering: Detections, target: AnyTarget, settings: HandheldSettings, progress: Progress
+) -> tuple[LensChoice, HandheldCalibration]:
+    """Choose the lens with the dots treated as they will be, and calibrate with it.
+
+    Whether dots are freed depends on the lens: it is decided with :data:`DEFAULT_LENS` first, and with the
+    lens that was chosen. Where both differ, the lens is chosen once more.
+    """
+    treatment = settings.dot_places
+    if treatment is DotTreatment.AUTO:
+        treatment = _treatment_with(DEFAULT_LENS, entering, target, settings)
+    choice = choose_lens(entering, target, replace(settings, dot_places=treatment), progress)
+    found = calibrate_handheld(entering, target, choice.lens, settings)
+    if found.dots.treatment is treatment:
+        return choice, found
+    treatment = found.dots.treatment
+    choice = choose_lens(entering, target, replace(settings, dot_places=treatment), progress)
+    again = calibrate_handheld(entering, target, choice.lens, replace(settings, dot_places=treatment))
+    return choice, replace(again, dots=found.dots)
+
+
+def _treatment_with(
+    lens: str, entering: Detections, target: AnyTarget, settings: HandheldSettings
+) -> DotTreatment:
+    """Return the treatment of the dots with a lens; as declared where it does not suit."""
+    try:
+        return calibrate_handheld(entering, target, lens, settings).dots.treatment
+    except InputError:
+        return DotTreatment.DECLARED
 
 
 def refuse_contradictory(lens: str | None, settings: HandheldSettings) -> None:
@@ -272,7 +306,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         elif found.freed is None and found.fits[name].uneven:
             warnings.append(
                 f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; `free_dots=True` estimates where each dot is on the print"
+                "an uneven print or another lens; `dot_places='freed'` estimates the place of each dot"
             )
     views = found.sources.views
     if views.is_beyond_chance and found.disagreement is None:

@@ -17,6 +17,8 @@ from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.budget.rig_record import with_covariance
 from labcal.calibrate.camera_covariance import CameraCovariance
+from labcal.calibrate.dot_decision import decision_at_once, judged
+from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
@@ -63,7 +65,7 @@ def calibrate_handheld(
     detections : Detections
         Only dots flagged ``ok`` enter.
     target : AnyTarget
-        Its dots are flat and exactly placed, unless the settings free them.
+        Its dots are flat and exactly placed, unless the settings or held-out views free them.
     lens : str
         Any lens model but a prescription.
     settings : HandheldSettings, optional
@@ -80,42 +82,62 @@ def calibrate_handheld(
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
-    if settings.free_dots and lens_by_name(lens).parallel:
+    if settings.dot_places is DotTreatment.FREED and lens_by_name(lens).parallel:
         raise InputError(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not distinguishable there. Leave `free_dots` out."
+            "tilt are not distinguishable there. Keep them as declared: `dot_places='declared'`."
         )
     usable = usable_dots(detections, target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
 
+    as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+    alone = [calibrate_single(name, entering, target, lens, as_declared) for name in cameras]
+    decision = decision_at_once(alone, target, settings)
+
+    def calibrated(ready: list[SingleCalibration], by: DotDecision) -> HandheldCalibration:
+        how = replace(settings, dot_places=by.treatment)
+        return _calibrated(SingleCameras(ready, entering, skipped), target, lens, how, by)
+
+    if decision is None:
+        return judged(alone, target, settings, calibrated)
+    if decision.frees:
+        alone = [one.with_freed_dots(target, settings) for one in alone]
+    return calibrated(alone, decision)
+
+
+def _calibrated(
+    alone: SingleCameras, target: AnyTarget, lens: str, settings: HandheldSettings, decision: DotDecision
+) -> HandheldCalibration:
+    """Calibrate the rig with cameras that are calibrated alone, their dots treated as is decided."""
+
     def single(name: str, dots: Detections) -> SingleCalibration:
         return calibrate_single(name, dots, target, lens, settings)
 
     def flat(name: str, dots: Detections) -> SingleCalibration:
-        return calibrate_single(name, dots, target, lens, replace(settings, free_dots=False))
+        as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+        return calibrate_single(name, dots, target, lens, as_declared)
 
-    agreeing = SingleCameras([single(name, entering) for name in cameras], entering, skipped)
-    agreeing = of_agreeing_views(agreeing, target, single, free_dots=settings.free_dots)
+    agreeing = of_agreeing_views(alone, target, single, free_dots=decision.frees)
     entering, skipped = agreeing.entering, agreeing.left_out
     found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
-        return _assemble(found, found[0].result, target, entering.views, skipped)
+        return _assemble(found, found[0].result, target, decision, entering.views, skipped)
     try:
         whole = _whole(found, entering, target, settings)
     except InputError as error:
-        judged = [flat(camera.name, entering) for camera in found] if settings.free_dots else found
-        doubt = disagreement(Calibrated(judged, entering, flat))
+        alike = [flat(camera.name, entering) for camera in found] if decision.frees else found
+        doubt = disagreement(Calibrated(alike, entering, flat))
         if doubt is None:
             raise
-        raise ContradictionError(doubt, _rms_alone(judged)) from error
+        raise ContradictionError(doubt, _rms_alone(alike)) from error
     if whole.freed is not None:
         found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, single))
-    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    rig_found = _assemble(found, whole, target, decision, entering.views, skipped)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
@@ -164,6 +186,8 @@ def _recorded(
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)
+    if found.dots.frees:
+        record = record.model_copy(update={"dot_places": "freed"})
     return found.rig.model_copy(update={"calibration": record})
 
 
@@ -203,6 +227,7 @@ def _assemble(
     found: list[SingleCalibration],
     whole: AdjustedDots,
     target: AnyTarget,
+    decision: DotDecision,
     views: tuple[str, ...],
     skipped: tuple[str, ...],
 ) -> HandheldCalibration:
@@ -243,4 +268,5 @@ def _assemble(
         residuals=RigResiduals.of(adjusted, whole.observations),
         covariance=covariance,
         sources=sources,
+        dots=decision,
     )

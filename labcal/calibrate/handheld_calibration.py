@@ -10,6 +10,7 @@ from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.finding import Disagreement
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.camera_covariance import CameraCovariance
+from labcal.calibrate.dot_treatment import DotDecision
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.one_lens import TwoLenses
@@ -103,6 +104,8 @@ class HandheldCalibration:
     """Of all cameras together."""
     sources: ErrorSources
     """Sources of the errors that the covariance holds."""
+    dots: DotDecision
+    """The treatment of the dots on the print, and the reason."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

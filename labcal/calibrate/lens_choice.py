@@ -11,6 +11,7 @@ from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import DEFAULT_LENS, LARGE, OF_VIEWS, PLENTY
@@ -76,7 +77,8 @@ def choose_lens(
         Only dots flagged ``ok`` enter.
     target : AnyTarget
     settings : HandheldSettings
-        Of the calibration to come; lenses are free, and the rig to start from does not count.
+        Of the calibration to come; lenses are free, dots are as declared unless they are ``freed``, and the
+        rig to start from does not count.
     progress : Progress
 
     Raises
@@ -154,7 +156,7 @@ def _held_out(
         learned = _Problem.of(others, target)
         fitted = learned.adjusted(start_from_pictures(others, target, lens), Lenses.FREE, rounds)
         entered, judged = learned.observations, _Problem.of(held, target)
-        if settings.free_dots:
+        if settings.dot_places is DotTreatment.FREED:
             free = adjust_dots(fitted, entered, target, Lenses.FREE, rounds)
             fitted, entered, judged = free.adjusted, free.observations, judged.at(free.dots)
         left_open = undetermined(fitted, entered)

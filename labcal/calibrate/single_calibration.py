@@ -5,11 +5,12 @@ from os import PathLike
 
 import numpy as np
 
-from labcal.arguments import choice_of, object_of, set_checked, truth_value, whole_number
+from labcal.arguments import choice_of, object_of, set_checked, whole_number
 from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.eccentricity import ROUNDS
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.lens_start import (
@@ -39,7 +40,7 @@ class HandheldSettings:
     Examples
     --------
     >>> from labcal.pipeline import HandheldSettings
-    >>> HandheldSettings(free_dots=True).eccentricity_rounds
+    >>> HandheldSettings(dot_places="freed").eccentricity_rounds
     2
     """
 
@@ -47,8 +48,9 @@ class HandheldSettings:
     """Lenses are estimated (``"free"``), or kept as in `start` (``"fixed"``)."""
     start: Rig | AnyPath | None = None
     """Rig of the initial values, or the path of its file; OpenCV gives them if this is None."""
-    free_dots: bool = False
-    """True to estimate the places of dots on the print."""
+    dot_places: DotTreatment | str = DotTreatment.AUTO
+    """Places of dots on the print are estimated (``"freed"``), taken as ``"declared"``, or estimated where
+    held-out views show that it is better (``"auto"``)."""
     eccentricity_rounds: int = ROUNDS
     """Number of computations of the eccentricity; 0 if pixels are images of centres."""
 
@@ -65,7 +67,7 @@ class HandheldSettings:
         values = {
             "lenses": choice_of(self.lenses, Lenses, "lenses"),
             "start": None if self.start is None else _rig_of(self.start),
-            "free_dots": truth_value(self.free_dots, "free_dots"),
+            "dot_places": choice_of(self.dot_places, DotTreatment, "dot_places"),
             "eccentricity_rounds": whole_number(self.eccentricity_rounds, "eccentricity_rounds", 0),
         }
         set_checked(self, values)
@@ -104,6 +106,20 @@ class SingleCalibration:
     """Its input to the adjustment of the rig."""
     two_lenses: TwoLenses | None = None
     """Groups of its views that were taken through different lenses; None where one lens explains all."""
+
+    def with_freed_dots(self, target: AnyTarget, settings: HandheldSettings) -> "SingleCalibration":
+        """Return the camera, which was calibrated with the dots as declared, adjusted with free dots.
+
+        Raises
+        ------
+        InputError
+            As in :func:`~labcal.calibrate.adjustment.free_dots.adjust_dots`.
+        """
+        flat, rounds = self.result, settings.eccentricity_rounds
+        free = adjust_dots(flat.adjusted, flat.observations, target, Lenses(settings.lenses), rounds)
+        end = free.adjusted.state
+        single = replace(self.single, camera=end.cameras[0], T_cam_target=end.T_world_target)
+        return replace(self, result=AdjustedDots(free.adjusted, free.observations, free.dots), single=single)
 
     def on_print(self, dots: FreedDots, settings: HandheldSettings) -> "SingleCalibration":
         """Return the camera adjusted once more, with dots where several cameras together found them."""
@@ -166,11 +182,11 @@ def _lens_start(
 def adjusted(
     start: RigState, observations: Observations, target: AnyTarget, settings: HandheldSettings
 ) -> AdjustedDots:
-    """Adjust with the dots as declared and, where asked, once more with free dots."""
+    """Adjust with the dots as declared and, where they are to be freed, once more with free dots."""
     freedom = Freedom(Lenses(settings.lenses), np.zeros((3 * target.count, 0)))
     radii = 0.5 * target.outer_diameters_mm()
     flat = adjust_in_rounds(start, observations, freedom, radii, settings.eccentricity_rounds)
-    if not settings.free_dots:
+    if settings.dot_places is not DotTreatment.FREED:
         return AdjustedDots(flat, observations, None)
     free = adjust_dots(flat, observations, target, Lenses(settings.lenses), settings.eccentricity_rounds)
     return AdjustedDots(free.adjusted, free.observations, free.dots)

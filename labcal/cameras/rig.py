@@ -41,6 +41,8 @@ class CalibrationRecord(BaseModel):
     """Variance component beyond the dots' covariances, as a standard deviation of pixels along each axis."""
     inconsistent: tuple[str, ...] = ()
     """Causes of contradictions between the views, the likeliest first; empty if there are none."""
+    dot_places: Literal["freed"] | None = None
+    """``freed`` where places of dots were estimated with the cameras; left out where they are as declared."""
 
 
 class Rig(PublicObject, BaseModel):

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
+from labcal.cli.dot_places import add_dot_places, dot_treatment
 from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_page, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -42,11 +43,7 @@ def add_parser(commands: CommandGroup) -> None:
         help=f"lens model (default {DEFAULT_LENS}, or that of --start), or {AUTO}: chosen by views held out",
     )
     add_output(parser, "rig.json", "cameras to write")
-    parser.add_argument(
-        "--free-dots",
-        action="store_true",
-        help="estimate where each dot is on the print, too, and write it to RIG-dots.json",
-    )
+    add_dot_places(parser, "; the places go to RIG-dots.json")
     parser.add_argument("--start", type=Path, metavar="rig.json", help="cameras to start from")
     parser.add_argument(
         "--fix-intrinsics", action="store_true", help="keep the lenses of --start; find only the poses"
@@ -83,7 +80,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if arguments.overlay is not None and not arguments.free_dots:
         raise InputError("--overlay draws the places that --free-dots estimates. Add --free-dots.")
     outputs = [FileOutput(arguments.output, KIND)]
-    outputs += [FileOutput(_dots_path(arguments.output), DOTS_KIND)] if arguments.free_dots else []
+    outputs += [] if arguments.keep_dots else [FileOutput(_dots_path(arguments.output), DOTS_KIND)]
     outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
     page = asked_page(arguments, session, [arguments.source, arguments.detections, arguments.start])
     outputs += [] if page is None else [page.file]
@@ -105,7 +102,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     if made.held_out:
         session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
     write_rig(arguments.output, made.rig, force=arguments.force)
-    _write_dots(arguments, made)
+    _write_dots(arguments, made, session)
     result = calibrate_result(made, detections, target)
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if result.doubtful else ExitStatus.DONE
@@ -120,7 +117,7 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
     settings = HandheldSettings(
         lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
         start=arguments.start,
-        free_dots=arguments.free_dots,
+        dot_places=dot_treatment(arguments),
     )
     refuse_contradictory(arguments.lens, settings)
     return settings
@@ -130,12 +127,14 @@ def _dots_path(output: Path) -> Path:
     return output.with_name(f"{output.stem}-dots.json")
 
 
-def _write_dots(arguments: Namespace, made: "Calibration") -> None:
+def _write_dots(arguments: Namespace, made: "Calibration", session: Session) -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
     from labcal.targets.places import write_places
 
     if made.places is not None:
         write_places(_dots_path(arguments.output), made.places, force=arguments.force)
+    elif _dots_path(arguments.output).exists():
+        session.warn(f"{_dots_path(arguments.output)} is of an earlier calibration: now no dots were freed")
     if arguments.overlay is not None and made.found.freed is not None:
         from labcal.report.displacement_picture import save_displacements  # imports matplotlib
 

@@ -9,7 +9,7 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots",
+        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force",
         "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig",
         "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views",
         "whole", "workers", "yes",
@@ -23,7 +23,10 @@ OPTIONS = {
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 
-SWITCHES = {"lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal"}
+SWITCHES = {
+    "dot_places='declared'": "--keep-dots", "dot_places='freed'": "--free-dots", "dot_places": "--free-dots",
+    "lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal",
+}  # fmt: skip
 """Options by the values of arguments that they stand for."""
 
 _ARGUMENT = re.compile(r"`([a-z_]+)(?:=(True|'[^'`]*'|[\w.]+))?`")

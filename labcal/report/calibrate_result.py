@@ -7,6 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from labcal.calibrate.calibration import Calibration
+from labcal.calibrate.dot_treatment import DotDecision
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.epipolar_residual import epipolar_rms
 from labcal.calibrate.freed_dots import FreedDots
@@ -102,7 +103,10 @@ class CalibrateResult:
     """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
     centre_bias_px: CorrectedEccentricity
     stop_reason: str
+    dot_places: DotDecision
+    """The treatment of the dots on the print, and the reason."""
     free_dots: FreeDotsResult | None
+    """The print, where its dots were freed."""
     lens_choice: LensChoice | None
     """Of ``--lens auto``."""
     held_out: list[str]
@@ -137,6 +141,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         outliers=_outliers(found.outliers),
         centre_bias_px=found.eccentricity,
         stop_reason=found.reason.value,
+        dot_places=found.dots,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=made.choice,
         held_out=list(made.held_out),
@@ -205,11 +210,12 @@ def calibrate_table(result: CalibrateResult) -> object:
         focal = f"{fx:.2f} ± {sigma.fx:.2f}, {fy:.2f} ± {sigma.fy:.2f}"
         middle = f"{cx:.2f} ± {sigma.cx:.2f}, {cy:.2f} ± {sigma.cy:.2f}"
         table.add_row(name, rms, focal, middle, lens, str(camera.views), str(camera.dots))
-    parts: list[Table | Text] = [table]
+    parts: list[Table | Text | str] = [table]
     if result.lens_choice is not None:
         parts.append(lens_table(result.lens_choice))
     if result.outliers:
         parts.append(_outlier_table(result))
+    parts.append(f"dots {result.dot_places.why}")
     if result.free_dots is not None:
         words = print_words(result.free_dots.shape)
         if result.free_dots.agreement is not None:

@@ -60,7 +60,8 @@ def calibration_page(made: Calibration, detections: Detections, target: AnyTarge
     return Page(
         title=f"Calibration of {', '.join(names)}",
         heading=f"Calibration of {', '.join(names)}",
-        lead=f"{counted(len(found.views), 'view')} of {target.name}, held in the hand; lens {made.lens}.",
+        lead=f"{counted(len(found.views), 'view')} of {target.name}, held in the hand; lens {made.lens}; "
+        f"dots {maker.phrase(found.dots.why)}.",
         sections=sections,
         provenance=maker.provenance,
         opening=[Statement(verdict, maker.phrase), *maker.notes(made.warnings)],

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Vectors3
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
@@ -77,8 +78,9 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     """Simulate, calibrate, reconstruct other points, and compare with the truth."""
     kind = KINDS[case.kind]
     random = generator(case.seed, "bench solve", "budget", case.kind, case.surface, str(case.views))
-    settings = HandheldSettings(eccentricity_rounds=0, free_dots=case.surface == PRINTS[2])
-    found = calibrate_handheld(_detections(kind, case, random), kind.target(), case.lens, settings)
+    places = DotTreatment.FREED if case.surface == PRINTS[2] else DotTreatment.DECLARED
+    settings = HandheldSettings(eccentricity_rounds=0, dot_places=places)
+    found = calibrate_handheld(simulated_dots(kind, case, random), kind.target(), case.lens, settings)
     rig = found.rig
     if rig.covariance is None:
         raise InputError("A calibration with free lenses states no covariance.")
@@ -110,7 +112,7 @@ def calibrated(kind: PairKind, random: np.random.Generator) -> Rig:
     """Return the rig of a set with an even print and 12 views, with the covariance that it states."""
     case = BudgetSet("", PRINTS[0], 12, "brown5", 0)
     settings = HandheldSettings(eccentricity_rounds=0)
-    return calibrate_handheld(_detections(kind, case, random), kind.target(), case.lens, settings).rig
+    return calibrate_handheld(simulated_dots(kind, case, random), kind.target(), case.lens, settings).rig
 
 
 def _named(kind: PairKind, places: Vectors3, random: np.random.Generator) -> NamedPixels:
@@ -122,7 +124,7 @@ def _named(kind: PairKind, places: Vectors3, random: np.random.Generator) -> Nam
     return NamedPixels(["all"] * len(q), np.repeat(CAMERAS, len(places)), names * len(CAMERAS), q, known)
 
 
-def _detections(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
+def simulated_dots(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
     """Return images of centres with noise, of a print that is as the case says."""
     target = kind.target()
     dots = target.points()

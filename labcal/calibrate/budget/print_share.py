@@ -33,6 +33,8 @@ class PrintShare:
         Variance of residuals over the one that their covariances state.
     noise : float
         The same without the print's share.
+    unevenness : float
+        Standard normal deviate of the score test of dots that are where they are declared; 0 where freed.
     effect : float64 array, (cameras, modes)
         Derivatives of the cameras' parameters by errors of the print that the adjustment did not free.
     """
@@ -40,6 +42,7 @@ class PrintShare:
     sigma_mm: float
     residual: float
     noise: float
+    unevenness: float
     effect: Float64[np.ndarray, "cameras modes"]
 
     @property
@@ -78,7 +81,9 @@ class PrintShare:
         noise = plain - max(0.0, variance) * stand_for * trace / freedom
         if not (variance > 0.0 and noise > 0.0):
             variance, noise = 0.0, plain
-        return cls(float(np.sqrt(variance)), plain, noise, np.sqrt(stand_for) * C @ across)
+        unevenness = (found - plain * trace) / max(plain * float(np.sqrt(2.0 * square)), 1e-300)
+        effect = np.sqrt(stand_for) * C @ across
+        return cls(float(np.sqrt(variance)), plain, noise, unevenness, effect)
 
     @classmethod
     def of_freed(cls, entered: Entered, dots: FreedDots) -> "PrintShare":
@@ -101,7 +106,7 @@ class PrintShare:
         free = max(1, 2 * int(dots.freed.sum()) - held.shape[1])
         variance = max(0.0, float(in_plane - noise_of_it)) / free
         noise = entered.chi_square() / _freedom(entered, known)
-        return cls(float(np.sqrt(variance)), noise, noise, effect)
+        return cls(float(np.sqrt(variance)), noise, noise, 0.0, effect)
 
 
 def _reduced(end: ViewsEliminated) -> tuple[Float64[np.ndarray, "n n"], Float64[np.ndarray, " n"]]:

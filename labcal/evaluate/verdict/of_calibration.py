@@ -165,7 +165,7 @@ def _uneven(evidence: CalibrationEvidence) -> Finding | None:
         f"dots of {listed(evidence.uneven)} scatter by {pixels(evidence.scatter_px)} beyond their noise of "
         f"{pixels(evidence.noise_px)}",
         "the print or the lens model, not the noise of the pictures",
-        "estimate the dots on the print with `free_dots=True`, or try `lens='auto'`",
+        "estimate the dots on the print with `dot_places='freed'`, or try `lens='auto'`",
     )
 
 
@@ -221,7 +221,7 @@ def _sound(evidence: CalibrationEvidence) -> Finding:
             f"what lens model and print leave, {pixels(evidence.scatter_px)} beyond the dots' noise of "
             f"{pixels(evidence.noise_px)}"
         )
-        advice = "see whether `free_dots=True` or `lens='auto'` makes it smaller"
+        advice = "see whether `dot_places='freed'` or `lens='auto'` makes it smaller"
     else:
         limit = f"the noise of the dots, {pixels(evidence.noise_px)}"
         advice = "measure"
@@ -250,7 +250,7 @@ def _leaves_out(evidence: CalibrationEvidence) -> list[str]:
     held = f"between {millimetres(at.nearest_mm)} and {millimetres(at.farthest_mm)} away"
     left.append("places where the target was not" + ("" if evidence.parallel else f": it was held {held}"))
     if not evidence.freed:
-        left.append("errors of the print: its dots count as exactly placed; `free_dots=True` estimates them")
+        left.append("errors of the print: its dots count as declared; `dot_places='freed'` estimates them")
     left.append("an error of the lens model that all views share")
     left.append("whatever changes after the calibration: focus, temperature, a camera that is knocked")
     return left

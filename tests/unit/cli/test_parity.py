@@ -56,6 +56,8 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "workers": WORKERS,
         "target": TARGET,
         "fix_intrinsics": "lenses",
+        "free_dots": "dot_places",
+        "keep_dots": "dot_places",
         "overlay": (labcal.Calibration.plot_displacements, "self"),
         "output": (labcal.Calibration.save, "path"),
         "force": (labcal.Calibration.save, "force"),
@@ -65,6 +67,8 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "workers": WORKERS,
         "target": TARGET,
         "no_rehearsal": "rehearsal",
+        "free_dots": "dot_places",
+        "keep_dots": "dot_places",
         "output": (labcal.Model.save, "path"),
         "force": (labcal.Model.save, "force"),
     },
@@ -108,6 +112,7 @@ OTHER_DEFAULTS = {
     "workers": "a script without a main guard cannot start processes; a command starts one a core",
     "method": "a command names its methods; a notebook begins with the one that is recommended",
     "lenses": "a word in Python, a switch on the command line",
+    "dot_places": "a word in Python, two switches on the command line",
     "rehearsal": "the switch leaves it out",
 }
 """Arguments whose default differs from that of the option, and why."""
