@@ -64,10 +64,9 @@ def rehearse(
 
     Examples
     --------
-    >>> from labcal import pipeline
-    >>> found = pipeline.rehearse("webcams")
-    >>> found
-    Rehearsal(plan=webcams, rms=0.26 mm, calibration=0.231 mm, limited_by=lens, warnings=0)
+    >>> from labcal import examples, pipeline
+    >>> pipeline.rehearse(examples.rig_plan())
+    Rehearsal(plan=small, rms=..., calibration=..., limited_by=..., warnings=0)
     """
     from labcal.guide.rehearsal.catalogue import load_rig_plan
     from labcal.guide.rehearsal.rehearsal import rehearsed
@@ -95,5 +94,5 @@ def rehearse(
             found = replace(found, confirmation=confirmed(found, working, how, receiver))
         output = page or PageOutput("index.html")
         given = {"plan": plan, "folder": folder, "settings": settings}
-        write_rehearsal(working, as_path(folder), found, page_maker(output, "rehearse", given))
+        write_rehearsal(working, found, page_maker(output, "rehearse", given))
     return found

@@ -15,21 +15,18 @@ from labcal.run.outputs import write_file
 DOCUMENT, PAGE, RIG = "rehearsal.json", "index.html", "rig.json"
 
 
-def write_rehearsal(working: Path, folder: Path, found: Rehearsal, maker: PageMaker) -> None:
+def write_rehearsal(folder: Path, found: Rehearsal, maker: PageMaker) -> None:
     """Write all files of a rehearsal.
 
     Parameters
     ----------
-    working : Path
-        Where they are written.
     folder : Path
-        Where they will be.
     found : Rehearsal
     maker : PageMaker
     """
-    write_file(working / DOCUMENT, to_json(rehearse_result(folder, found)), force=True)
+    write_file(folder / DOCUMENT, to_json(rehearse_result(".", found)), force=True)
     for table in (map_table(found), poses_table(found)):
-        write_file(working / table.file, table.text, force=True)
-    write_rig(working / RIG, found.rig, force=True)
+        write_file(folder / table.file, table.text, force=True)
+    write_rig(folder / RIG, found.rig, force=True)
     page = rehearsal_page(found, maker).text()
-    write_file(working / PAGE, page, kind=INNER_PAGE_KIND, force=True)
+    write_file(folder / PAGE, page, kind=INNER_PAGE_KIND, force=True)

@@ -20,11 +20,21 @@ def load_rig_plan(name: AnyPath) -> RigPlan:
     name : str or os.PathLike
         The name of a shipped plan, or the path of a YAML file.
 
+    Returns
+    -------
+    RigPlan
+
     Raises
     ------
     UnknownNameError
         There is no plan, target or lens of that name; the nearest one is offered.
     InputError
         The description cannot be read, or a value in it is not allowed; every fault is named.
+
+    Examples
+    --------
+    >>> from labcal import load_rig_plan
+    >>> load_rig_plan("narrow").target.name
+    'rings-14x10'
     """
     return read_description(RigPlan, "plan of a rig", FOLDER, as_text(name))

@@ -148,8 +148,8 @@ def measured_noise(pictures: Sequence[DrawnPicture]) -> DotNoise:
     InputError
         The detector measures next to nothing in them.
     """
-    size = np.concatenate([picture.size_px for picture in pictures])
-    error = np.concatenate([picture.error_px for picture in pictures])
+    size = np.concatenate([np.zeros(0), *(picture.size_px for picture in pictures)])
+    error = np.concatenate([np.zeros((0, 2)), *(picture.error_px for picture in pictures)])
     if error.size < _FEWEST:
         refused = sorted({picture.refusal for picture in pictures if picture.refusal})
         why = f" ({', '.join(refused)})" if refused else ""
@@ -184,7 +184,7 @@ def _drawn(
     at = index[good]
     whole = inside[at]
     size = minor_semi_axes(drawn.images.outline[at[whole]])
-    error = dots.position[good][whole] - drawn.images.centroid[at[whole]]
+    error = dots.position[good][whole] + drawn.corner - drawn.images.centroid[at[whole]]
     refusal = "" if dots.refusal is None else str(dots.refusal.value)
     return DrawnPicture(
         view=view,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from jaxtyping import Float32, Int64
 
 from labcal.arrays import Pixels, Pose
 from labcal.cameras.camera import Camera
@@ -26,13 +27,27 @@ _BACKGROUND = 0.3
 """Reflectance behind the board."""
 _CELLS = 32
 """Of the grid on which the lens's fall-off is computed."""
+_AROUND_PX = 24
+"""Pixels around the board that are drawn, too."""
+_BLOCK = 16
+"""Side of the blocks in which JPEG holds colour."""
 
 
 @dataclass(frozen=True)
 class DrawnView:
-    """A picture as the camera delivers it, and the true images of all dots."""
+    """A picture as the camera delivers it, cut out around the target, and the true images of all dots.
+
+    Attributes
+    ----------
+    picture : ndarray, (h, w) or (h, w, 3)
+    corner : int array, (2,)
+        Pixel of the whole picture that is the first one of the cut-out.
+    images : DotImages
+        In pixels of the whole picture.
+    """
 
     picture: np.ndarray
+    corner: Int64[np.ndarray, "2"]
     images: DotImages
 
 
@@ -52,48 +67,69 @@ def drawn_view(
     shot : Shot
         What noise is drawn for.
     """
-    board = Board()
-    outer = 0.5 * target.outer_diameters_mm()
-    images = dot_images(camera, T_world_target, target.points(), outer)
-    paper, ink = board.light[0], board.dark[0]
-    if target.polarity is Polarity.WHITE_ON_BLACK:
-        paper, ink = ink, paper
-    width, height = camera.size
-    share = np.zeros((height, width), dtype=np.float32)
+    images = dot_images(camera, T_world_target, target.points(), 0.5 * target.outer_diameters_mm())
+    edge = camera.project(transform(T_world_target, _edge(target)))
+    corner, end = _cut_out(camera, edge.q[edge.ok])
+    share = np.zeros((end - corner)[::-1], dtype=np.float32)
     for outline in images.outline[images.ok]:
-        _fill(share, outline, 1.0)
+        _fill(share, outline - corner, 1.0)
     if target.ring_indices:
         key = np.array([row * target.cols + col for col, row in target.ring_indices])
         inner = np.full(len(key), 0.5 * float(target.ring_inner_diameter_mm or 0.0))
         holes = dot_images(camera, T_world_target, target.points()[key], inner)
         for outline in holes.outline[holes.ok]:
-            _fill(share, outline, -1.0)
-    sheet = np.zeros((height, width), dtype=np.float32)
-    edge = camera.project(transform(T_world_target, _edge(target)))
-    cv2.fillPoly(sheet, [np.rint(edge.q[edge.ok]).astype(np.int32)], 1.0)
+            _fill(share, outline - corner, -1.0)
+    sheet = np.zeros(share.shape, dtype=np.float32)
+    cv2.fillPoly(sheet, [np.rint(edge.q[edge.ok] - corner).astype(np.int32)], 1.0)
+    paper, ink = Board().light[0], Board().dark[0]
+    if target.polarity is Polarity.WHITE_ON_BLACK:
+        paper, ink = ink, paper
     light = _BACKGROUND + sheet * (paper - _BACKGROUND) + share * (ink - paper)
-    light *= relative_light(camera, photometry)
-    return DrawnView(_taken(light.astype(np.float32), photometry, shot), images)
+    light *= relative_light(camera, photometry, corner, end)
+    return DrawnView(_taken(light.astype(np.float32), photometry, shot), corner, images)
 
 
-def relative_light(camera: Camera, photometry: Photometry) -> np.ndarray:
-    """Return the share of the light that reaches each pixel: fall-off and vignetting, (height, width)."""
-    width, height = camera.size
-    x, y = np.linspace(0.0, width - 1.0, _CELLS), np.linspace(0.0, height - 1.0, _CELLS)
-    u, v = np.meshgrid(x, y)
+def relative_light(
+    camera: Camera,
+    photometry: Photometry,
+    corner: Int64[np.ndarray, "2"],
+    end: Int64[np.ndarray, "2"],
+) -> Float32[np.ndarray, "h w"]:
+    """Return the share of the light that reaches the pixels of a cut-out: fall-off and vignetting.
+
+    Parameters
+    ----------
+    camera : Camera
+    photometry : Photometry
+    corner, end : ndarray of int, shape (2,)
+        First pixel of the cut-out, and the one past its last.
+    """
+    u, v = np.meshgrid(
+        *(np.linspace(first, last - 1.0, _CELLS) for first, last in zip(corner, end, strict=True))
+    )
     weight = np.ones(u.shape)
     if photometry.fall_off and camera.model.fall_off is FallOff.COS4:
         ray = camera.rays(np.stack([u, v], axis=-1))
         cosine = np.nan_to_num(ray.direction) @ camera.T_cam_world[2, :3]
         weight *= np.where(ray.ok, np.clip(cosine, 0.0, 1.0) ** 4, 1.0)
+    width, height = camera.size
     corner2 = 0.25 * (width**2 + height**2)
     radius2 = (u - 0.5 * (width - 1)) ** 2 + (v - 0.5 * (height - 1)) ** 2
     weight *= 1.0 - photometry.vignetting * radius2 / corner2
     along, down = np.meshgrid(
-        np.linspace(0.0, _CELLS - 1.0, width, dtype=np.float32),
-        np.linspace(0.0, _CELLS - 1.0, height, dtype=np.float32),
+        *(np.linspace(0.0, _CELLS - 1.0, count, dtype=np.float32) for count in (end - corner).tolist())
     )
     return np.asarray(cv2.remap(weight.astype(np.float32), along, down, cv2.INTER_LINEAR))
+
+
+def _cut_out(camera: Camera, edge: Pixels) -> tuple[Int64[np.ndarray, "2"], Int64[np.ndarray, "2"]]:
+    """Return the first pixel around the target, and the one past the last; at corners of JPEG's blocks."""
+    size = np.array(camera.size, dtype=np.int64)
+    if len(edge) == 0:
+        return np.zeros(2, dtype=np.int64), np.minimum(size, _BLOCK)
+    low = np.clip(np.floor(edge.min(axis=0)) - _AROUND_PX, 0, size - 1).astype(np.int64) // _BLOCK * _BLOCK
+    high = np.clip(np.ceil(edge.max(axis=0)) + _AROUND_PX, low + _BLOCK, None).astype(np.int64)
+    return low, np.minimum(low + -(-(high - low) // _BLOCK) * _BLOCK, np.maximum(size, low + 1))
 
 
 def _edge(target: DotGrid) -> np.ndarray:

@@ -227,8 +227,9 @@ def range_of_one(budget: PointBudget) -> tuple[float, float]:
     All points share the errors of one calibration, so that single ones differ much from their mean.
     """
     random = generator(0, "rehearsal", "range")
-    curvature, axes = np.linalg.eigh(budget.parameters)
-    root = axes * np.sqrt(np.maximum(curvature, 0.0))
+    scale = np.sqrt(np.diagonal(budget.parameters))  # so that px, rad and mm are alike
+    variance, axes = np.linalg.eigh(budget.parameters / np.outer(scale, scale))
+    root = scale[:, None] * axes * np.sqrt(np.maximum(variance, 0.0))
     by = budget.derivatives(np.arange(len(budget))) @ root
     shift = by.reshape(-1, by.shape[2]) @ random.standard_normal((by.shape[2], DRAWS))
     square = (shift**2).sum(axis=0) / len(budget) + np.trace(budget.noise, axis1=1, axis2=2).mean()

@@ -61,10 +61,10 @@ class Rehearsal(PublicObject):
 
     Examples
     --------
-    >>> from labcal import pipeline
-    >>> found = pipeline.rehearse("webcams")
-    >>> found.limited_by
-    'lens'
+    >>> from labcal import examples, rehearse
+    >>> found = rehearse(examples.rig_plan())
+    >>> found.plot().axes[0].get_title()
+    'Z = 450 mm'
     """
 
     plan: RigPlan

@@ -92,6 +92,13 @@ class RigPlan(BaseModel):
 
     The frame of all places: the origin is the middle of the baseline (of a pair), x points right, y down and
     z forward, mm.
+
+    Examples
+    --------
+    >>> from labcal import load_rig_plan
+    >>> plan = load_rig_plan("webcams")
+    >>> plan.volume.far_mm, list(plan.cameras)
+    (850.0, ['left', 'right'])
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
