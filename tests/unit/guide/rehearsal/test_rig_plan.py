@@ -60,16 +60,7 @@ def test_what_cannot_be_is_refused_with_its_mend(
 
 def test_two_lens_models_are_refused(tmp_path: Path) -> None:
     left = {**CAMERA, "fov_deg": 50}
-    right = {**left, "lens": "brown-k1k2", "size": [640, 400]}
-    said = refusal(tmp_path, {"cameras": {"left": left, "right": right}})
-        tmp_path,
-        {
-            "cameras": {
-                "left": left,
-                "right": {**CAMERA, "size": [640, 480], "fov_deg": 50, "lens": "brown-k1k2"},
-            }
-        },
-    )
+    said = refusal(tmp_path, {"cameras": {"left": left, "right": {**left, "lens": "brown-k1k2"}}})
     assert "brown-k1k2 and brown5" in said
 
 
