@@ -5,6 +5,7 @@ examples of the documentation start from these.
 """
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from labcal.correspond.named_pixels import NamedPixels
 from labcal.correspond.points import Points
 from labcal.errors import InputError, OutputError
 from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.guide.rehearsal.rehearsal import Rehearsal, rehearsed
 from labcal.guide.rehearsal.rig_plan import RigPlan
 from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.reconstruction import reconstruct_points
@@ -212,6 +214,19 @@ def rig_plan() -> RigPlan:
             "shoot": {"views": 6},
         }
     )
+
+
+@cache
+def rehearsal() -> Rehearsal:
+    """Return the rehearsal of :func:`rig_plan`, made once.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> len(examples.rehearsal().views)
+    6
+    """
+    return rehearsed(rig_plan(), 0)
 
 
 def _target() -> DotGrid:

@@ -38,8 +38,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Rehearse the plan."""
-    from labcal.cli.option_words import in_options
-    from labcal.pipeline import PageOutput, RehearseSettings, rehearse
+    from labcal.pipeline import RehearseSettings, rehearse
     from labcal.report.rehearsal_result import rehearse_result, rehearse_table
     from labcal.run.claims import FolderOutput, claim_outputs
 
@@ -51,9 +50,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         workers=arguments.workers,
         force=arguments.force,
     )
-    page = PageOutput("index.html", command=session.command, phrase=in_options, inputs=(arguments.plan,))
     with session.progress() as progress:
-        found = rehearse(arguments.plan, arguments.output, settings, progress, page=page)
+        found = rehearse(arguments.plan, arguments.output, settings, progress)
     for warning in found.warnings:
         session.warn(warning)
     result = rehearse_result(arguments.output, found)

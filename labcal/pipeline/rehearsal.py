@@ -1,5 +1,6 @@
 """Rehearsal of a rig before anything is bought or printed."""
 
+import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,8 +22,6 @@ def rehearse(
     folder: AnyPath | None = None,
     settings: "RehearseSettings | None" = None,
     progress: Progress | None = None,
-    *,
-    page: "PageOutput | None" = None,
 ) -> "Rehearsal":
     """Return the errors to expect of a planned rig, and what would lessen them.
 
@@ -41,8 +40,6 @@ def rehearse(
     settings : RehearseSettings, optional
     progress : Progress, optional
         Of rendering and detection.
-    page : PageOutput, optional
-        The command and the words of the page; its path is not used.
 
     Returns
     -------
@@ -72,7 +69,6 @@ def rehearse(
     from labcal.guide.rehearsal.rehearsal import rehearsed
     from labcal.guide.rehearsal.rig_plan import RigPlan
     from labcal.guide.rehearsal.settings import RehearseSettings
-    from labcal.report.page.output import PageOutput
     from labcal.report.rehearsal_folder import write_rehearsal
     from labcal.run.unfinished import unfinished_folder
 
@@ -92,7 +88,13 @@ def rehearse(
             from labcal.guide.rehearsal.rendered_rig import confirmed
 
             found = replace(found, confirmation=confirmed(found, working, how, receiver))
-        output = page or PageOutput("index.html")
-        given = {"plan": plan, "folder": folder, "settings": settings}
-        write_rehearsal(working, found, page_maker(output, "rehearse", given))
+        write_rehearsal(working, found, page_maker(_page(plan), "rehearse", {"plan": plan}))
     return found
+
+
+def _page(plan: "RigPlan | AnyPath") -> "PageOutput":
+    """Return the page, which names the command that makes it again, but not where it is."""
+    from labcal.report.page.output import PageOutput
+
+    named = isinstance(plan, str | os.PathLike)
+    return PageOutput("index.html", command=f"labcal rehearse {os.fspath(plan)} -o DIR" if named else "")

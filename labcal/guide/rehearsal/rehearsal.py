@@ -61,9 +61,8 @@ class Rehearsal(PublicObject):
 
     Examples
     --------
-    >>> from labcal import examples, rehearse
-    >>> found = rehearse(examples.rig_plan())
-    >>> found.plot().axes[0].get_title()
+    >>> from labcal import examples
+    >>> examples.rehearsal().plot().axes[0].get_title()
     'Z = 450 mm'
     """
 

@@ -24,7 +24,7 @@ NOISE = DotNoise(8.0, 0.01**2, -1.0)
 @pytest.fixture(scope="module")
 def found() -> Rehearsal:
     """The example's plan, rehearsed once."""
-    return rehearse(PLAN)
+    return examples.rehearsal()
 
 
 def test_limits_are_sorted_by_their_gain_and_make_nothing_worse(found: Rehearsal) -> None:
