@@ -30,7 +30,7 @@ def add_parser(commands: CommandGroup) -> None:
         type=positive_number,
         default=64,
         metavar="N",
-        help="rays a pixel with --confirm (default 64)",
+        help="rays a pixel with --confirm (default 64; fewer add noise of their own)",
     )
     add_seed(parser)
     add_workers(parser)

@@ -18,9 +18,9 @@ from labcal.targets.grid import DotGrid
 from labcal.wording import counted
 
 _FEWEST = 60
-"""Measured coordinates from which noise is told to a tenth."""
+"""Measured coordinates from which noise is known to a tenth."""
 _SPREAD = 1.2
-"""Ratio of the sizes of dots from which on their noise by size is told by the pictures themselves."""
+"""Ratio of the sizes of dots from which on their noise by size is found from the pictures themselves."""
 _USUAL_POWER = -1.5
 """Of the variance by the minor semi-axis, between that of the bound (-1) and what small dots show (-3)."""
 _POWERS = (-6.0, 0.0)
@@ -84,7 +84,7 @@ class DotNoise:
 
 @dataclass(frozen=True)
 class DrawnPicture:
-    """How the detector fared in one drawn picture.
+    """Outcome of the detector in one drawn picture.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ from labcal.guide.rehearsal.rig_plan import ListedGeometry, PairGeometry, RigPla
 
 
 class LimitName(StrEnum):
-    """What limits a rig."""
+    """Name of a limit of a rig."""
 
     PIXELS = "pixels"
     BASELINE = "baseline"

@@ -21,7 +21,7 @@ class RehearseSettings:
     confirm: bool = False
     """True to render the planned views, calibrate from them and measure further ones."""
     spp: int = 64
-    """Rays a pixel of rendered pictures."""
+    """Rays a pixel of rendered pictures; fewer add noise that no camera has."""
     workers: int = 1
     """Processes that render and detect."""
     force: bool = False
