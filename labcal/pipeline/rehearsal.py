@@ -96,5 +96,5 @@ def _page(plan: "RigPlan | AnyPath") -> "PageOutput":
     """Return the page, which names the command that makes it again, but not where it is."""
     from labcal.report.page.output import PageOutput
 
-    named = isinstance(plan, str | os.PathLike)
-    return PageOutput("index.html", command=f"labcal rehearse {os.fspath(plan)} -o DIR" if named else "")
+    command = f"labcal rehearse {os.fspath(plan)} -o DIR" if isinstance(plan, str | os.PathLike) else ""
+    return PageOutput("index.html", command=command)
