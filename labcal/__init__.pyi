@@ -24,8 +24,12 @@ from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
 from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .guide.rehearsal.catalogue import load_rig_plan as load_rig_plan
+from .guide.rehearsal.rehearsal import Rehearsal as Rehearsal
+from .guide.rehearsal.rig_plan import RigPlan as RigPlan
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
+from .pipeline.rehearsal import rehearse as rehearse
 from .reconstruct.angle import angle as angle
 from .reconstruct.displacements import Displacements as Displacements
 from .reconstruct.displacements import displacements as displacements

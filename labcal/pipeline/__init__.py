@@ -18,6 +18,7 @@ from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
 from labcal.pipeline.reconstruction import evaluate, reconstruct
+from labcal.pipeline.rehearsal import rehearse
 from labcal.pipeline.rendering import render
 from labcal.pipeline.studies import bench, reproduce
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.render.shoot import RenderSettings
@@ -45,6 +47,7 @@ __all__ = [
     "HandheldSettings",
     "MeasureSettings",
     "PageOutput",
+    "RehearseSettings",
     "RenderSettings",
     "ReproduceSettings",
     "UndistortSettings",
@@ -64,6 +67,7 @@ __all__ = [
     "measure_pictures",
     "open_pictures",
     "reconstruct",
+    "rehearse",
     "render",
     "reproduce",
     "training_of",
@@ -79,6 +83,7 @@ _HOMES = {
     "HandheldSettings": "labcal.calibrate.handheld",
     "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",
+    "RehearseSettings": "labcal.guide.rehearsal.settings",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "UndistortSettings": "labcal.correspond.undistortion",

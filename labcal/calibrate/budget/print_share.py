@@ -69,7 +69,7 @@ class PrintShare:
             basis[some, axis, 2 * np.arange(len(some)) + axis] = 1.0
         end = entered.linearised(basis.reshape(entered.state.dots.size, -1))
         free = entered.cameras
-        information, gradient = _reduced(end)
+        information, gradient = reduced_information(end)
         C = entered.with_fixed_dots().shared_spread()
         across = information[:free, free:]
         B = information[free:, free:] - across.T @ C @ across
@@ -98,7 +98,7 @@ class PrintShare:
         held = modes @ axes[:, spread > _HELD]
         end = entered.linearised(np.concatenate([basis, held], axis=1))
         known = entered.cameras + basis.shape[1]
-        information, _ = _reduced(end)
+        information, _ = reduced_information(end)
         C = entered.linearised(basis).shared_spread()
         effect = C[: entered.cameras] @ information[:known, known:]
         in_plane = (dots.displacement[dots.freed, :2] ** 2).sum()
@@ -109,7 +109,7 @@ class PrintShare:
         return cls(float(np.sqrt(variance)), noise, noise, 0.0, effect)
 
 
-def _reduced(end: ViewsEliminated) -> tuple[Float64[np.ndarray, "n n"], Float64[np.ndarray, " n"]]:
+def reduced_information(end: ViewsEliminated) -> tuple[Float64[np.ndarray, "n n"], Float64[np.ndarray, " n"]]:
     """Return information and gradient of all that views share, after their poses have followed."""
     reduced = end.reduced
     if reduced is None:

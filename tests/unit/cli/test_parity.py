@@ -25,6 +25,7 @@ SETTINGS: dict[str, tuple[type, ...]] = {
     "evaluate": (),
     "convert": (pipeline.ConvertSettings,),
     "undistort": (pipeline.UndistortSettings,),
+    "rehearse": (pipeline.RehearseSettings,),
     "reproduce": (pipeline.ReproduceSettings,),
     "bench": (pipeline.BenchSettings,),
 }
@@ -97,6 +98,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     },
     "convert": {},
     "undistort": {"cameras": CAMERAS, "output": "folder"},
+    "rehearse": {"output": "folder"},
     "reproduce": {"output": "folder"},
     "bench": {"output": "folder", "only": "groups", "method": "methods"},
 }
