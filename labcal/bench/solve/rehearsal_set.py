@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from labcal.arrays import Pose, Vectors3
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.triangulation import triangulate
@@ -53,7 +54,9 @@ def measured_rehearsal(case: RehearsalSet) -> RehearsalErrors:
     dots = plan.target.points()
     dots[:, :2] += plan.print_sigma_mm * random.standard_normal((len(dots), 2))
     detections = simulated_dots(planned, views, dots, case.noise, random)
-    settings = HandheldSettings(free_dots=plan.shoot.free_dots)
+    settings = HandheldSettings(
+        dot_places=DotTreatment.FREED if plan.shoot.free_dots else DotTreatment.DECLARED
+    )
     lens = planned.cameras[0].lens
     rig = calibrate_handheld(detections, plan.target, lens, settings).rig
     p = transform(planned.T_first_plan, planned.grid[planned.seen(planned.grid)])

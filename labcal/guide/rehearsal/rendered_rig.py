@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.rig import write_rig
@@ -60,7 +61,9 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
     shoot = render_shoot(_scene(found), folder / SHOOT, rendering, progress)
     dots = dots_of_shoot(shoot, how.workers, progress)
     write_detections(folder / DETECTIONS, dots, force=True)
-    settings = HandheldSettings(free_dots=plan.shoot.free_dots)
+    settings = HandheldSettings(
+        dot_places=DotTreatment.FREED if plan.shoot.free_dots else DotTreatment.DECLARED
+    )
     testing = {view.name for view in shoot.views(Role.TEST)}
     tested = np.isin(dots.view, sorted(testing))
     lens = next(iter(plan.cameras.values())).lens
