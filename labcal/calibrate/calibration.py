@@ -16,6 +16,8 @@ from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_rig import parallel_notes
 from labcal.cameras.blind_pixels import blind_pixels
+from labcal.cameras.camera_pair import CameraPair
+from labcal.cameras.expected_errors import ExpectedErrors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
@@ -151,6 +153,31 @@ class Calibration(PublicObject):
     def rig(self) -> Rig:
         """The cameras, and the views that they were calibrated from."""
         return self.found.rig.model_copy(update={"calibrated_on": self.calibrated_on})
+
+    def pairs(self) -> tuple[CameraPair, ...]:
+        """Return baseline and angle of every two cameras, with their standard deviations.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> (pair,) = made.pairs()
+        >>> abs(pair.baseline_mm - 200.0) < 3 * pair.baseline_sigma_mm
+        True
+        """
+        return self.found.pairs()
+
+    def expected_errors(self) -> ExpectedErrors:
+        """Return the errors to expect of points where the target was, of dots like these, mm.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> made.expected_errors().depth.total_mm > made.expected_errors().sideways.total_mm
+        True
+        """
+        return self.found.expected_errors()
 
     @property
     def places(self) -> DotPlaces | None:

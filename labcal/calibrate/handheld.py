@@ -243,4 +243,5 @@ def _assemble(
         residuals=RigResiduals.of(adjusted, whole.observations),
         covariance=covariance,
         sources=sources,
+        dots=adjusted.state.dots,
     )

@@ -14,7 +14,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.points import Points
 from labcal.geometry.covariances import positive_definite
-from labcal.geometry.cross_matrices import cross_matrices
+from labcal.geometry.rigid_part import without_rigid_part
 from labcal.reconstruct.point_budget import Budget, PointBudget
 
 _SAME = 0.01
@@ -42,9 +42,8 @@ def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> Poin
 
     Notes
     -----
-    With M the derivatives of all points by the six parameters of a rigid motion, and D those by the cameras,
-    ``D - M (M'M)^-1 M'D`` takes the place of D. The noise of single points loses 6 of 3 n parts, which is
-    left in.
+    Derivatives by the cameras lose their rigid part. The noise of single points loses 6 of 3 n parts, too,
+    which is left in.
     """
     pixels = _pixels(points, rig, detections)
     if rig.covariance is None or pixels is None:
@@ -54,11 +53,7 @@ def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> Poin
     full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
     if not (np.abs(stated - full) <= _SAME * full).all():  # of NaN, too
         return None
-    n, by = len(points), budget.derivatives(np.arange(len(points))).reshape(3 * len(points), -1)
-    turn = -cross_matrices(points.point - points.point.mean(axis=0))
-    shift = np.broadcast_to(np.eye(3), (n, 3, 3))
-    rigid, _ = np.linalg.qr(np.concatenate([turn, shift], axis=2).reshape(3 * n, 6))
-    left = (by - rigid @ (rigid.T @ by)).reshape(n, 3, -1)
+    left = without_rigid_part(budget.derivatives(np.arange(len(points))), points.point)
     return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
 
 
