@@ -8,6 +8,7 @@ import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreement.words import contradiction_message
+from labcal.calibrate.budget.shared_errors import measured_places
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
@@ -15,6 +16,7 @@ from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_rig import parallel_notes
+from labcal.calibrate.print_warnings import uneven_message, warnings_of_print
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.camera_pair import CameraPair
 from labcal.cameras.expected_errors import ExpectedErrors
@@ -49,7 +51,8 @@ class Calibration(PublicObject):
     held_out : tuple of str
         Views that the calibration did not see.
     calibrated_on : tuple of str
-        Views that it comes from; those of a rig whose lenses were kept among them.
+        Views that it comes from; those of a rig whose lenses were kept among them, and those that a measured
+        print comes from.
     warnings : tuple of str
         What is not as it should be, for people.
 
@@ -174,7 +177,8 @@ class Calibration(PublicObject):
         --------
         >>> from labcal import examples, load_target, pipeline
         >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
-        >>> made.expected_errors().depth.total_mm > made.expected_errors().sideways.total_mm
+        >>> depth = made.expected_errors().depth
+        >>> 0.0 < depth.noise_mm < depth.calibration_mm
         True
         """
         return self.found.expected_errors()
@@ -184,7 +188,8 @@ class Calibration(PublicObject):
         """Places of the dots on the print, and the views that gave them; None if dots were not freed."""
         if self.found.freed is None:
             return None
-        return self.found.freed.places().model_copy(update={"calibrated_on": self.calibrated_on})
+        places = measured_places(self.found.freed, self.found.sources.print_share)
+        return places.model_copy(update={"calibrated_on": self.calibrated_on})
 
 
 def calibrated(
@@ -227,11 +232,13 @@ def calibrated(
         lens = choice.lens
     found = calibrate_handheld(entering, target, lens, settings)
     kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
-    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
+    before = () if settings.places is None else settings.places.calibrated_on
+    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on), *before)))
     tested = None if held_out else warning_of_test_views(entering)
     notes = parallel_notes(found.rig, started=settings.start_rig is not None)
     warnings = (
         *(() if tested is None else (tested,)),
+        *warnings_of_print(found, settings),
         *calibration_warnings(found, lens, target.name),
         *notes,
     )
@@ -297,10 +304,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         if groups is not None:
             warnings.append(two_lenses_message(name, groups, lens))
         elif found.freed is None and found.fits[name].uneven:
-            warnings.append(
-                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; `free_dots=True` estimates where each dot is on the print"
-            )
+            warnings.append(uneven_message(found, name))
     views = found.sources.views
     if views.is_beyond_chance and found.disagreement is None:
         warnings.append(

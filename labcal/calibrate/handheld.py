@@ -44,6 +44,7 @@ from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 from labcal.wording import counted
 
 __all__ = ["HandheldSettings", "calibrate_handheld"]
@@ -85,7 +86,7 @@ def calibrate_handheld(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
             "tilt are not distinguishable there. Leave `free_dots` out."
         )
-    usable = usable_dots(detections, target)
+    usable = settings.measured(usable_dots(detections, target), target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
@@ -101,7 +102,7 @@ def calibrate_handheld(
     entering, skipped = agreeing.entering, agreeing.left_out
     found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
-        return _assemble(found, found[0].result, target, entering.views, skipped)
+        return _assemble(found, found[0].result, target, entering.views, skipped, settings.places)
     try:
         whole = _whole(found, entering, target, settings)
     except InputError as error:
@@ -115,7 +116,7 @@ def calibrate_handheld(
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, single))
-    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    rig_found = _assemble(found, whole, target, entering.views, skipped, settings.places)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
@@ -126,7 +127,8 @@ def _whole(
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
     start = rig_start(
-        with_determined_poses([camera.single for camera in found], settings.start_rig), target.points()
+        with_determined_poses([camera.single for camera in found], settings.start_rig),
+        settings.dots_of(target),
     )
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
@@ -205,11 +207,12 @@ def _assemble(
     target: AnyTarget,
     views: tuple[str, ...],
     skipped: tuple[str, ...],
+    known: DotPlaces | None,
 ) -> HandheldCalibration:
     """Return the rig and its figures."""
     adjusted = whole.adjusted
     in_rig = adjusted.rms_px(whole.observations)
-    sources = ErrorSources.of(adjusted, whole.observations, whole.freed)
+    sources = ErrorSources.of(adjusted, whole.observations, whole.freed, known)
     covariance = CameraCovariance.of(adjusted, sources)
     fits = {}
     for number, one in enumerate(found):
@@ -244,4 +247,5 @@ def _assemble(
         covariance=covariance,
         sources=sources,
         dots=adjusted.state.dots,
+        measured_print=known is not None,
     )

@@ -110,6 +110,8 @@ class HandheldCalibration:
     """Sources of the errors that the covariance holds."""
     dots: Float64[np.ndarray, "dots 3"]
     """Places of the dots on the print, in the target's frame, mm: as declared, as given, or as estimated."""
+    measured_print: bool = False
+    """True if the dots were kept where an earlier calibration had found them."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 

@@ -181,7 +181,7 @@ class Rig(PublicObject, BaseModel):
         >>> from labcal import examples
         >>> expected = examples.rig().expected_errors([[0, 0, 600], [60, 20, 650]], 0.02)
         >>> round(expected.depth.noise_mm, 3), round(expected.sideways.noise_mm, 3)
-        (0.069, 0.011)
+        (0.072, 0.011)
         >>> expected.depth.calibration_mm  # this rig states no covariance
         nan
         """

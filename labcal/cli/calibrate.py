@@ -47,6 +47,12 @@ def add_parser(commands: CommandGroup) -> None:
         action="store_true",
         help="estimate where each dot is on the print, too, and write it to RIG-dots.json",
     )
+    parser.add_argument(
+        "--dots",
+        type=Path,
+        metavar="RIG-dots.json",
+        help="keep the dots where an earlier --free-dots found them on this print, with the errors of that",
+    )
     parser.add_argument("--start", type=Path, metavar="rig.json", help="cameras to start from")
     parser.add_argument(
         "--fix-intrinsics", action="store_true", help="keep the lenses of --start; find only the poses"
@@ -85,14 +91,20 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     outputs = [FileOutput(arguments.output, KIND)]
     outputs += [FileOutput(_dots_path(arguments.output), DOTS_KIND)] if arguments.free_dots else []
     outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
-    page = asked_page(arguments, session, [arguments.source, arguments.detections, arguments.start])
+    page = asked_page(
+        arguments, session, [arguments.source, arguments.detections, arguments.dots, arguments.start]
+    )
     outputs += [] if page is None else [page.file]
-    read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
+    read = paths_read(
+        [arguments.source, arguments.detections, arguments.target, arguments.dots, arguments.start]
+    )
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_detection(arguments)
     named = None if arguments.target is None else load_target(arguments.target)
     given = open_dots(arguments.source, arguments.detections)
+    if named is None and given.shoot is None and settings.places is not None:
+        named = settings.places.target
     target = given.target(named)
     detections = dots_given(given, target, arguments, session)
     hold_out = arguments.hold_out or ()
@@ -121,6 +133,7 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
         lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
         start=arguments.start,
         free_dots=arguments.free_dots,
+        dots=arguments.dots,
     )
     refuse_contradictory(arguments.lens, settings)
     return settings

@@ -9,7 +9,7 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots",
+        "alignment", "budget", "cameras", "detections", "distance_mm", "dots", "dpi", "force", "free_dots",
         "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig",
         "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views",
         "whole", "workers", "yes",

@@ -41,7 +41,7 @@ def calibration_evidence(made: Calibration) -> CalibrationEvidence:
         uneven=() if found.freed is not None else tuple(name for name, fit in fits.items() if fit.uneven),
         undetermined=tuple(name for name, fit in fits.items() if fit.undetermined),
         finished=found.reason not in _UNFINISHED,
-        freed=found.freed is not None,
+        freed=found.freed is not None or found.measured_print,
         parallel=any(camera.model.parallel for camera in cameras),
         baseline_mm=max((found.rig.baseline_mm(*pair) for pair in combinations(names, 2)), default=0.0),
         in_frame_mm=_in_frame_mm(found),
