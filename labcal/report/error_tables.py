@@ -5,9 +5,10 @@ from math import isnan
 from rich.table import Table
 
 from labcal.evaluate.against_truth import TruthErrors
+from labcal.evaluate.held_out_lengths import HeldOutLengths
 from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.scored_views import scored_description
-from labcal.wording import counted
+from labcal.wording import counted, listed
 
 
 def error_table(errors: TruthErrors | LengthErrors) -> Table:
@@ -45,4 +46,11 @@ def _of_lengths(errors: LengthErrors) -> Table:
     table.add_row("maximum", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")
+    if isinstance(errors, HeldOutLengths):
+        table.add_section()
+        for part in errors.parts:
+            table.add_row(
+                f"{listed(part.views)}, by {counted(part.calibrated_on, 'other')}",
+                f"RMS {part.rms_mm:.4f} mm, scale {part.scale_ppm:+.1f} ppm",
+            )
     return table
