@@ -35,10 +35,12 @@ from labcal.calibrate.single_calibration import (
     adjusted,
     calibrate_single,
 )
+from labcal.calibrate.systematic_residual import systematic_residual
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.cameras.lens import lens_by_name
 from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.errors import InputError
@@ -166,6 +168,10 @@ def _recorded(
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)
+    if found.rig.covariance is not None and len(cameras) > 1 and len(matches):
+        point = triangulate(cameras, matches.q, matches.covariance).point
+        part = systematic_residual(cameras, matches, point, found.rig.covariance.matrix, record)
+        record = record.model_copy(update={"systematic_px": None if part is None else part.rms_px})
     return found.rig.model_copy(update={"calibration": record})
 
 

@@ -42,6 +42,8 @@ class CalibrationRecord(BaseModel):
     """RMS triangulation residual of the dots that they were calibrated from."""
     scatter_px: Pixel | None = None
     """Variance component beyond the dots' covariances, as a standard deviation of pixels along each axis."""
+    systematic_px: Pixel | None = None
+    """RMS of what shifts, rotations and changes of scale of whole pictures explain of these residuals."""
     inconsistent: tuple[str, ...] = ()
     """Causes of contradictions between the views, the likeliest first; empty if there are none."""
 

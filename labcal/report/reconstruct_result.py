@@ -9,12 +9,14 @@ import numpy as np
 
 from labcal.arrays import PointCovariances
 from labcal.calibrate.eccentricity import CorrectedEccentricity
+from labcal.calibrate.systematic_residual import SystematicResidual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
 from labcal.reconstruct.point_budget import Budget, PointBudget
 from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.target_scale import TargetScale
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,13 @@ class ReconstructResult:
     """Warnings, for people."""
     budget: BudgetShares | None
     """Sources of errors in the covariances; null of a fitted method, which states its own."""
+    residual_ratio: float | None
+    """RMS triangulation residual over its expectation; null if the model has no cameras."""
+    systematic: SystematicResidual | None
+    """What shifts, rotations and changes of scale of whole pictures explain of the residuals, with its test;
+    null where the target or the rig's covariance is not known."""
+    target_scale: TargetScale | None
+    """Size of the reconstructed target over the declared one, with its test; null likewise."""
 
 
 def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction) -> ReconstructResult:
@@ -76,15 +85,26 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,
         expected_assumed=None if check is None else check.assumed,
-        inconsistent=inconsistent_points(model, check),
+        inconsistent=_inconsistent(model, found),
         warnings=list(found.warnings),
         budget=None if found.budget is None else _shares(found.budget),
+        residual_ratio=None if check is None else check.rms_px / check.expected_px,
+        systematic=found.systematic,
+        target_scale=found.scale,
     )
 
 
 def reconstruct_words(result: ReconstructResult) -> str:
     """Return the document for people."""
     words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
+    if result.systematic is not None:
+        words += (
+            f", of which {result.systematic.rms_px:.4f} px alike all over the pictures (expected "
+            f"{result.systematic.expected_px:.4f} px)"
+        )
+    if result.target_scale is not None:
+        scale = result.target_scale
+        words += f"; scale of the target {scale.ppm:+.0f} ± {scale.sigma_ppm:.0f} ppm"
     if result.centre_bias_px is not None:
         words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
     if result.budget is not None:
@@ -136,6 +156,14 @@ def _rms_mm(covariance: PointCovariances) -> float:
     variance = np.trace(covariance, axis1=1, axis2=2)
     stated = variance[np.isfinite(variance)]
     return float(np.sqrt(stated.mean())) if len(stated) else float("nan")
+
+
+def _inconsistent(model: Model | Rig, found: Reconstruction) -> InconsistentPoints | None:
+    """Return what speaks against the points of dots; of a camera that has changed, all views do."""
+    known = inconsistent_points(model, found.check)
+    if found.systematic is None or not found.systematic.beyond_chance:
+        return known
+    return InconsistentPoints([] if known is None else known.causes, np.unique(found.points.view).tolist())
 
 
 def inconsistent_points(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:
