@@ -23,7 +23,7 @@ from labcal.cameras.expected_errors import ExpectedErrors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
+from labcal.correspond.view_roles import HoldOut, held_out_views, holds_none, warning_of_test_views
 from labcal.errors import InputError
 from labcal.optim.stopping import StopReason
 from labcal.paths import AnyPath
@@ -234,7 +234,8 @@ def calibrated(
     kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
     before = () if settings.places is None else settings.places.calibrated_on
     learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on), *before)))
-    tested = None if held_out else warning_of_test_views(entering)
+    asked = bool(held_out) or holds_none(hold_out, detections.views)
+    tested = None if asked else warning_of_test_views(entering)
     notes = parallel_notes(found.rig, started=settings.start_rig is not None)
     warnings = (
         *(() if tested is None else (tested,)),

@@ -1,6 +1,6 @@
 """The result of a calibration: rig, standard deviations and residuals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -142,7 +142,16 @@ class HandheldCalibration:
         """Return the errors to expect of points where the target was, of dots like these, mm."""
         known = None if self.rig.covariance is None else self.rig.covariance.matrix
         cameras = [self.rig.camera(name) for name in self.rig.cameras]
-        return expected_errors(cameras, known, self.places, self.pixel_sigma_px)
+        found = expected_errors(cameras, known, self.places, self.pixel_sigma_px)
+        share = self.sources.print_share
+        if known is None or share is None:
+            return found
+        by_print = expected_errors(cameras, share.covariance, self.places, self.pixel_sigma_px)
+        return replace(
+            found,
+            depth=replace(found.depth, print_mm=by_print.depth.calibration_mm),
+            sideways=replace(found.sideways, print_mm=by_print.sideways.calibration_mm),
+        )
 
     def pairs(self) -> tuple[CameraPair, ...]:
         """Return baseline and angle of every two cameras, with their standard deviations."""

@@ -15,8 +15,7 @@ from labcal.geometry.rigid_part import without_rigid_part
 
 _MOST_PLACES = 1500
 """Places that the errors are means of: more add nothing."""
-_PAIR = 2
-_NAN = float("nan")
+_PAIR, _NAN = 2, float("nan")
 
 
 @dataclass(frozen=True)
@@ -29,10 +28,13 @@ class ErrorShares:
         By the noise of pixels.
     calibration_mm : float
         By the calibration; NaN where the rig does not state its covariance.
+    print_mm : float
+        The part of it by dots that are off on the print; NaN where that is not told apart.
     """
 
     noise_mm: float
     calibration_mm: float
+    print_mm: float = _NAN
 
     @property
     def total_mm(self) -> float:

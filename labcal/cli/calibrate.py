@@ -115,7 +115,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
-        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
+        note = "" if arguments.hold_out else " (test views of the shoot; '--hold-out none' uses them, too)"
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}{note}")
     write_rig(arguments.output, made.rig, force=arguments.force)
     _write_dots(arguments, made)
     result = calibrate_result(made, detections, target)

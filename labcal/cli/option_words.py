@@ -16,7 +16,7 @@ OPTIONS = {
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
-    "methods": "--method",
+    "methods": "--method", "parts": "--holdout",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
     "pixel_sigma": "--pixel-sigma",
 }  # fmt: skip

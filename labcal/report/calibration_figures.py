@@ -72,6 +72,7 @@ def expectation_parts(result: CalibrateResult) -> list[Part]:
         Column("1 sigma", Side.LEFT),
         Column("by noise, mm"),
         Column("by the calibration, mm"),
+        Column("its print alone, mm", meaning="The part by dots that are off on the print"),
         Column("together, mm"),
     ]
     return [*parts, PageTable("expected", words[0].upper() + words[1:], columns, rows)]

@@ -21,12 +21,14 @@ class SharesResult:
 
     noise_mm: float
     calibration_mm: float
+    print_mm: float
+    """The part of the calibration's share by dots that are off on the print."""
     total_mm: float
 
     @classmethod
     def of(cls, shares: ErrorShares) -> "SharesResult":
         """Return the document of them."""
-        return cls(shares.noise_mm, shares.calibration_mm, shares.total_mm)
+        return cls(shares.noise_mm, shares.calibration_mm, shares.print_mm, shares.total_mm)
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,15 @@ def pair_lines(pairs: Sequence[CameraPair]) -> list[str]:
 
 
 def expectation_rows(expected: ExpectedErrorsResult) -> list[list[str]]:
-    """Return the errors along each direction: by noise, by the calibration and together, mm."""
+    """Return the errors along each direction: by noise, by the calibration, its print, and together, mm."""
     return [
-        [name, *(amount(one) for one in (shares.noise_mm, shares.calibration_mm, shares.total_mm))]
+        [
+            name,
+            *(
+                amount(one)
+                for one in (shares.noise_mm, shares.calibration_mm, shares.print_mm, shares.total_mm)
+            ),
+        ]
         for name, shares in (("depth", expected.depth), ("sideways", expected.sideways))
         if isfinite(shares.noise_mm)
     ]
@@ -82,7 +90,7 @@ def expectation_rows(expected: ExpectedErrorsResult) -> list[list[str]]:
 
 def expectation_table(expected: ExpectedErrorsResult) -> Group:
     """Return the errors to expect where the target was, for people."""
-    table = Table("1 sigma [mm]", "by noise", "by the calibration", "together")
+    table = Table("1 sigma [mm]", "by noise", "by the calibration", "its print alone", "together")
     for row in expectation_rows(expected):
         table.add_row(*row)
     words = Text(expectation_words(expected))

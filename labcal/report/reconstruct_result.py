@@ -139,6 +139,8 @@ def residual_words(result: ResidualFigures) -> str:
     words = f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
     words += "at most some" if result.expected_assumed else "expected"
     words += f" {result.expected_px:.4f} px"
+    if result.expected_px:
+        words += f" ({result.triangulation_rms_px / result.expected_px:.2f} times)"
     if result.expected_assumed:
         words += " by assumption, since these cameras do not state their calibration's residuals"
     return words

@@ -109,6 +109,9 @@ def test_points_are_nearer_to_the_truth_and_within_what_is_stated(
     assert off < 0.5 * off_declared
     assert stated < 0.5 * stated_declared
     assert off < 2.5 * stated
+    depth, measured = declared.expected_errors().depth, again.expected_errors().depth
+    assert 0.9 * depth.calibration_mm < depth.print_mm < depth.calibration_mm
+    assert measured.print_mm < 0.2 * depth.print_mm
     assert any("uneven print" in warning for warning in declared.warnings)
     assert not any("scatter by" in warning for warning in again.warnings)
 

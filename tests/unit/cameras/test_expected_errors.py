@@ -46,6 +46,7 @@ def test_a_calibration_expects_errors_where_the_target_was(made: Calibration) ->
     seen = np.linalg.norm(examples.points().point - [100.0, 0.0, 0.0], axis=1)
     assert expected.distance_mm == pytest.approx(float(np.median(seen)), rel=0.02)
     assert expected.pixel_sigma_px == pytest.approx(examples.SIGMA_PX, rel=0.1)
+    assert 0.0 <= expected.depth.print_mm < expected.depth.calibration_mm
     assert 0.0 < expected.shape_mm < np.hypot(expected.depth.calibration_mm, expected.sideways.calibration_mm)
 
 
