@@ -45,16 +45,28 @@ def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> Poin
     Derivatives by the cameras lose their rigid part. The noise of single points loses 6 of 3 n parts, too,
     which is left in.
     """
+    budget = full_budget(points, rig, detections)
+    if budget is None:
+        return None
+    left = without_rigid_part(budget.derivatives(np.arange(len(points))), points.point)
+    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+
+
+def full_budget(points: Points, rig: Rig, detections: Detections) -> PointBudget | None:
+    """Return the budget of points; None where they do not have the full one of this rig and these dots.
+
+    Parameters
+    ----------
+    points, rig, detections
+        As of :func:`aligned_covariance`.
+    """
     pixels = _pixels(points, rig, detections)
     if rig.covariance is None or pixels is None:
         return None
     budget = PointBudget.of(rig, points.point, pixels, Budget.FULL)
     stated = np.trace(points.covariance, axis1=1, axis2=2)
     full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
-    if not (np.abs(stated - full) <= _SAME * full).all():  # of NaN, too
-        return None
-    left = without_rigid_part(budget.derivatives(np.arange(len(points))), points.point)
-    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+    return budget if (np.abs(stated - full) <= _SAME * full).all() else None  # of NaN, too
 
 
 def _pixels(points: Points, rig: Rig, detections: Detections) -> np.ndarray | None:

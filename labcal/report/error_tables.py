@@ -36,6 +36,10 @@ def _against_truth(errors: TruthErrors) -> Table:
             table.add_row(name, f"{value:.4f}")
     if not isnan(errors.coverage95):
         table.add_row("within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f} %")
+    if not isnan(errors.coverage95_distances):
+        table.add_row(
+            "distances within 95% by their own sigmas", f"{100 * errors.coverage95_distances:.1f} %"
+        )
     return table
 
 
