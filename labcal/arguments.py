@@ -7,6 +7,7 @@ argument between backticks. Arrays are those of :mod:`labcal.arrays`, paths thos
 import os
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
+from math import isfinite
 from operator import index
 from typing import TypeVar
 
@@ -90,6 +91,29 @@ def whole_number(given: object, name: str, least: int) -> int:
     if number > MOST_NUMBER:
         bits = number.bit_length()
         raise InputError(f"`{name}` must be at most {MOST_NUMBER}, but a number of {bits} bits was given.")
+    return number
+
+
+def positive_number(given: object, name: str, unit: str) -> float:
+    """Return an argument that is a positive number in a unit, for messages.
+
+    Raises
+    ------
+    InputTypeError
+        It is no number; a truth value counts as none.
+    InputError
+        It is not positive, or not finite.
+
+    Examples
+    --------
+    >>> positive_number(1, "pixel_sigma_px", "px")
+    1.0
+    """
+    if isinstance(given, bool | np.bool_) or not hasattr(given, "__float__"):
+        raise wrong_type(given, f"a number of {unit}", name)
+    number = float(given)
+    if not (isfinite(number) and number > 0.0):
+        raise InputError(f"`{name}` must be a positive number of {unit}, but {shown(number)} was given.")
     return number
 
 

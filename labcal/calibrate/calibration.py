@@ -8,6 +8,7 @@ import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreement.words import contradiction_message
+from labcal.calibrate.budget.shared_errors import measured_places
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
@@ -16,11 +17,14 @@ from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_rig import parallel_notes
+from labcal.calibrate.print_warnings import uneven_message, warnings_of_print
 from labcal.cameras.blind_pixels import blind_pixels
+from labcal.cameras.camera_pair import CameraPair
+from labcal.cameras.expected_errors import ExpectedErrors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
+from labcal.correspond.view_roles import HoldOut, held_out_views, holds_none, warning_of_test_views
 from labcal.errors import InputError
 from labcal.optim.stopping import StopReason
 from labcal.paths import AnyPath
@@ -48,7 +52,8 @@ class Calibration(PublicObject):
     held_out : tuple of str
         Views that the calibration did not see.
     calibrated_on : tuple of str
-        Views that it comes from; those of a rig whose lenses were kept among them.
+        Views that it comes from; those of a rig whose lenses were kept among them, and those that a measured
+        print comes from.
     warnings : tuple of str
         What is not as it should be, for people.
 
@@ -154,12 +159,39 @@ class Calibration(PublicObject):
         """The cameras, and the views that they were calibrated from."""
         return self.found.rig.model_copy(update={"calibrated_on": self.calibrated_on})
 
+    def pairs(self) -> tuple[CameraPair, ...]:
+        """Return baseline and angle of every two cameras, with their standard deviations.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> (pair,) = made.pairs()
+        >>> abs(pair.baseline_mm - 200.0) < 3 * pair.baseline_sigma_mm
+        True
+        """
+        return self.found.pairs()
+
+    def expected_errors(self) -> ExpectedErrors:
+        """Return the errors to expect of points where the target was, of dots like these, mm.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> depth = made.expected_errors().depth
+        >>> 0.0 < depth.noise_mm < depth.calibration_mm
+        True
+        """
+        return self.found.expected_errors()
+
     @property
     def places(self) -> DotPlaces | None:
         """Places of the dots on the print, and the views that gave them; None if dots were not freed."""
         if self.found.freed is None:
             return None
-        return self.found.freed.places().model_copy(update={"calibrated_on": self.calibrated_on})
+        places = measured_places(self.found.freed, self.found.sources.print_share)
+        return places.model_copy(update={"calibrated_on": self.calibrated_on})
 
 
 def calibrated(
@@ -203,11 +235,14 @@ def calibrated(
     else:
         found = calibrate_handheld(entering, target, lens, settings)
     kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
-    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
-    tested = None if held_out else warning_of_test_views(entering)
+    before = () if settings.places is None else settings.places.calibrated_on
+    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on), *before)))
+    asked = bool(held_out) or holds_none(hold_out, detections.views)
+    tested = None if asked else warning_of_test_views(entering)
     notes = parallel_notes(found.rig, started=settings.start_rig is not None)
     warnings = (
         *(() if tested is None else (tested,)),
+        *warnings_of_print(found, settings),
         *calibration_warnings(found, lens, target.name),
         *notes,
     )
@@ -227,12 +262,12 @@ def _with_chosen_lens(
         treatment = _treatment_with(DEFAULT_LENS, entering, target, settings)
     choice = choose_lens(entering, target, replace(settings, dot_places=treatment), progress)
     found = calibrate_handheld(entering, target, choice.lens, settings)
-    if found.dots.treatment is treatment:
+    if found.dot_decision.treatment is treatment:
         return choice, found
-    treatment = found.dots.treatment
+    treatment = found.dot_decision.treatment
     choice = choose_lens(entering, target, replace(settings, dot_places=treatment), progress)
     again = calibrate_handheld(entering, target, choice.lens, replace(settings, dot_places=treatment))
-    return choice, replace(again, dots=found.dots)
+    return choice, replace(again, dot_decision=found.dot_decision)
 
 
 def _treatment_with(
@@ -240,7 +275,7 @@ def _treatment_with(
 ) -> DotTreatment:
     """Return the treatment of the dots with a lens; as declared where it does not suit."""
     try:
-        return calibrate_handheld(entering, target, lens, settings).dots.treatment
+        return calibrate_handheld(entering, target, lens, settings).dot_decision.treatment
     except InputError:
         return DotTreatment.DECLARED
 
@@ -304,10 +339,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         if groups is not None:
             warnings.append(two_lenses_message(name, groups, lens))
         elif found.freed is None and found.fits[name].uneven:
-            warnings.append(
-                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; `dot_places='freed'` estimates the place of each dot"
-            )
+            warnings.append(uneven_message(found, name))
     views = found.sources.views
     if views.is_beyond_chance and found.disagreement is None:
         warnings.append(

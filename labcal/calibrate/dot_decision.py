@@ -41,6 +41,8 @@ def decision_at_once(
     settings : HandheldSettings
     """
     asked = DotTreatment(settings.dot_places)
+    if settings.places is not None:
+        return DotDecision(asked, DotTreatment.DECLARED, "where they were measured before")
     if asked is DotTreatment.DECLARED:
         return DotDecision(asked, asked, "as declared, as asked")
     if asked is DotTreatment.FREED:
@@ -91,7 +93,7 @@ def judged(
         found = replace(kept, why=f"as declared: the views cannot free the dots. {error}")
     if isinstance(chosen, InputError):
         raise chosen
-    return replace(chosen, dots=found)
+    return replace(chosen, dot_decision=found)
 
 
 def _as_declared(cameras: list[SingleCalibration]) -> DotDecision:
@@ -111,9 +113,9 @@ def _compared(
 ) -> DotDecision:
     """Return the decision by the certainty of points."""
     if isinstance(as_declared, InputError):
-        return freed.dots
+        return freed.dot_decision
     ratio = calibration_variance(freed, target) / calibration_variance(as_declared, target)
-    found = replace(freed.dots, variance_ratio=ratio)
+    found = replace(freed.dot_decision, variance_ratio=ratio)
     if ratio < 1.0:
         return found
     why = (

@@ -37,15 +37,18 @@ from labcal.calibrate.single_calibration import (
     adjusted,
     calibrate_single,
 )
+from labcal.calibrate.systematic_residual import systematic_residual
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.cameras.lens import lens_by_name
 from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 from labcal.wording import counted
 
 __all__ = ["HandheldSettings", "calibrate_handheld"]
@@ -87,7 +90,7 @@ def calibrate_handheld(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
             "tilt are not distinguishable there. Keep them as declared: `dot_places='declared'`."
         )
-    usable = usable_dots(detections, target)
+    usable = settings.measured(usable_dots(detections, target), target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
@@ -120,10 +123,10 @@ def _calibrated(
         return calibrate_single(name, dots, target, lens, as_declared)
 
     agreeing = of_agreeing_views(alone, target, single, free_dots=decision.frees)
-    entering, skipped = agreeing.entering, agreeing.left_out
+    entering = agreeing.entering
     found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
-        return _assemble(found, found[0].result, target, decision, entering.views, skipped)
+        return _assemble(replace(agreeing, cameras=found), found[0].result, target, decision, settings.places)
     try:
         whole = _whole(found, entering, target, settings)
     except InputError as error:
@@ -137,7 +140,7 @@ def _calibrated(
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, single))
-    rig_found = _assemble(found, whole, target, decision, entering.views, skipped)
+    rig_found = _assemble(replace(agreeing, cameras=found), whole, target, decision, settings.places)
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
 
 
@@ -148,7 +151,8 @@ def _whole(
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
     start = rig_start(
-        with_determined_poses([camera.single for camera in found], settings.start_rig), target.points()
+        with_determined_poses([camera.single for camera in found], settings.start_rig),
+        settings.dots_of(target),
     )
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
@@ -186,8 +190,12 @@ def _recorded(
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)
-    if found.dots.frees:
+    if found.dot_decision.frees:
         record = record.model_copy(update={"dot_places": "freed"})
+    if found.rig.covariance is not None and len(cameras) > 1 and len(matches):
+        point = triangulate(cameras, matches.q, matches.covariance).point
+        part = systematic_residual(cameras, matches, point, found.rig.covariance.matrix, record)
+        record = record.model_copy(update={"systematic_px": None if part is None else part.rms_px})
     return found.rig.model_copy(update={"calibration": record})
 
 
@@ -224,17 +232,17 @@ def _with_lens_groups(
 
 
 def _assemble(
-    found: list[SingleCalibration],
+    single: SingleCameras,
     whole: AdjustedDots,
     target: AnyTarget,
     decision: DotDecision,
-    views: tuple[str, ...],
-    skipped: tuple[str, ...],
+    known: DotPlaces | None,
 ) -> HandheldCalibration:
     """Return the rig and its figures."""
+    found, views = single.cameras, single.entering.views
     adjusted = whole.adjusted
     in_rig = adjusted.rms_px(whole.observations)
-    sources = ErrorSources.of(adjusted, whole.observations, whole.freed)
+    sources = ErrorSources.of(adjusted, whole.observations, whole.freed, known)
     covariance = CameraCovariance.of(adjusted, sources)
     fits = {}
     for number, one in enumerate(found):
@@ -258,7 +266,7 @@ def _assemble(
         rig=with_covariance(Rig.of(dict(cameras)), adjusted, sources),
         fits=fits,
         rms_px=float(np.sqrt((adjusted.residual[~adjusted.outlier] ** 2).sum(axis=1).mean())),
-        skipped=skipped,
+        skipped=single.left_out,
         outliers=OutlyingDots.of(adjusted, whole.observations, target, (names, views)),
         views=views,
         T_world_target=adjusted.state.T_world_target,
@@ -268,5 +276,7 @@ def _assemble(
         residuals=RigResiduals.of(adjusted, whole.observations),
         covariance=covariance,
         sources=sources,
-        dots=decision,
+        dots=adjusted.state.dots,
+        measured_print=known is not None,
+        dot_decision=decision,
     )

@@ -87,7 +87,7 @@ def choose_lens(
         A camera has fewer than :data:`MIN_VIEWS` views or parallel rays, no model can be fitted, or as in
         :func:`~labcal.calibrate.handheld.calibrate_handheld`.
     """
-    entering, _ = in_full_pictures(usable_dots(detections, target))
+    entering, _ = in_full_pictures(settings.measured(usable_dots(detections, target), target))
     cameras = [entering.where(entering.camera == name).by_view() for name in entering.cameras]
     for name, pictures in zip(entering.cameras, cameras, strict=True):
         if len(pictures) < MIN_VIEWS:
@@ -153,9 +153,9 @@ def _held_out(
     for fold in range(FOLDS):
         held = list(pictures[fold::FOLDS])
         others = [picture for number, picture in enumerate(pictures) if number % FOLDS != fold]
-        learned = _Problem.of(others, target)
+        learned = _Problem.of(others, target, settings.dots_of(target))
         fitted = learned.adjusted(start_from_pictures(others, target, lens), Lenses.FREE, rounds)
-        entered, judged = learned.observations, _Problem.of(held, target)
+        entered, judged = learned.observations, _Problem.of(held, target, settings.dots_of(target))
         if settings.dot_places is DotTreatment.FREED:
             free = adjust_dots(fitted, entered, target, Lenses.FREE, rounds)
             fitted, entered, judged = free.adjusted, free.observations, judged.at(free.dots)
@@ -177,10 +177,10 @@ class _Problem:
     """Their places on the print, mm."""
 
     @classmethod
-    def of(cls, pictures: Sequence[Detections], target: AnyTarget) -> "_Problem":
+    def of(cls, pictures: Sequence[Detections], target: AnyTarget, places: Vectors3) -> "_Problem":
         """Return them as numbers."""
         dots = joined(pictures)
-        return cls(observations_of(dots, target, dots.cameras, dots.views), target, target.points())
+        return cls(observations_of(dots, target, dots.cameras, dots.views), target, places)
 
     def at(self, freed: FreedDots) -> "_Problem":
         """Return the same pictures of dots that were found elsewhere; only those count.

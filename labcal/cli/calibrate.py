@@ -44,6 +44,12 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_output(parser, "rig.json", "cameras to write")
     add_dot_places(parser, "; the places go to RIG-dots.json")
+    parser.add_argument(
+        "--dots",
+        type=Path,
+        metavar="RIG-dots.json",
+        help="keep the dots where an earlier calibration freed them on this print, with the errors of that",
+    )
     parser.add_argument("--start", type=Path, metavar="rig.json", help="cameras to start from")
     parser.add_argument(
         "--fix-intrinsics", action="store_true", help="keep the lenses of --start; find only the poses"
@@ -77,19 +83,26 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.wording import listed
 
     require_name(arguments.output)
-    if arguments.overlay is not None and not arguments.free_dots:
-        raise InputError("--overlay draws the places that --free-dots estimates. Add --free-dots.")
+    kept = arguments.keep_dots or arguments.dots is not None
+    if arguments.overlay is not None and kept:
+        raise InputError("--overlay draws the places of freed dots, but these dots are kept. Leave it out.")
     outputs = [FileOutput(arguments.output, KIND)]
-    outputs += [] if arguments.keep_dots else [FileOutput(_dots_path(arguments.output), DOTS_KIND)]
+    outputs += [] if kept else [FileOutput(_dots_path(arguments.output), DOTS_KIND)]
     outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
-    page = asked_page(arguments, session, [arguments.source, arguments.detections, arguments.start])
+    page = asked_page(
+        arguments, session, [arguments.source, arguments.detections, arguments.dots, arguments.start]
+    )
     outputs += [] if page is None else [page.file]
-    read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
+    read = paths_read(
+        [arguments.source, arguments.detections, arguments.target, arguments.dots, arguments.start]
+    )
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_detection(arguments)
     named = None if arguments.target is None else load_target(arguments.target)
     given = open_dots(arguments.source, arguments.detections)
+    if named is None and given.shoot is None and settings.places is not None:
+        named = settings.places.target
     target = given.target(named)
     detections = dots_given(given, target, arguments, session)
     hold_out = arguments.hold_out or ()
@@ -100,7 +113,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
-        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
+        note = "" if arguments.hold_out else " (test views of the shoot; '--hold-out none' uses them, too)"
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}{note}")
     write_rig(arguments.output, made.rig, force=arguments.force)
     _write_dots(arguments, made, session)
     result = calibrate_result(made, detections, target)
@@ -118,6 +132,7 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
         lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
         start=arguments.start,
         dot_places=dot_treatment(arguments),
+        dots=arguments.dots,
     )
     refuse_contradictory(arguments.lens, settings)
     return settings
@@ -135,7 +150,9 @@ def _write_dots(arguments: Namespace, made: "Calibration", session: Session) -> 
         write_places(_dots_path(arguments.output), made.places, force=arguments.force)
     elif _dots_path(arguments.output).exists():
         session.warn(f"{_dots_path(arguments.output)} is of an earlier calibration: now no dots were freed")
-    if arguments.overlay is not None and made.found.freed is not None:
+    if arguments.overlay is not None and made.found.freed is None:
+        session.warn(f"{arguments.overlay} is not written: no dots were freed. --free-dots frees them")
+    elif arguments.overlay is not None and made.found.freed is not None:
         from labcal.report.displacement_picture import save_displacements  # imports matplotlib
 
         save_displacements(arguments.overlay, made.found.freed, force=arguments.force)

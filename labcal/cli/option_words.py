@@ -9,14 +9,14 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force",
+        "alignment", "budget", "cameras", "detections", "distance_mm", "dots", "dpi", "force",
         "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig",
         "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views",
         "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
-    "methods": "--method",
+    "methods": "--method", "parts": "--holdout",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
     "pixel_sigma": "--pixel-sigma", "reference_view": "--reference-view",
     "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",

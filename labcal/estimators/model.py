@@ -15,7 +15,7 @@ from labcal.errors import InputError
 from labcal.estimators.expected_error import ExpectedError
 from labcal.paths import AnyPath
 from labcal.public_object import PublicObject
-from labcal.wording import counted
+from labcal.wording import counted, listed
 
 if TYPE_CHECKING:
     from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
@@ -136,6 +136,31 @@ class Model(PublicObject):
             covariance=self.covariance,
         )
 
+    @property
+    def field_px(self) -> tuple[float, ...] | None:
+        """RMS length of the residual field over the training pixels, by camera; None of methods without one.
+
+        It is 0 where the training data asked for no field: `hybrid` is then a lens formula alone.
+        """
+        lengths = getattr(self.estimator, "field_px_", None)
+        return None if lengths is None else tuple(float(length) for length in lengths)
+
+    @property
+    def field_note(self) -> str | None:
+        """A note on cameras whose training data asked for no residual field, for people; else None."""
+        if self.field_px is None or all(self.field_px):
+            return None
+        if not any(self.field_px):
+            return (
+                f"{self.estimator.method}: no residual field was used, since the training dots ask for none: "
+                "the cameras are those of a lens formula alone, as by 'bundle'"
+            )
+        without = [name for name, length in zip(self.cameras, self.field_px, strict=True) if not length]
+        return (
+            f"{self.estimator.method}: no residual field was used for {listed(without)}, where the training "
+            "dots ask for none"
+        )
+
     @classmethod
     def load(cls, path: AnyPath, method: object | None = None) -> "Model":
         """Read a fitted model, as :func:`~labcal.estimators.model_file.load_model`, which lists errors."""
@@ -180,6 +205,8 @@ class Model(PublicObject):
             summary["expected_rmse"] = f"{self.rehearsed.rmse_mm:.3g} mm"
         if self.misfit:
             summary["misfit"] = True
+        if self.field_px is not None:
+            summary["field_px"] = [float(f"{length:.2g}") for length in self.field_px]
         return summary
 
     def _compared(self) -> object:

@@ -13,6 +13,7 @@ from labcal.correspond.matching import Matches, match
 from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.evaluate.aligned_budget import PointOrigin, aligned_covariance
+from labcal.evaluate.distance_coverage import distance_coverage
 from labcal.evaluate.scored_views import OfScoredViews, ScoredPart, ScoredViews
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
 from labcal.geometry.covariances import positive_definite
@@ -77,6 +78,9 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     """The points that count, as they were reconstructed; not in the JSON document."""
     T_true_model: Pose = field(default_factory=lambda: np.eye(4), metadata={IN_JSON: InJson.ABSENT})
     """The rigid motion that brought the points onto the truth, mm; not in the JSON document."""
+    coverage95_distances: float = float("nan")
+    """Share of distances of two points within 95% of their truth by sigmas from the joint covariance of the
+    rig; NaN without rig and detections."""
 
     @property
     def true_points(self) -> Vectors3:
@@ -196,6 +200,9 @@ def errors_against_truth(
         max_mm=figures.max_mm,
         limit_mm=float("nan") if detections is None else _limit(kept, shoot, truth, places, detections),
         coverage95=coverage(predicted - true, covariance),
+        coverage95_distances=float("nan")
+        if origin is None or not origin.triangulated or detections is None
+        else distance_coverage(kept, true, origin, detections),
         alignment=alignment,
         scored=scored,
         not_scored=int((~counts).sum()),

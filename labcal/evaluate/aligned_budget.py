@@ -5,7 +5,7 @@ brought onto a truth by a rigid motion, what moves all of them together is gone,
 and size is left. The full covariance of a point would then be far too large.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Int64
@@ -16,7 +16,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.points import Points
 from labcal.geometry.covariances import positive_definite
-from labcal.geometry.cross_matrices import cross_matrices
+from labcal.geometry.rigid_part import without_rigid_part
 from labcal.reconstruct.point_budget import Budget, PointBudget
 
 _SAME = 0.01
@@ -62,34 +62,35 @@ def aligned_covariance(
 
     Notes
     -----
-    With M the derivatives of all points by the six parameters of a rigid motion, and D those by the cameras,
-    ``D - M (M'M)^-1 M'D`` takes the place of D. The noise of single points loses 6 of 3 n parts, which is
-    left in.
+    Derivatives by the cameras lose their rigid part. The noise of single points loses 6 of 3 n parts, too,
+    which is left in.
+    """
+    budget = full_budget(points, origin, detections)
+    if budget is None:
+        return None
+    left = without_rigid_part(budget.derivatives(np.arange(len(points))), points.point)
+    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+
+
+def full_budget(points: Points, origin: PointOrigin, detections: Detections) -> PointBudget | None:
+    """Return the budget of points; None where they do not have the full one of this rig and these dots.
+
+    Parameters
+    ----------
+    points, origin, detections
+        As of :func:`aligned_covariance`.
     """
     rig = origin.rig
     pixels = _pixels(points, rig, detections)
     if rig.covariance is None or pixels is None:
         return None
     budget = PointBudget.of(rig, points.point, pixels, Budget.FULL)
-    own = _own_share(points, budget, origin)
-    if own is None:
-        return None
-    n, by = len(points), budget.derivatives(np.arange(len(points))).reshape(3 * len(points), -1)
-    turn = -cross_matrices(points.point - points.point.mean(axis=0))
-    shift = np.broadcast_to(np.eye(3), (n, 3, 3))
-    rigid, _ = np.linalg.qr(np.concatenate([turn, shift], axis=2).reshape(3 * n, 6))
-    left = (by - rigid @ (rigid.T @ by)).reshape(n, 3, -1)
-    return np.asarray(own + left @ budget.parameters @ left.transpose(0, 2, 1))
-
-
-def _own_share(points: Points, budget: PointBudget, origin: PointOrigin) -> PointCovariances | None:
-    """Return the covariances of points without the calibration's share; None where they do not have it."""
-    if not origin.triangulated:
+    if not origin.triangulated:  # what the method adds of its own takes the place of the pixels' noise
         own: PointCovariances = points.covariance - budget.calibration
-        return own if positive_definite(own).all() else None
+        return replace(budget, noise=own) if positive_definite(own).all() else None
     stated = np.trace(points.covariance, axis1=1, axis2=2)
     full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
-    return budget.noise if (np.abs(stated - full) <= _SAME * full).all() else None  # None of NaN, too
+    return budget if (np.abs(stated - full) <= _SAME * full).all() else None  # of NaN, too
 
 
 def _pixels(points: Points, rig: Rig, detections: Detections) -> np.ndarray | None:

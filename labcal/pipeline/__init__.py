@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from labcal.pipeline.calibration import calibrate, fit
 from labcal.pipeline.detection import detect, inspect, measure_pictures
+from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
 from labcal.pipeline.reconstruction import evaluate, reconstruct
@@ -60,6 +61,7 @@ __all__ = [
     "epipolar_rms",
     "estimators_of",
     "evaluate",
+    "evaluate_held_out",
     "fit",
     "fit_methods",
     "inspect",

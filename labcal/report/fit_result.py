@@ -39,6 +39,10 @@ class MethodResult:
     misfit: bool
     """True if points will carry the flag ``model-misfit``."""
     error: str | None
+    field_px: tuple[float, ...] | None = None
+    """RMS length of the residual field by camera, 0 where none was used; null of methods without one."""
+    notes: tuple[str, ...] = ()
+    """Notes, for people."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +123,8 @@ def _fitted(model: Model, data: TrainingData, file: AnyPath) -> MethodResult:
         expected=model.rehearsed,
         misfit=model.misfit,
         error=None,
+        field_px=model.field_px,
+        notes=() if model.field_note is None else (model.field_note,),
     )
 
 
@@ -152,6 +158,7 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
         captions.append(f"corrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
     if result.handheld is not None:
         captions.append(result.handheld.words())
+    captions += [note for model in result.models for note in model.notes]
     table = Table(
         "method",
         "dots",

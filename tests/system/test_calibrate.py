@@ -111,7 +111,7 @@ def test_wrong_use_is_told_before_anything_is_done(labcal: Run, folder: Path, tm
     rig = tmp_path / "rig.json"
     for more, hint in (
         (("--fix-intrinsics",), "--start rig.json"),
-        (("--overlay", tmp_path / "a.png"), "--free-dots"),
+        (("--overlay", tmp_path / "a.png", "--keep-dots"), "these dots are kept"),
         (("--lens", "prescription"), "nothing in it to calibrate"),
         (("--lens", "brown6"), "brown5"),
         (("--start", tmp_path / "none.json"), "cannot be read"),

@@ -51,7 +51,7 @@ def treated(one: PrintSet) -> Treatment:
     random = generator(case.seed, "bench solve", "treatment", case.kind, case.surface, str(case.views))
     dots = simulated_dots(kind, case, random)
     found = calibrate_handheld(dots, kind.target(), case.lens, HandheldSettings(eccentricity_rounds=0))
-    return Treatment(freed=found.dots.frees, unevenness=found.dots.unevenness or 0.0)
+    return Treatment(freed=found.dot_decision.frees, unevenness=found.dot_decision.unevenness or 0.0)
 
 
 def treatment_findings(bench: Bench) -> Findings:

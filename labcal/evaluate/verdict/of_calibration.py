@@ -20,6 +20,8 @@ MOST_OUTLIERS = 0.05
 """Share of the dots that did not enter from which on outliers are no accidents."""
 MOST_DEPTH = 3.0
 """Times the error across from which on the error in depth is worth a word."""
+MUCH_LARGER = 1.5
+"""Times the error of shapes from which on that in the frame of the rig is worth a word."""
 SCALE, _EXAMPLE_MM = 1e-3, 500.0
 """A relative error of the pitch and a length, for an example in millimetres."""
 
@@ -54,6 +56,8 @@ class CalibrationEvidence:
         True if the rays of a camera are parallel.
     baseline_mm : float
         Greatest distance of two cameras; 0 of one.
+    in_frame_mm : float
+        RMS 3-D error in the frame of the rig, with what moves all points together; NaN where it is not known.
     """
 
     at: WorkingDistance
@@ -74,6 +78,7 @@ class CalibrationEvidence:
     freed: bool = False
     parallel: bool = False
     baseline_mm: float = 0.0
+    in_frame_mm: float = float("nan")
 
     @property
     def expected_mm(self) -> float:
@@ -95,7 +100,13 @@ def _expectation(evidence: CalibrationEvidence) -> str:
         where = "where the target was held (rays are parallel, so that the distance does not matter)"
     if not isfinite(at.sigma_mm):
         return f"{millimetres(at.across_mm)} across the view (1 sigma) {where}; one camera gives no depth"
-    return f"a 3-D error of {millimetres(evidence.expected_mm)} (RMS, 1 sigma) {where}"
+    shape = f"a 3-D error of {millimetres(evidence.expected_mm)} (RMS, 1 sigma) {where}"
+    if not evidence.in_frame_mm > MUCH_LARGER * evidence.expected_mm:  # of NaN, too
+        return shape
+    return (
+        f"{shape}, of shapes and lengths, but of {millimetres(evidence.in_frame_mm)} in the frame of the "
+        "rig, where errors of the calibration move all points together"
+    )
 
 
 def _contradiction(evidence: CalibrationEvidence) -> Finding | None:

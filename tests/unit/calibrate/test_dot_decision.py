@@ -42,7 +42,7 @@ def freed(uneven: Detections) -> HandheldCalibration:
 
 
 def test_dots_of_an_uneven_print_are_freed(freed: HandheldCalibration, uneven: Detections) -> None:
-    found = freed.dots
+    found = freed.dot_decision
     assert (found.asked, found.treatment) == (DotTreatment.AUTO, DotTreatment.FREED)
     assert found.unevenness is not None
     assert found.unevenness > 10 * UNEVEN
@@ -56,7 +56,7 @@ def test_dots_of_an_uneven_print_are_freed(freed: HandheldCalibration, uneven: D
     assert freed.rig.calibration.dot_places == "freed"
     # The same bytes as on request.
     asked = calibrated(uneven, dot_places="freed")
-    assert asked.dots.why == "freed, as asked"
+    assert asked.dot_decision.why == "freed, as asked"
     assert asked.rig.model_dump_json() == freed.rig.model_dump_json()
 
 
@@ -71,9 +71,9 @@ def test_points_are_nearer_to_the_truth_so(freed: HandheldCalibration, uneven: D
 def test_an_even_print_is_kept_with_the_same_bytes() -> None:
     dots = dots_of("even")
     found, named = calibrated(dots), calibrated(dots, dot_places="declared")
-    assert found.dots.treatment is DotTreatment.DECLARED
-    assert found.dots.why == "as declared: the residuals show no uneven print"
-    assert found.dots.variance_ratio is None  # nothing else was computed
+    assert found.dot_decision.treatment is DotTreatment.DECLARED
+    assert found.dot_decision.why == "as declared: the residuals show no uneven print"
+    assert found.dot_decision.variance_ratio is None  # nothing else was computed
     assert found.freed is None
     assert found.rig.model_dump_json() == named.rig.model_dump_json()
 
@@ -82,12 +82,12 @@ def test_few_views_free_nothing(uneven: Detections) -> None:
     few = uneven.where(np.isin(uneven.view, uneven.views[: MIN_VIEWS - 1]))
     found = calibrated(few)
     assert found.freed is None
-    assert found.dots.why.startswith("as declared: 4 views of a camera are too few to judge by")
+    assert found.dot_decision.why.startswith("as declared: 4 views of a camera are too few to judge by")
 
 
 def test_kept_lenses_keep_the_dots(uneven: Detections, freed: HandheldCalibration) -> None:
     found = calibrated(uneven, lenses="fixed", start=freed.rig)
-    assert found.dots.why == "as declared: the lenses are kept"
+    assert found.dot_decision.why == "as declared: the lenses are kept"
 
 
 def test_an_advantage_by_chance_is_none() -> None:
