@@ -345,8 +345,8 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         warnings.append(
             f"views disagree about the cameras by {views.ratio:.1f} times the squares that the noise of "
             f"their dots explains. Likely causes: the lens model '{lens}' is too simple (try "
-            "`lens='auto'`), or the board bends or moves. Stated sigmas are wider by this, but hold only "
-            "what changes from view to view"
+            "`lens='auto'`), the board bends or moves, or light and blur move neighbouring dots alike. "
+            "Stated sigmas are wider by this, but hold only what changes from view to view"
         )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")

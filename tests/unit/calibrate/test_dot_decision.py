@@ -7,6 +7,7 @@ import pytest
 
 from labcal.bench.solve.budget_rigs import KINDS
 from labcal.bench.solve.budget_set import BudgetSet, simulated_dots
+from labcal.calibrate import calibration, lens_choice
 from labcal.calibrate.dot_decision import MIN_VIEWS, UNEVEN
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -88,6 +89,19 @@ def test_few_views_free_nothing(uneven: Detections) -> None:
 def test_kept_lenses_keep_the_dots(uneven: Detections, freed: HandheldCalibration) -> None:
     found = calibrated(uneven, lenses="fixed", start=freed.rig)
     assert found.dot_decision.why == "as declared: the lenses are kept"
+
+
+@pytest.mark.slow
+def test_a_lens_is_chosen_with_the_dots_treated_as_they_will_be(
+    uneven: Detections, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lens_choice, "OF_VIEWS", ("pinhole", "brown5"))
+    made = calibration.calibrated(uneven, NARROW.target(), "auto", HandheldSettings(eccentricity_rounds=0))
+    assert made.found.dots.frees
+    assert made.choice is not None
+    # Both lenses predict held-out views to the noise of the dots, which the uneven print is far beyond.
+    tried = {trial.lens: trial.held_out_px for trial in made.choice.trials}
+    assert tried["brown5"] < 0.8 * (made.found.dots.declared_px or 0.0)
 
 
 def test_an_advantage_by_chance_is_none() -> None:
