@@ -70,6 +70,7 @@ def rehearse(
     from labcal.guide.rehearsal.rig_plan import RigPlan
     from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.report.rehearsal_folder import write_rehearsal
+    from labcal.run.claims import FolderOutput, claim_outputs
     from labcal.run.unfinished import unfinished_folder
 
     how, receiver = settings_of(settings, RehearseSettings), progress_of(progress)
@@ -82,8 +83,10 @@ def rehearse(
             )
         return rehearsed(loaded, how.seed)
     command = f"rehearse {loaded.model_dump_json()} {how.seed} {how.confirm} {how.spp}"
+    read = [os.fspath(plan)] if isinstance(plan, str | os.PathLike) else []
+    claim_outputs([FolderOutput(as_path(folder))], read, force=how.force)
+    found = rehearsed(loaded, how.seed)  # what is refused leaves no folder
     with unfinished_folder(as_path(folder), command, force=how.force) as working:
-        found = rehearsed(loaded, how.seed)
         if how.confirm:
             from labcal.guide.rehearsal.rendered_rig import confirmed
 

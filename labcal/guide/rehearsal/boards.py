@@ -106,11 +106,15 @@ def view_counts(
 def enough_views(counts: tuple[ViewCount, ...]) -> int | None:
     """Return the least number from which on twice as many bring less than a tenth; None if none does."""
     known = {one.views: one.rms_mm for one in counts if np.isfinite(one.rms_mm)}
-    for views, rms_mm in known.items():
-        more = [known[other] for other in known if other >= 2 * views]
-        if more and more[0] > (1.0 - LITTLE) * rms_mm:
-            return views
-    return None
+    enough = None
+    for views, rms_mm in sorted(known.items(), reverse=True):
+        more = [other for other in sorted(known) if other >= 2 * views]
+        if not more:
+            continue
+        if known[more[0]] < (1.0 - LITTLE) * rms_mm:
+            break
+        enough = views
+    return enough
 
 
 def coverage_of(pictures: list[DrawnPicture]) -> float:

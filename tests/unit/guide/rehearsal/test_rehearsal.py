@@ -1,6 +1,7 @@
 """Rehearsals: forecasts against simulated calibrations, limits, boards and numbers of views."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -65,6 +66,9 @@ def test_more_views_are_planned_from_those_that_are_there(found: Rehearsal) -> N
     assert by_views[48] < by_views[4]
     assert enough_views((ViewCount(4, 1.0), ViewCount(8, 0.8), ViewCount(16, 0.75))) == 8
     assert enough_views((ViewCount(4, 1.0), ViewCount(8, 0.8))) is None
+    # A pause is no end.
+    paused = {4: 1.0, 8: 0.99, 16: 0.7, 32: 0.68}
+    assert enough_views(tuple(ViewCount(*one) for one in paused.items())) == 16
 
 
 def test_a_board_that_is_printed_twice_as_large_has_all_lengths_doubled() -> None:
@@ -91,10 +95,11 @@ def test_cameras_at_listed_places_move_apart_from_their_middle() -> None:
     assert PlannedRig.of(wider).rig.baseline_mm("left", "right") == pytest.approx(300.0)
 
 
-def test_a_volume_behind_the_cameras_is_refused() -> None:
+def test_a_volume_behind_the_cameras_is_refused_and_leaves_no_folder(tmp_path: Path) -> None:
     behind = PLAN.volume.model_copy(update={"near_mm": -500.0, "far_mm": -400.0})
     with pytest.raises(InputError, match="seen by all cameras"):
-        rehearse(PLAN.model_copy(update={"volume": behind}))
+        rehearse(PLAN.model_copy(update={"volume": behind}), tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_confirmation_needs_a_folder() -> None:
