@@ -4,7 +4,7 @@ The bits are those of :mod:`scipy.stats`, which calls the same special functions
 forty distributions.
 """
 
-from scipy.special import betaincc, chdtri, fdtrc, gammaincinv
+from scipy.special import betaincc, chdtrc, chdtri, chndtrinc, fdtrc, gammaincinv
 
 
 def chi2_quantile(share: float, freedom: int) -> float:
@@ -27,3 +27,13 @@ def beta_tail(share: float, a: float, b: float) -> float:
     if share <= 0.0 or share >= 1.0:
         return float(share <= 0.0)
     return float(betaincc(a, b, share))
+
+
+def chi2_tail(value: float, freedom: int) -> float:
+    """Return how likely a sum of so many squared normal deviates exceeds a value."""
+    return float(chdtrc(freedom, value))
+
+
+def noncentrality(critical: float, freedom: int, power: float) -> float:
+    """Return the noncentrality with which a chi-square exceeds a critical value with this probability."""
+    return float(chndtrinc(critical, freedom, 1.0 - power))

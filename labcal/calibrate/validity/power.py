@@ -1,0 +1,74 @@
+"""Power of a check: the smallest changes that the pictures could have found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.calibrate.validity.change import Change, possible_changes
+from labcal.calibrate.validity.tested import ALARM, Tested
+from labcal.distributions import chi2_upper_quantile, noncentrality
+
+POWER = 0.9
+"""Probability with which a change of the stated size is found."""
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """What the pictures tell of one change, the calibration's own errors allowed for.
+
+    Attributes
+    ----------
+    change : Change
+    columns : float64 array, (shared, count)
+        Derivatives of the rig's parameters by those of the change.
+    information : float64 array, (count, count)
+        Inverse covariance of its size; rad, mm, relative focal lengths, px.
+    needed : float
+        Squared size, in units of that covariance, that is found with the probability :data:`POWER`.
+    """
+
+    change: Change
+    columns: Float64[np.ndarray, "shared count"]
+    information: Float64[np.ndarray, "count count"]
+    needed: float
+
+    def smallest(self) -> Float64[np.ndarray, " count"]:
+        """Return the smallest change along each parameter that is found; infinite if none is."""
+        own = np.diagonal(self.information)
+        return np.sqrt(self.needed / np.where(own > 0.0, own, np.nan)) if (own > 0.0).all() else own + np.inf
+
+    def worst(self, square: Float64[np.ndarray, "shared shared"]) -> float:
+        """Return the largest root of x' M x of the rig's parameters x by a change that is not found.
+
+        Parameters
+        ----------
+        square : ndarray, shape (shared, shared)
+            The matrix M.
+        """
+        scale = 1.0 / np.sqrt(np.maximum(np.diagonal(self.information), 1e-300))
+        scaled = self.information * np.outer(scale, scale)
+        spread, axes = np.linalg.eigh(scaled)
+        if not spread[0] > 1e-12 * spread[-1]:
+            return float("inf")
+        root = self.columns * scale @ (axes / np.sqrt(spread))
+        return float(np.sqrt(self.needed * max(0.0, np.linalg.eigvalsh(root.T @ square @ root)[-1])))
+
+
+def sensitivities(found: Tested) -> list[Sensitivity]:
+    """Return the sensitivity to each kind of change of each camera, about the rig as calibrated."""
+    made, rig = found.made, len(found.made.calibrated.state.cameras)
+    H, C = found.unchanged.evidence.information, made.calibrated.covariance
+    # H (1 + C H)^-1, symmetric: what the pictures tell once errors of the calibration have followed.
+    scale = np.sqrt(np.where(np.diagonal(C) > 0.0, np.diagonal(C), 1.0))
+    scaled = H * np.outer(scale, scale)
+    inner = np.linalg.solve(np.eye(len(C)) + scaled @ (C / np.outer(scale, scale)), scaled)
+    seen = 0.5 * (inner + inner.T) / np.outer(scale, scale)
+    changes = possible_changes(made.cameras, rig)
+    level = ALARM / len(changes)
+    result = []
+    for change in changes:
+        B = change.columns(found.unchanged.evidence.state)
+        needed = noncentrality(chi2_upper_quantile(level, change.count), change.count, POWER)
+        result.append(Sensitivity(change, B, B.T @ seen @ B, needed))
+    return result

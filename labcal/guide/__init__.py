@@ -1,0 +1,1 @@
+"""Guidance: whether a calibration is still valid, and what to do if it is not."""
