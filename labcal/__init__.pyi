@@ -24,6 +24,8 @@ from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
 from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .guide.rig_check import RigCheck as RigCheck
+from .pipeline.check import check as check
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .reconstruct.angle import angle as angle

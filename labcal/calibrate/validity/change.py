@@ -107,7 +107,7 @@ class Change:
         return found
 
     def columns(self, state: RigState) -> Float64[np.ndarray, "shared count"]:
-        """Return the derivatives of the rig's parameters by those of the change, in the order of ``rig.json``.
+        """Return the derivatives of the parameters of ``rig.json`` by those of the change.
 
         A first camera that moves takes the world with it: then the poses of all others change.
         """
@@ -180,15 +180,13 @@ def _with_lens(camera: Camera, element: Element, value: np.ndarray) -> Camera:
     return replace(camera, K=np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]))
 
 
-def possible_changes(cameras: tuple[int, ...], rig: int) -> tuple[Change, ...]:
+def possible_changes(cameras: tuple[int, ...]) -> tuple[Change, ...]:
     """Return all changes that are looked for.
 
     Parameters
     ----------
     cameras : tuple of int
         Cameras with pictures.
-    rig : int
-        Number of cameras of the rig.
     """
     if len(cameras) == 1:
         return (Change(ChangeKind.REFOCUSED, cameras, cameras),)

@@ -1,4 +1,4 @@
-"""New views of a target as evidence about the parameters of a rig: a quadratic cost, target poses eliminated."""
+"""New views as evidence about the parameters of a rig: a quadratic cost, poses of the target eliminated."""
 
 from dataclasses import dataclass, replace
 

@@ -102,9 +102,7 @@ def explained(
     C = calibrated.covariance
     count = 0 if change is None else change.count
     sizes = (
-        np.zeros(0)
-        if change is None
-        else change.sizes(calibrated.state.cameras, calibrated.distance_mm) ** 2
+        np.zeros(0) if change is None else change.sizes(calibrated.state.cameras, calibrated.distance_mm) ** 2
     )
 
     def standing(dual: np.ndarray, size: np.ndarray) -> _Standing | None:
@@ -132,9 +130,7 @@ def explained(
         best = now
         share = 1.0
         for _ in range(_HALVINGS):
-            tried = standing(
-                now.dual + share * (goal[0] - now.dual), now.size + share * (goal[1] - now.size)
-            )
+            tried = standing(now.dual + share * (goal[0] - now.dual), now.size + share * (goal[1] - now.size))
             if tried is not None and tried.cost < now.cost:
                 best = tried
                 break
@@ -149,7 +145,7 @@ def explained(
     after = P @ whole.inverse
     # Of the size: what the pictures say once the calibration's own errors have followed.
     seen = B.T @ _Damped.of(H, C).inverse @ H @ B
-    size_covariance = np.linalg.inv(np.diag(1.0 / sizes) + 0.5 * (seen + seen.T)) if count else np.zeros((0, 0))
+    size_covariance = np.linalg.inv(np.diag(1.0 / sizes) + 0.5 * (seen + seen.T))
     return Explanation(change, now.size, size_covariance, now.cost, evidence, now.evidence, after)
 
 

@@ -57,14 +57,14 @@ class Sensitivity:
 
 def sensitivities(found: Tested) -> list[Sensitivity]:
     """Return the sensitivity to each kind of change of each camera, about the rig as calibrated."""
-    made, rig = found.made, len(found.made.calibrated.state.cameras)
+    made = found.made
     H, C = found.unchanged.evidence.information, made.calibrated.covariance
     # H (1 + C H)^-1, symmetric: what the pictures tell once errors of the calibration have followed.
     scale = np.sqrt(np.where(np.diagonal(C) > 0.0, np.diagonal(C), 1.0))
     scaled = H * np.outer(scale, scale)
     inner = np.linalg.solve(np.eye(len(C)) + scaled @ (C / np.outer(scale, scale)), scaled)
     seen = 0.5 * (inner + inner.T) / np.outer(scale, scale)
-    changes = possible_changes(made.cameras, rig)
+    changes = possible_changes(made.cameras)
     level = ALARM / len(changes)
     result = []
     for change in changes:

@@ -91,8 +91,8 @@ def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
     unknown = [name for name in detections.cameras if name not in rig.cameras]
     if unknown:
         raise InputError(
-            f"The pictures are of the camera(s) {listed(unknown)}, but the rig has {listed(rig.cameras)}. Give "
-            "pictures of the rig's cameras, named as there (`cameras` names those of loose pictures)."
+            f"The pictures are of the camera(s) {listed(unknown)}, but the rig has {listed(rig.cameras)}. "
+            "Give pictures of the rig's cameras, named as there (`cameras` names those of loose pictures)."
         )
     entering, few = in_full_pictures(usable_dots(detections, target))
     skipped = (*unmeasured_pictures(detections), *few)
@@ -127,7 +127,7 @@ def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
 
 
 def cleaned(made: Prepared, anything: Change) -> tuple[Prepared, Explanation]:
-    """Return views without outliers and with the noise that they have, and their best explanation by `anything`.
+    """Return views without outliers, with the noise that they have, and what explains them best.
 
     Raises
     ------
@@ -146,8 +146,8 @@ def cleaned(made: Prepared, anything: Change) -> tuple[Prepared, Explanation]:
             made, found = clean, explained(made.calibrated, anything, clean.views)
     if found is None:
         raise InputError(
-            "No change of the rig explains the dots of these pictures. Check that `target` names the board in "
-            "them, and that they are of the rig's cameras."
+            "No change of the rig explains the dots of these pictures. Check that `target` names the board "
+            "in them, and that they are of the rig's cameras."
         )
     excess = found.evidence.cost / max(1, made.freedom - anything.count)
     if excess > 1.0:
@@ -160,7 +160,7 @@ def cleaned(made: Prepared, anything: Change) -> tuple[Prepared, Explanation]:
 def _covariance_of(rig: Rig) -> RigCovariance:
     if rig.covariance is None:
         raise InputError(
-            "This rig states no covariance of its calibration, so that no change can be told from its errors. "
+            "This rig states no covariance of its calibration: no change can be told from its errors. "
             "Calibrate again with this version, with free lenses."
         )
     return rig.covariance
@@ -184,4 +184,4 @@ def _first_pose(rig: Rig, dots: Detections, view: str, target: AnyTarget) -> np.
     name = max(counts, key=lambda camera: counts[camera])
     camera = rig.camera(name)
     start = start_from_camera([here.where(here.camera == name)], target, camera)
-    return inverse(camera.T_cam_world) @ start.T_cam_target[0]
+    return np.asarray(inverse(camera.T_cam_world) @ start.T_cam_target[0])

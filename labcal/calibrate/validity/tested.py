@@ -1,4 +1,4 @@
-"""The test of a calibration: is any change of the rig more than noise and the calibration's errors explain?"""
+"""The test of a calibration against new views: changes beyond noise and the calibration's errors."""
 
 from dataclasses import dataclass
 
@@ -95,7 +95,7 @@ def tested(rig: Rig, detections: Detections, target: AnyTarget) -> Tested:
         As of :func:`~labcal.calibrate.validity.prepared.prepared`; or no rig explains the dots.
     """
     made = prepared(rig, detections, target)
-    changes = possible_changes(made.cameras, len(rig.cameras))
+    changes = possible_changes(made.cameras)
     anything = changes[-1]
     made, widest = cleaned(made, anything)
     unchanged = explained(made.calibrated, None, made.views, widest.cost)
