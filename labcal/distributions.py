@@ -4,7 +4,9 @@ The bits are those of :mod:`scipy.stats`, which calls the same special functions
 forty distributions.
 """
 
-from scipy.special import betaincc, chdtrc, chdtri, chndtrinc, fdtrc, gammaincinv
+from math import isinf
+
+from scipy.special import betaincc, chdtrc, chdtri, chndtrinc, fdtrc, fdtri, gammaincinv, ncfdtrinc
 
 
 def chi2_quantile(share: float, freedom: int) -> float:
@@ -29,11 +31,22 @@ def beta_tail(share: float, a: float, b: float) -> float:
     return float(betaincc(a, b, share))
 
 
-def chi2_tail(value: float, freedom: int) -> float:
-    """Return how likely a sum of so many squared normal deviates exceeds a value."""
-    return float(chdtrc(freedom, value))
+def gain_tail(gain: float, freedom: int, noise_freedom: float) -> float:
+    """Return how likely chance decreases a sum of squares by a gain, with so many parameters more.
+
+    The unit of the squares is known by `noise_freedom` degrees of freedom, which may be infinite.
+    """
+    if isinf(noise_freedom):
+        return float(chdtrc(freedom, gain))
+    return f_tail(gain / freedom, freedom, noise_freedom)
 
 
-def noncentrality(critical: float, freedom: int, power: float) -> float:
-    """Return the noncentrality with which a chi-square exceeds a critical value with this probability."""
-    return float(chndtrinc(critical, freedom, 1.0 - power))
+def needed_gain(chance: float, freedom: int, noise_freedom: float, power: float) -> float:
+    """Return the noncentrality that is found with a probability `power` by a test of level `chance`.
+
+    That of :func:`gain_tail`, where the true change decreases the sum of squares by so much.
+    """
+    if isinf(noise_freedom):
+        return float(chndtrinc(chdtri(freedom, chance), freedom, 1.0 - power))
+    critical = fdtri(freedom, noise_freedom, 1.0 - chance)
+    return float(ncfdtrinc(freedom, noise_freedom, 1.0 - power, critical))

@@ -30,6 +30,13 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("rig", type=Path, metavar="RIG", help="from 'labcal calibrate'")
     add_pictures(parser)
     parser.add_argument(
+        "--dots",
+        type=Path,
+        metavar="RIG-dots.json",
+        help="in place of --target: the dots of this print, from 'labcal calibrate --free-dots', which find "
+        "smaller changes",
+    )
+    parser.add_argument(
         "--mend",
         type=Path,
         metavar="OUT.json",
@@ -62,16 +69,20 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.pipeline import CheckSettings, check
     from labcal.report.check_result import check_result, check_words
     from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.targets.places import read_places
 
+    if arguments.dots is not None:
+        refuse_option(arguments, "target", "is that of --dots, which names it")
     settings = CheckSettings(arguments.log, arguments.date, arguments.temperature_c, arguments.note)
     if arguments.page is None and arguments.mend is None:
         refuse_option(arguments, "force", "replaces a page or a corrected rig, and none is asked for")
     if arguments.mend is not None:
-        read = paths_read([arguments.rig, *arguments.pictures, arguments.target])
+        read = paths_read([arguments.rig, *arguments.pictures, arguments.target, arguments.dots])
         claim_outputs([FileOutput(arguments.mend, KIND)], read, force=arguments.force)
     page = asked_page(arguments, session, [arguments.rig, *arguments.pictures])
-    dots, target = _dots(arguments, session)
-    found = check(arguments.rig, dots, target, settings, page=page)
+    places = None if arguments.dots is None else read_places(arguments.dots)
+    dots, target = _dots(arguments, session, None if places is None else places.target)
+    found = check(arguments.rig, dots, places or target, settings, page=page)
     mended, refused = None, None
     if arguments.mend is not None:
         try:
@@ -90,7 +101,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     }[found.verdict.value]
 
 
-def _dots(arguments: Namespace, session: Session) -> "tuple[Detections, AnyTarget]":
+def _dots(
+    arguments: Namespace, session: Session, known: "AnyTarget | None"
+) -> "tuple[Detections, AnyTarget]":
     """Return the dots of a table, or those found in pictures, and what they are of."""
     from labcal.cli.compiling import announce_compiling
     from labcal.correspond.detections_csv import read_detections
@@ -105,9 +118,9 @@ def _dots(arguments: Namespace, session: Session) -> "tuple[Detections, AnyTarge
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         if arguments.changes:
             raise InputError("--set is for finding dots in pictures; a table holds them. Leave it out.")
-        return read_detections(first), target_shown(arguments.target, None)
+        return read_detections(first), known or target_shown(arguments.target, None)
     pictures = open_pictures(arguments.pictures, arguments.cameras)
-    target, settings = pictures.target(arguments.target), detect_settings(arguments.changes)
+    target, settings = known or pictures.target(arguments.target), detect_settings(arguments.changes)
     for warning in pictures.warnings:
         session.warn(warning)
     announce_compiling(session)

@@ -17,6 +17,7 @@ from labcal.guide.smallest_change import SmallestChange
 from labcal.guide.volume_cost import Volume
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 from labcal.wording import counted
 
 if TYPE_CHECKING:
@@ -170,14 +171,14 @@ class RigCheck(PublicObject):
         return [HtmlTable(("change", "probability", "p-value"), rows)]
 
 
-def checked(rig: Rig, detections: Detections, target: AnyTarget) -> RigCheck:
+def checked(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> RigCheck:
     """Check a rig by dots of new pictures of a target.
 
     Parameters
     ----------
     rig : Rig
     detections : Detections
-    target : AnyTarget
+    target : AnyTarget or DotPlaces
 
     Raises
     ------

@@ -16,6 +16,7 @@ from labcal.pipeline.detection import detect
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces, is_places, read_places
 
 if TYPE_CHECKING:
     from labcal.correspond.picture_set import AnyPictures
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 def check(
     rig: Rig | AnyPath,
     source: "Detections | AnyPictures",
-    target: AnyTarget | AnyPath | None = None,
+    target: AnyTarget | DotPlaces | AnyPath | None = None,
     settings: "CheckSettings | None" = None,
     progress: Progress | None = None,
     *,
@@ -41,8 +42,9 @@ def check(
         With the covariance of its calibration.
     source : Detections, PictureSet, Shoot, path or sequence of paths
         Dots or the table of them, a shoot, or pictures, in which dots are found.
-    target : AnyTarget or str, optional
-        What the pictures show; a shoot brings its own.
+    target : AnyTarget, DotPlaces, path or str, optional
+        What the pictures show; a shoot brings its own. Of a print that a calibration with free dots measured,
+        its dots, or the file of them, which finds smaller changes.
     settings : CheckSettings, optional
         The log that the check is added to.
     progress : Progress, optional
@@ -88,10 +90,11 @@ def check(
         claim_outputs([FileOutput(log, KIND)], paths_read(read), force=True)
         records = read_check_log(log) if log.is_file() and log.stat().st_size else ()
     used = rig if isinstance(rig, Rig) else read_rig(as_path(rig))
-    dots, shown = _dots(source, target, progress_of(progress))
-    if shown is None:
-        shown = target_shown(target, None)
-    found = checked(used, dots, shown)
+    shown = _places(target)
+    named = shown.target if isinstance(shown, DotPlaces) else shown
+    dots, board = _dots(source, named, progress_of(progress))
+    known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None)
+    found = checked(used, dots, known)
     if how.log is not None:
         date = how.date or datetime.now(UTC).isoformat(timespec="seconds")
         name = "" if isinstance(rig, Rig) else Path(as_path(rig)).name
@@ -103,6 +106,13 @@ def check(
         arguments = {"rig": rig, "source": source, "target": target, "page": output.path}
         output.write(check_page(found, records, page_maker(output, "check", arguments)))
     return found
+
+
+def _places(target: AnyTarget | DotPlaces | AnyPath | None) -> AnyTarget | DotPlaces | AnyPath | None:
+    """Return the dots of a print where their file is given; else what is given."""
+    if isinstance(target, str | os.PathLike) and os.fspath(target) and is_places(target):
+        return read_places(target)
+    return target
 
 
 def _dots(

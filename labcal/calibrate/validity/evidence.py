@@ -35,12 +35,15 @@ class Evidence:
         Half of its derivatives.
     information : float64 array, (shared, shared)
         Half of the second ones, by Gauss-Newton.
+    dots : float64 array, (dots, 3)
+        Most likely places of the dots on the print, mm.
     """
 
     state: RigState
     cost: float
     gradient: Float64[np.ndarray, " shared"]
     information: Float64[np.ndarray, "shared shared"]
+    dots: Float64[np.ndarray, "dots 3"]
 
 
 @dataclass(frozen=True)
@@ -85,17 +88,18 @@ class NewViews:
         information, gradient = end.reduced.unscaled(end.blocks.gradient)
         white = self.observations.whitener.whiten(settled.residuals(self.observations).T)
         cost = float((white**2).sum())
-        n = len(information) - basis.shape[1]
+        n, dots = len(information) - basis.shape[1], settled.dots
         if basis.shape[1]:
             own = information[n:, n:] + np.diag(per_mode)
             right = np.column_stack([information[n:, :n], gradient[n:]])
             carried = scipy.linalg.cho_solve(scipy.linalg.cho_factor(own), right)
             cost -= float(gradient[n:] @ carried[:, -1])
+            dots = dots - (basis @ carried[:, -1]).reshape(-1, 3)
             gradient = gradient[:n] - information[:n, n:] @ carried[:, -1]
             information = information[:n, :n] - information[:n, n:] @ carried[:, :-1]
         if not (np.isfinite(cost) and np.isfinite(information).all() and np.isfinite(gradient).all()):
             return None
-        return Evidence(settled, cost, gradient, 0.5 * (information + information.T))
+        return Evidence(settled, cost, gradient, 0.5 * (information + information.T), dots)
 
     def settled(self, state: RigState) -> RigState | None:
         """Return a state with the poses of the target adjusted to its cameras; None if it images not all."""

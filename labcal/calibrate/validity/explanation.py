@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
+from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
 from labcal.calibrate.validity.change import Change
 from labcal.calibrate.validity.evidence import Evidence, NewViews
 from labcal.errors import InputError
@@ -14,6 +14,8 @@ _MOST_STEPS = 15
 _ARRIVED = 1e-2
 """Decrease of the cost below which a step is the last one, in units of a squared standard deviation."""
 _HALVINGS = 6
+_NOTHING = 1e-14
+"""Of the largest eigenvalue of correlations, below which one is rounding."""
 _HOPELESS = 1e-2
 """The same in units of how much worse the explanation is than the best one."""
 
@@ -69,12 +71,59 @@ class Explanation:
 
 @dataclass(frozen=True)
 class _Standing:
-    """A point on the way: errors of the calibration are ``covariance @ dual``."""
+    """A point on the way, in units of the prior: `unit` has the variance 1 before the views."""
 
-    dual: Float64[np.ndarray, " shared"]
-    size: Float64[np.ndarray, " count"]
+    unit: Float64[np.ndarray, " units"]
     cost: float
     evidence: Evidence
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The search for the best explanation by one kind of change."""
+
+    calibrated: Calibrated
+    change: Change | None
+    views: NewViews
+    root: Float64[np.ndarray, "shared roots"]
+    """Of the calibration's covariance."""
+    sizes: Float64[np.ndarray, " count"]
+    """Standard deviations of the change before the views."""
+
+    def at(self, unit: Float64[np.ndarray, " units"]) -> _Standing | None:
+        """Return the cost at a point; None where the cameras image not all dots."""
+        start, error = self.calibrated.state, self.root @ unit[: self.root.shape[1]]
+        try:
+            state = start if self.change is None else self.change.applied(start, self.size(unit))
+            layout = Layout(state, Freedom(Lenses.FREE, np.zeros((state.dots.size, 0))))
+            state = layout.stepped(error, np.zeros((len(state.T_world_target), POSE)))
+        except InputError:
+            return None
+        evidence = self.views.evidence(state)
+        return None if evidence is None else _Standing(unit, evidence.cost + float(unit @ unit), evidence)
+
+    def size(self, unit: Float64[np.ndarray, " units"]) -> Float64[np.ndarray, " count"]:
+        """Return the size of the change."""
+        return np.asarray(self.sizes * unit[self.root.shape[1] :])
+
+    def reach(self, state: RigState) -> Float64[np.ndarray, "shared units"]:
+        """Return the derivatives of the rig's parameters by the units."""
+        if self.change is None:
+            return self.root
+        return np.concatenate([self.root, self.change.columns(state) * self.sizes], axis=1)
+
+    def better(self, now: _Standing) -> _Standing:
+        """Return the end of a Gauss-Newton step, shortened until it decreases the cost; or `now`."""
+        L, H = self.reach(now.evidence.state), now.evidence.information
+        normal = np.eye(L.shape[1]) + L.T @ H @ L
+        goal = np.linalg.solve(normal, L.T @ (H @ (L @ now.unit) - now.evidence.gradient))
+        share = 1.0
+        for _ in range(_HALVINGS):
+            tried = self.at(now.unit + share * (goal - now.unit))
+            if tried is not None and tried.cost < now.cost:
+                return tried
+            share *= 0.5
+        return now
 
 
 def explained(
@@ -93,83 +142,41 @@ def explained(
 
     Notes
     -----
-    Errors e of the calibration have the covariance C, the change of size s has the prior S, both about 0.
-    With the derivatives B of the parameters by s the sum e + B s has the covariance P = C + B S B', and the
-    minimum of a quadratic of information H and gradient g about x is P z with (1 + H P) z = H x - g, which
-    inverts neither C nor H: views may leave parameters open, and calibrations may know some exactly. The
-    evidence is the Gaussian one, with the determinant of 1 + H P as Occam's factor (MacKay 1992).
+    Errors of the calibration have the covariance C = R R', the change the prior S, both about 0. In units of
+    these, x = R y1 + B S^1/2 y2 = L y with the derivatives B of the parameters by the change, a quadratic of
+    information H and gradient g has its minimum where (1 + L'HL) y = L'(H x - g): neither C nor H is
+    inverted, since views may leave parameters open, and calibrations may know some exactly. The evidence is
+    the Gaussian one, with the determinant of 1 + L'HL as Occam's factor (MacKay 1992).
     """
-    C = calibrated.covariance
-    count = 0 if change is None else change.count
-    sizes = (
-        np.zeros(0) if change is None else change.sizes(calibrated.state.cameras, calibrated.distance_mm) ** 2
-    )
-
-    def standing(dual: np.ndarray, size: np.ndarray) -> _Standing | None:
-        try:
-            state = calibrated.state if change is None else change.applied(calibrated.state, size)
-            state = _stepped(state, C @ dual)
-        except InputError:
-            return None
-        evidence = views.evidence(state)
-        if evidence is None:
-            return None
-        prior = float(dual @ C @ dual) + float((size**2 / sizes).sum())
-        return _Standing(dual, size, evidence.cost + prior, evidence)
-
-    now = standing(np.zeros(len(C)), np.zeros(count))
+    cameras = calibrated.state.cameras
+    sizes = np.zeros(0) if change is None else change.sizes(cameras, calibrated.distance_mm)
+    root = covariance_root(calibrated.covariance)
+    search = _Search(calibrated, change, views, root, sizes)
+    now = search.at(np.zeros(root.shape[1] + len(sizes)))
     if now is None:
         return None
     for _ in range(_MOST_STEPS):
-        B = _columns(change, now.evidence.state, len(C))
-        P = C + (B * sizes) @ B.T
-        x = C @ now.dual + B @ now.size
-        H = now.evidence.information
-        z = _Damped.of(H, P).inverse @ (H @ x - now.evidence.gradient)
-        goal = (z, sizes * (B.T @ z))
-        best = now
-        share = 1.0
-        for _ in range(_HALVINGS):
-            tried = standing(now.dual + share * (goal[0] - now.dual), now.size + share * (goal[1] - now.size))
-            if tried is not None and tried.cost < now.cost:
-                best = tried
-                break
-            share *= 0.5
-        gain, now = now.cost - best.cost, best
-        if gain < max(_ARRIVED, _HOPELESS * (now.cost - floor)):
+        before, now = now.cost, search.better(now)
+        if before - now.cost < max(_ARRIVED, _HOPELESS * (now.cost - floor)):
             break
-    H, B = now.evidence.information, _columns(change, now.evidence.state, len(C))
-    P = C + (B * sizes) @ B.T
-    whole = _Damped.of(H, P)
-    evidence = -0.5 * (now.cost + whole.log_det)
-    after = P @ whole.inverse
-    # Of the size: what the pictures say once the calibration's own errors have followed.
-    seen = B.T @ _Damped.of(H, C).inverse @ H @ B
-    size_covariance = np.linalg.inv(np.diag(1.0 / sizes) + 0.5 * (seen + seen.T))
-    return Explanation(change, now.size, size_covariance, now.cost, evidence, now.evidence, after)
+    L = search.reach(now.evidence.state)
+    normal = np.eye(L.shape[1]) + L.T @ now.evidence.information @ L
+    inverse, at = np.linalg.inv(normal), slice(root.shape[1], None)
+    return Explanation(
+        change=change,
+        size=search.size(now.unit),
+        size_covariance=inverse[at, at] * np.outer(sizes, sizes),
+        cost=now.cost,
+        log_evidence=-0.5 * (now.cost + float(np.linalg.slogdet(normal)[1])),
+        evidence=now.evidence,
+        covariance=L @ inverse @ L.T,
+    )
 
 
-def _stepped(state: RigState, shared: Float64[np.ndarray, " shared"]) -> RigState:
-    """Return a state with other parameters of the cameras."""
-    layout = Layout(state, Freedom(Lenses.FREE, np.zeros((state.dots.size, 0))))
-    return layout.stepped(shared, np.zeros((len(state.T_world_target), 6)))
-
-
-def _columns(change: Change | None, state: RigState, shared: int) -> Float64[np.ndarray, "shared count"]:
-    return np.zeros((shared, 0)) if change is None else change.columns(state)
-
-
-@dataclass(frozen=True)
-class _Damped:
-    """The matrix 1 + H P, in units in which all variances of P are 1."""
-
-    inverse: Float64[np.ndarray, "n n"]
-    log_det: float
-
-    @classmethod
-    def of(cls, H: Float64[np.ndarray, "n n"], P: Float64[np.ndarray, "n n"]) -> "_Damped":
-        """Return its inverse, in the parameters' own units, and the logarithm of its determinant."""
-        variance = np.diagonal(P)
-        s = np.sqrt(np.where(variance > 0.0, variance, 1.0))
-        M = np.eye(len(P)) + (H * np.outer(s, s)) @ (P / np.outer(s, s))
-        return cls(np.linalg.inv(M) * s[None, :] / s[:, None], float(np.linalg.slogdet(M)[1]))
+def covariance_root(C: Float64[np.ndarray, "n n"]) -> Float64[np.ndarray, "n roots"]:
+    """Return R with R R' = C, for a covariance that may be singular."""
+    scale = np.sqrt(np.maximum(np.diagonal(C), 0.0))
+    unit = np.where(scale > 0.0, scale, 1.0)
+    spread, axes = np.linalg.eigh(C / np.outer(unit, unit))
+    kept = spread > _NOTHING * max(1.0, spread[-1])
+    return np.asarray(unit[:, None] * axes[:, kept] * np.sqrt(spread[kept]))

@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.validity.change import Change, possible_changes
+from labcal.calibrate.validity.explanation import covariance_root
 from labcal.calibrate.validity.tested import ALARM, Tested
-from labcal.distributions import chi2_upper_quantile, noncentrality
+from labcal.distributions import needed_gain
 
 POWER = 0.9
 """Probability with which a change of the stated size is found."""
@@ -57,18 +58,19 @@ class Sensitivity:
 
 def sensitivities(found: Tested) -> list[Sensitivity]:
     """Return the sensitivity to each kind of change of each camera, about the rig as calibrated."""
-    made = found.made
-    H, C = found.unchanged.evidence.information, made.calibrated.covariance
-    # H (1 + C H)^-1, symmetric: what the pictures tell once errors of the calibration have followed.
-    scale = np.sqrt(np.where(np.diagonal(C) > 0.0, np.diagonal(C), 1.0))
-    scaled = H * np.outer(scale, scale)
-    inner = np.linalg.solve(np.eye(len(C)) + scaled @ (C / np.outer(scale, scale)), scaled)
-    seen = 0.5 * (inner + inner.T) / np.outer(scale, scale)
+    made, now = found.made, found.unchanged.evidence
+    root, H = covariance_root(made.calibrated.covariance), now.information
     changes = possible_changes(made.cameras)
     level = ALARM / len(changes)
     result = []
     for change in changes:
-        B = change.columns(found.unchanged.evidence.state)
-        needed = noncentrality(chi2_upper_quantile(level, change.count), change.count, POWER)
-        result.append(Sensitivity(change, B, B.T @ seen @ B, needed))
+        B = change.columns(now.state)
+        sizes = change.sizes(now.state.cameras, made.calibrated.distance_mm)
+        # The size's covariance by the views once errors of the calibration have followed, prior and all.
+        L = np.concatenate([root, B * sizes], axis=1)
+        at = slice(root.shape[1], None)
+        both = np.linalg.inv(np.linalg.inv(np.eye(L.shape[1]) + L.T @ H @ L)[at, at])
+        information = (both - np.eye(len(sizes))) / np.outer(sizes, sizes)
+        needed = needed_gain(level, change.count, made.noise_freedom, POWER)
+        result.append(Sensitivity(change, B, 0.5 * (information + information.T), needed))
     return result

@@ -7,7 +7,8 @@ import numpy as np
 from labcal.calibrate.adjustment.observations import observations_of
 from labcal.calibrate.adjustment.outliers import outliers
 from labcal.calibrate.adjustment.rounds import predicted_eccentricities
-from labcal.calibrate.adjustment.state import POSE, RigState
+from labcal.calibrate.adjustment.state import POSE, Lenses, RigState
+from labcal.calibrate.budget.view_dispersion import ViewDispersion, view_scores
 from labcal.calibrate.lens_start import start_from_camera
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.calibrate.validity.change import Change
@@ -19,7 +20,15 @@ from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 from labcal.wording import listed
+
+_LEAST_NOISE = 1e-4
+"""Of a dot's variance; what has none at all would weigh infinitely."""
+_DISPERSED = 1.5
+"""Factor of a calibration's views from which on they disagree by more than chance lets good ones."""
+FEWEST_TO_DISPERSE = 2
+"""Views that can disagree."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +48,8 @@ class Prepared:
         Number of dots that were left out.
     skipped : tuple of str
         Pictures that do not enter, for people.
+    noise_freedom : float
+        Degrees of freedom that the noise is known with: infinite unless views disagree beyond their dots.
     """
 
     calibrated: Calibrated
@@ -47,6 +58,11 @@ class Prepared:
     cameras: tuple[int, ...]
     outliers: int
     skipped: tuple[str, ...]
+    noise_freedom: float = np.inf
+    view_factor: float = 1.0
+    """Factor of variances by which the views of the calibration disagreed beyond their dots."""
+    clusters: int = 1
+    """Views of calibration and check together, less one for each of both."""
 
     @property
     def freedom(self) -> int:
@@ -65,7 +81,7 @@ class Prepared:
         return replace(self, views=left, outliers=self.outliers + int(off.sum()))
 
 
-def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
+def prepared(rig: Rig, detections: Detections, shown: AnyTarget | DotPlaces) -> Prepared:
     """Return new views ready for the test.
 
     Parameters
@@ -74,7 +90,8 @@ def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
         With its covariance.
     detections : Detections
         Centroids; only dots flagged ``ok`` enter.
-    target : AnyTarget
+    shown : AnyTarget or DotPlaces
+        The target, or the places of the dots on one print of it.
 
     Raises
     ------
@@ -88,6 +105,10 @@ def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
     residuals and views exceeded these when the rig was calibrated.
     """
     covariance = _covariance_of(rig)
+    target = shown.target if isinstance(shown, DotPlaces) else shown
+    dots, print_sigma_mm = target.points(), covariance.print_sigma_mm
+    if isinstance(shown, DotPlaces):
+        dots, print_sigma_mm = shown.points(), _sigma_of(shown)
     unknown = [name for name in detections.cameras if name not in rig.cameras]
     if unknown:
         raise InputError(
@@ -102,7 +123,7 @@ def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
     _require_sizes(rig, entering)
     observations = observations_of(entering, target, tuple(rig.cameras), names)
     T_world_target = np.stack([_first_pose(rig, entering, view, target) for view in names])
-    state = RigState(cameras, T_world_target, target.points())
+    state = RigState(cameras, T_world_target, dots)
     distance = float(np.median(np.linalg.norm(T_world_target[:, :3, 3], axis=1)))
     imaged = np.isfinite(state.residuals(observations)).all(axis=1)
     views = NewViews(observations.where(imaged), 0.0)
@@ -115,14 +136,15 @@ def prepared(rig: Rig, detections: Detections, target: AnyTarget) -> Prepared:
     eccentricity = predicted_eccentricities(settled, views.observations, 0.5 * target.outer_diameters_mm())
     scatter = 0.0 if rig.calibration is None else (rig.calibration.scatter_px or 0.0)
     seen = views.observations.moved(-eccentricity).scattered(scatter**2)
-    factor = max(1.0, covariance.noise_factor) * covariance.view_factor
     return Prepared(
         Calibrated(settled, covariance.matrix, distance),
-        NewViews(seen, covariance.print_sigma_mm).noisier(factor),
+        NewViews(seen, print_sigma_mm),
         names,
         tuple(np.unique(seen.camera).tolist()),
         int((~imaged).sum()),
         skipped,
+        view_factor=covariance.view_factor,
+        clusters=max(1, len(names) - 1 + max(0, len(rig.calibrated_on) - 1)),
     )
 
 
@@ -150,11 +172,42 @@ def cleaned(made: Prepared, anything: Change) -> tuple[Prepared, Explanation]:
             "in them, and that they are of the rig's cameras."
         )
     excess = found.evidence.cost / max(1, made.freedom - anything.count)
-    if excess > 1.0:
-        made = replace(made, views=made.views.noisier(excess))
-        again = explained(made.calibrated, anything, made.views)
-        found = found if again is None else again
-    return made, found
+    made = replace(made, views=made.views.noisier(max(_LEAST_NOISE, excess)))
+    return _with_dispersion(made, anything, found)
+
+
+def _with_dispersion(made: Prepared, anything: Change, found: Explanation) -> tuple[Prepared, Explanation]:
+    """Return views whose noise allows for what they disagree by, and their explanation by `anything`.
+
+    What a view's dots have in common (a board that bends in the hand, motion) is an error of that view. With
+    a few views its size is hardly known: the noise has as many degrees of freedom as there are views of
+    calibration and check, less one for each (of clusters in general: Cameron and Miller 2015, section VI).
+    """
+    again = explained(made.calibrated, anything, made.views)
+    found = found if again is None else again
+    if len(made.names) < FEWEST_TO_DISPERSE:
+        return made, found
+    dispersion = _dispersion(made, anything, found)
+    if dispersion is None:
+        return made, found
+    if dispersion.is_beyond_chance or made.view_factor > _DISPERSED:
+        factor, freedom = max(1.0, dispersion.ratio, made.view_factor), float(made.clusters)
+    else:
+        factor, freedom = max(dispersion.factor, made.view_factor), np.inf
+    made = replace(made, views=made.views.noisier(factor), noise_freedom=freedom)
+    again = explained(made.calibrated, anything, made.views)
+    return made, found if again is None else again
+
+
+def _dispersion(made: Prepared, anything: Change, found: Explanation) -> ViewDispersion | None:
+    """Return what views disagree by, the dots where they are most likely on the print; None where unknown."""
+    state = replace(made.calibrated.state, dots=found.evidence.dots)
+    views = replace(made.views, print_sigma_mm=0.0)
+    there = explained(replace(made.calibrated, state=state), anything, views)
+    if there is None:
+        return None
+    scores = view_scores(there.evidence.state, views.observations, Lenses.FREE)
+    return ViewDispersion.of_scores(there.covariance, scores, 1.0)
 
 
 def _covariance_of(rig: Rig) -> RigCovariance:
@@ -164,6 +217,14 @@ def _covariance_of(rig: Rig) -> RigCovariance:
             "Calibrate again with this version, with free lenses."
         )
     return rig.covariance
+
+
+def _sigma_of(places: DotPlaces) -> float:
+    """Return the RMS standard deviation of measured places along each direction of the plane, mm."""
+    measured = places.covariances()[places.freed()]
+    return (
+        float(np.sqrt(np.trace(measured[:, :2, :2], axis1=1, axis2=2).mean() / 2.0)) if len(measured) else 0.0
+    )
 
 
 def _require_sizes(rig: Rig, dots: Detections) -> None:

@@ -10,10 +10,11 @@ from labcal.calibrate.validity.explanation import Explanation, explained
 from labcal.calibrate.validity.prepared import Prepared, cleaned, prepared
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.distributions import chi2_tail
+from labcal.distributions import gain_tail
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 
 ALARM = 0.01
 """Probability of a false alarm, all kinds of changes together."""
@@ -37,10 +38,15 @@ class Tested:
 
     @property
     def p_values(self) -> Float64[np.ndarray, " changes"]:
-        """Probability that errors alone let each change explain so much (likelihood ratio; Wilks 1938)."""
+        """Probability that errors alone let each change explain so much (likelihood ratio; Wilks 1938).
+
+        Where the noise of views is known by their own disagreement, an F distribution takes the place of the
+        chi-square.
+        """
         gains = [max(0.0, self.unchanged.cost - one.cost) for one in self.changed]
         counts = [0 if one.change is None else one.change.count for one in self.changed]
-        return np.array([chi2_tail(gain, count) for gain, count in zip(gains, counts, strict=True)])
+        pairs = zip(gains, counts, strict=True)
+        return np.array([gain_tail(gain, count, self.made.noise_freedom) for gain, count in pairs])
 
     @property
     def p_value(self) -> float:
@@ -78,7 +84,7 @@ class Tested:
 
 
 @one_blas_thread()
-def tested(rig: Rig, detections: Detections, target: AnyTarget) -> Tested:
+def tested(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> Tested:
     """Test a rig against new views of a target.
 
     Parameters
@@ -87,7 +93,7 @@ def tested(rig: Rig, detections: Detections, target: AnyTarget) -> Tested:
         With the covariance of its calibration.
     detections : Detections
         Centroids.
-    target : AnyTarget
+    target : AnyTarget or DotPlaces
 
     Raises
     ------
