@@ -16,13 +16,19 @@ MOST_SIGMA0 = 2.0
 MOST_TIMES_BUDGET = 3.0
 """Times the budget before, which the mended rig's may reach."""
 _POSE = {ChangeKind.TURNED, ChangeKind.SHIFTED, ChangeKind.MOVED}
+_CORRECTIONS: dict[ChangeKind, tuple[ChangeKind, ...]] = {
+    ChangeKind.REFOCUSED: (ChangeKind.REFOCUSED,),
+    ChangeKind.MOVED: (),
+    ChangeKind.MOVED_AND_REFOCUSED: (ChangeKind.REFOCUSED, ChangeKind.MOVED_AND_REFOCUSED),
+}
+"""Kinds of corrections, and the changes of focus that each contains."""
 
 
 def mended_rig(check: RigCheck) -> Rig:
     """Return the rig after the change that a check found.
 
-    The relative pose is corrected; also focal length and principal point of a camera that was refocused.
-    Where it cannot be told what changed, poses and focal lengths of all cameras are.
+    The relative pose is corrected, or the focal length of a camera, or both with its principal point. Where
+    it cannot be told what changed, poses and focal lengths of all cameras are.
 
     Parameters
     ----------
@@ -81,7 +87,7 @@ def _correction(check: RigCheck) -> Explanation:
     shares = test.probabilities
     best, reached, fewest = test.changed[-1], 1.0, np.inf
     for one in test.changed[:-1]:
-        if one.change is None or one.change.kind not in (ChangeKind.MOVED, ChangeKind.MOVED_AND_REFOCUSED):
+        if one.change is None or one.change.kind not in _CORRECTIONS:
             continue
         contained = 0.0
         for other, share in zip(test.changed, shares.tolist(), strict=True):
@@ -89,7 +95,8 @@ def _correction(check: RigCheck) -> Explanation:
                 continue
             same = other.change.cameras == one.change.cameras
             by_pose = other.change.kind in _POSE and (pair or same)
-            by_focus = one.change.kind is ChangeKind.MOVED_AND_REFOCUSED and same
+            by_pose = by_pose and one.change.kind is not ChangeKind.REFOCUSED
+            by_focus = same and other.change.kind in _CORRECTIONS[one.change.kind]
             contained += share if by_pose or by_focus else 0.0
         better = (one.change.count, -contained) < (fewest, -reached)
         if contained >= LIKELY and better:

@@ -1,5 +1,6 @@
 """One simulated calibration, checked by new views of the rig as it was, and after changes of known size."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from labcal.calibrate.adjustment.state import RigState
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.validity.change import Change, ChangeKind
 from labcal.cameras.rig import Rig
+from labcal.errors import InputError
 from labcal.guide.rig_check import CheckVerdict, RigCheck, checked
 from labcal.guide.volume_cost import Volume
 from labcal.report.values import Measured
@@ -119,7 +121,8 @@ def _figures(found: RigCheck, change: Change, size: np.ndarray, true: RigState) 
     if volume is not None and found.budget_mm is not None:
         cost = _rms(volume.errors_mm(change.applied(start, size).cameras)) / found.budget_mm
         if found.verdict is CheckVerdict.CHANGED:
-            after = _after(found.mended(), change.applied(true, size), volume) / found.budget_mm
+            with suppress(InputError):  # these pictures do not support a correction
+                after = _after(found.mended(), change.applied(true, size), volume) / found.budget_mm
     right = None if found.camera is None else found.camera == CAMERAS[change.cameras[0]]
     return ChangedFigures(
         kind=change.kind.value,

@@ -59,6 +59,8 @@ class Prepared:
     outliers: int
     skipped: tuple[str, ...]
     noise_freedom: float = np.inf
+    excess: float = 1.0
+    """Variance of residuals over what the dots and the calibration state, where anything may have changed."""
     view_factor: float = 1.0
     """Factor of variances by which the views of the calibration disagreed beyond their dots."""
     clusters: int = 1
@@ -172,7 +174,7 @@ def cleaned(made: Prepared, anything: Change) -> tuple[Prepared, Explanation]:
             "in them, and that they are of the rig's cameras."
         )
     excess = found.evidence.cost / max(1, made.freedom - anything.count)
-    made = replace(made, views=made.views.noisier(max(_LEAST_NOISE, excess)))
+    made = replace(made, views=made.views.noisier(max(_LEAST_NOISE, excess)), excess=excess)
     return _with_dispersion(made, anything, found)
 
 

@@ -78,9 +78,8 @@ class Tested:
 
     @property
     def sigma0(self) -> float:
-        """Root of the squares of residuals that the best explanation leaves, over their expected value."""
-        last = self.changed[-1]
-        return float(np.sqrt(last.evidence.cost / max(1, self.made.freedom - _change_of(last).count)))
+        """Residuals over what is stated of them, where every camera may have changed."""
+        return float(np.sqrt(self.made.excess))
 
 
 @one_blas_thread()
