@@ -27,6 +27,8 @@ from .evaluate.own_lengths import LengthErrors as LengthErrors
 from .guide.rehearsal.catalogue import load_rig_plan as load_rig_plan
 from .guide.rehearsal.rehearsal import Rehearsal as Rehearsal
 from .guide.rehearsal.rig_plan import RigPlan as RigPlan
+from .guide.rig_check import RigCheck as RigCheck
+from .pipeline.check import check as check
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .pipeline.rehearsal import rehearse as rehearse

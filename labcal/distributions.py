@@ -4,7 +4,18 @@ The bits are those of :mod:`scipy.stats`, which calls the same special functions
 forty distributions.
 """
 
-from scipy.special import betaincc, chdtrc, chdtri, fdtrc, gammaincinv
+from math import isinf
+
+from scipy.special import (
+    betaincc,
+    chdtrc,
+    chdtri,
+    chndtrinc,
+    fdtrc,
+    fdtri,
+    gammaincinv,
+    ncfdtrinc,
+)
 
 
 def chi2_quantile(share: float, freedom: int) -> float:
@@ -32,3 +43,24 @@ def beta_tail(share: float, a: float, b: float) -> float:
     if share <= 0.0 or share >= 1.0:
         return float(share <= 0.0)
     return float(betaincc(a, b, share))
+
+
+def gain_tail(gain: float, freedom: int, noise_freedom: float) -> float:
+    """Return how likely chance decreases a sum of squares by a gain, with so many parameters more.
+
+    The unit of the squares is known by `noise_freedom` degrees of freedom, which may be infinite.
+    """
+    if isinf(noise_freedom):
+        return float(chdtrc(freedom, gain))
+    return f_tail(gain / freedom, freedom, noise_freedom)
+
+
+def needed_gain(chance: float, freedom: int, noise_freedom: float, power: float) -> float:
+    """Return the noncentrality that is found with a probability `power` by a test of level `chance`.
+
+    That of :func:`gain_tail`, where the true change decreases the sum of squares by so much.
+    """
+    if isinf(noise_freedom):
+        return float(chndtrinc(chdtri(freedom, chance), freedom, 1.0 - power))
+    critical = fdtri(freedom, noise_freedom, 1.0 - chance)
+    return float(ncfdtrinc(freedom, noise_freedom, 1.0 - power, critical))

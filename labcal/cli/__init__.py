@@ -55,6 +55,7 @@ VERBS = {
     "reconstruct": "points in space from dots",
     "measure": "points in space from named pixels, in a frame of one's own",
     "evaluate": "errors of points in millimetres",
+    "check": "whether a calibration is still valid, and what changed",
     "rehearse": "the errors to expect of a planned rig, before anything is bought",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",

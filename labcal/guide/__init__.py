@@ -1,1 +1,1 @@
-"""Advice before and between measurements: what a rig will measure, and what to change."""
+"""Guidance before and between measurements: what to expect of a rig, whether a calibration is still valid."""

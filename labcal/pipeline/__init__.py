@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from labcal.pipeline.calibration import calibrate, fit
+from labcal.pipeline.check import check
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.named_points import measure
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.measure_settings import MeasureSettings
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BenchSettings",
+    "CheckSettings",
     "ConvertSettings",
     "DetectSettings",
     "FitSettings",
@@ -54,6 +57,7 @@ __all__ = [
     "UndistortSettings",
     "bench",
     "calibrate",
+    "check",
     "convert",
     "detect",
     "detect_settings",
@@ -79,6 +83,7 @@ __all__ = [
 
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
+    "CheckSettings": "labcal.guide.check_settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",

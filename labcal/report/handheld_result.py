@@ -53,6 +53,6 @@ def handheld_result(training: Training) -> HandheldResult | None:
         rms_px=held.found.rms_px,
         outlier_count=len(held.found.outliers),
         free_dots=held.found.freed is not None,
-        dot_places=held.found.dots,
+        dot_places=held.found.dot_decision,
         inconsistent=inconsistent_result(held.found),
     )

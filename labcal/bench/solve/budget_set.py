@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Vectors3
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
+from labcal.bench.solve.pair_dots import CAMERAS, pair_dots
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
@@ -29,7 +30,6 @@ from labcal.report.values import Measured
 from labcal.rng import generator
 
 NOISE_PX = 0.05
-CAMERAS = ("left", "right")
 PRINTS = ("even", "uneven", "uneven, freed")
 """Even; off by its kind's standard deviation; the same with the dots freed."""
 POINTS, BODIES = 200, 25
@@ -131,21 +131,7 @@ def simulated_dots(kind: PairKind, case: BudgetSet, random: np.random.Generator)
     if case.surface != PRINTS[0]:
         dots[:, :2] += kind.print_mm * random.standard_normal((len(dots), 2))
     views = kind.poses(case.views, random)
-    places = [dots @ T[:3, :3].T + T[:3, 3] for T in views]
-    q = np.concatenate([camera.project(p).q for camera in kind.cameras() for p in places])
-    n = len(q)
-    names = np.repeat([f"view-{number:02d}" for number in range(len(views))], len(dots))
-    return Detections(
-        view=np.tile(names, 2),
-        camera=np.repeat(CAMERAS, n // 2),
-        image=np.full(n, "none.png"),
-        size=np.tile(kind.size, (n, 1)),
-        index=np.tile(target.indices(), (2 * len(views), 1)),
-        has_id=np.ones(n, dtype=bool),
-        position=q + NOISE_PX * random.standard_normal(q.shape),
-        covariance=np.tile(NOISE_PX**2 * np.eye(2), (n, 1, 1)),
-        flag=np.full(n, "ok"),
-    )
+    return pair_dots(kind.cameras(), target, dots, views, (NOISE_PX, random))
 
 
 def _moved(true: Vectors3, members: np.ndarray, random: np.random.Generator) -> Vectors3:

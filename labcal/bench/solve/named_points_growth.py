@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
-from labcal.bench.solve.budget_set import CAMERAS, NOISE_PX, calibrated
+from labcal.bench.solve.budget_set import NOISE_PX, calibrated
+from labcal.bench.solve.pair_dots import CAMERAS
 from labcal.cameras.rig import Rig
 from labcal.correspond.named_pixels import NamedPixels
 from labcal.errors import DeviceError

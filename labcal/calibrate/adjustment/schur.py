@@ -53,6 +53,12 @@ class Reduced:
         forward = np.einsum("vij,vj->vi", self.inverse_root, full.view)
         return np.asarray((full.shared - np.einsum("vki,vk->i", self.reach, forward)) / self.scale)
 
+    def unscaled(
+        self, full: Slopes
+    ) -> tuple[Float64[np.ndarray, "shared shared"], Float64[np.ndarray, " shared"]]:
+        """Return matrix and gradient for the shared parameters in their own units."""
+        return self.matrix * np.outer(self.scale, self.scale), self.gradient(full) * self.scale
+
     def solve(self, full: Slopes, mu: float) -> Slopes | None:
         """Return x of (J'J + damping) x = full; damping `mu` acts on the shared parameters alone.
 

@@ -1,6 +1,6 @@
 """The observations that an adjustment ended with, and the problem that they make."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
@@ -56,9 +56,3 @@ class Entered:
     def with_fixed_dots(self) -> ViewsEliminated:
         """Return the normal equations at the end with the dots where they are."""
         return self.linearised(np.zeros((self.state.dots.size, 0)))
-
-    def of_view(self, view: int, rows: slice | np.ndarray) -> tuple[RigState, Observations]:
-        """Return the state and the observations of one view alone, whose observations are `rows`."""
-        seen = self.observations.where(np.asarray(rows))
-        seen = replace(seen, view=np.zeros_like(seen.view))
-        return replace(self.state, T_world_target=self.state.T_world_target[view : view + 1]), seen

@@ -159,8 +159,7 @@ def reduced_information(end: ViewsEliminated) -> tuple[Float64[np.ndarray, "n n"
     if reduced is None:
         n = len(end.blocks.shared)
         return np.zeros((n, n)), np.zeros(n)
-    scale = reduced.scale
-    return reduced.matrix * np.outer(scale, scale), reduced.gradient(end.blocks.gradient) * scale
+    return reduced.unscaled(end.blocks.gradient)
 
 
 def _freedom(entered: Entered, shared: int) -> float:

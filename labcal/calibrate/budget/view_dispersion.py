@@ -5,7 +5,7 @@ hand, motion. A covariance from independent pixels is then too small. Each view'
 part of the cost by the cameras, after its own pose has followed) tells in which direction it would pull them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,10 +13,13 @@ from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.blocks import assemble
 from labcal.calibrate.adjustment.datum_constraints import DatumConstraints
-from labcal.calibrate.adjustment.state import Freedom, Layout
+from labcal.calibrate.adjustment.observations import Observations
+from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
 from labcal.calibrate.budget.entered import Entered
 from labcal.optim.robust import SQUARES
 
+ViewScore = tuple[Float64[np.ndarray, " shared"], Float64[np.ndarray, "shared shared"]]
+"""Gradient of a view's part of the cost by the cameras, and its information about them."""
 _CHANCE = 3.0
 """Standard deviations of the ratio."""
 
@@ -68,9 +71,17 @@ class ViewDispersion:
         tenths (docs/decisions, 2026-11-26).
         """
         C = entered.with_fixed_dots().shared_spread()
+        scores = view_scores(entered.state, entered.observations, entered.adjusted.layout.freedom.lenses)
+        return cls.of_scores(C, scores, residual)
+
+    @classmethod
+    def of_scores(
+        cls, C: Float64[np.ndarray, "shared shared"], views: "list[ViewScore]", residual: float
+    ) -> "ViewDispersion":
+        """Return the dispersion of the scores of views; `C` is the covariance that these views leave."""
         expected, found, chance = 0.0, 0.0, 0.0
         squares = np.zeros_like(C)
-        for score, information in _views(entered):
+        for score, information in views:
             leverage = C @ information
             square = leverage @ leverage
             left = leverage - square
@@ -84,23 +95,30 @@ class ViewDispersion:
         return cls(found / (residual * expected), float(np.sqrt(max(0.0, variance))) / expected)
 
 
-def _views(
-    entered: Entered,
-) -> list[tuple[Float64[np.ndarray, " shared"], Float64[np.ndarray, "shared shared"]]]:
+def view_scores(start: RigState, observations: Observations, lenses: Lenses) -> list[ViewScore]:
     """Return the score of each view and its information about the cameras, its own pose eliminated."""
-    seen = entered.observations.view
+    seen = observations.view
     order = np.argsort(seen, kind="stable")
-    edges = np.searchsorted(seen[order], np.arange(len(entered.state.T_world_target) + 1))
-    still = Freedom(entered.adjusted.layout.freedom.lenses, np.zeros((entered.state.dots.size, 0)))
+    edges = np.searchsorted(seen[order], np.arange(len(start.T_world_target) + 1))
+    still = Freedom(lenses, np.zeros((start.dots.size, 0)))
     found = []
     for view, (first, end) in enumerate(pairwise(edges.tolist())):
         if first == end:
             continue
         # In their order, so that a camera's pictures stay together.
-        state, rows = entered.of_view(view, np.sort(order[first:end]))
+        state, rows = _of_view(start, observations, view, np.sort(order[first:end]))
         layout = Layout(state, still)
         blocks = DatumConstraints.of(layout, rows).applied(assemble(layout, rows, SQUARES))
         reach = np.linalg.solve(blocks.view[0], blocks.cross[0].T)
         score = blocks.gradient.shared - reach.T @ blocks.gradient.view[0]
         found.append((score, blocks.shared - blocks.cross[0] @ reach))
     return found
+
+
+def _of_view(
+    state: RigState, observations: Observations, view: int, rows: np.ndarray
+) -> tuple[RigState, Observations]:
+    """Return the state and the observations of one view alone, whose observations are `rows`."""
+    seen = observations.where(rows)
+    seen = replace(seen, view=np.zeros_like(seen.view))
+    return replace(state, T_world_target=state.T_world_target[view : view + 1]), seen

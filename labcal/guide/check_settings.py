@@ -1,0 +1,68 @@
+"""Settings of the check of a calibration: its log."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from labcal.arguments import one_text, set_checked, wrong_type
+from labcal.errors import InputError
+from labcal.guide.check_log import MOST_LETTERS, checked_date
+from labcal.paths import AnyPath, as_text
+from labcal.wording import has_control, shown
+
+_COLDEST, _HOTTEST = -273.15, 1e4
+
+
+@dataclass(frozen=True)
+class CheckSettings:
+    """The log that a check is added to, and what it notes beside the result.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import CheckSettings
+    >>> CheckSettings(log="checks.jsonl", temperature_c=21.5, note="after the move").temperature_c
+    21.5
+    """
+
+    log: AnyPath | None = None
+    """File that the check is added to, a line of JSON each; it is made if it is not there."""
+    date: str | None = None
+    """Of the check, ISO 8601; now, in UTC, if left out."""
+    temperature_c: float | None = None
+    """Degrees Celsius."""
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the settings.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            One is of a wrong type, is no date or no temperature, or goes with a log and there is none.
+        """
+        note = one_text(self.note, "note") if self.note != "" else ""
+        if len(note) > MOST_LETTERS or has_control(note):
+            raise InputError(
+                f"`note` is a line of at most {MOST_LETTERS} letters without control characters, but "
+                f"{shown(note)} was given."
+            )
+        values = {
+            "log": None if self.log is None else as_text(self.log),
+            "date": None if self.date is None else checked_date(one_text(self.date, "date")),
+            "temperature_c": None if self.temperature_c is None else _temperature(self.temperature_c),
+            "note": note,
+        }
+        for name in ("date", "temperature_c", "note"):
+            if self.log is None and values[name] not in (None, ""):
+                raise InputError(f"`{name}` goes into a log. Give `log`, too, or leave it out.")
+        set_checked(self, values)
+
+
+def _temperature(given: object) -> float:
+    if isinstance(given, bool) or not hasattr(given, "__float__"):
+        raise wrong_type(given, "a number of degrees Celsius", "temperature_c")
+    value = float(given)
+    if not (isfinite(value) and _COLDEST <= value <= _HOTTEST):
+        raise InputError(
+            f"`temperature_c` is a temperature in degrees Celsius, but {shown(given)} was given."
+        )
+    return value

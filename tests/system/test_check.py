@@ -1,0 +1,61 @@
+"""``labcal check`` as a command: the same as the function, exit statuses, wrong use."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from labcal import check, examples, pipeline, read_detections, read_rig, write_detections
+from labcal.cameras.rig import Rig
+from labcal.geometry.poses import from_rotation_vector
+from labcal.guide.check_settings import CheckSettings
+from labcal.report.check_result import check_result
+from labcal.run.json_text import plain_data
+
+Run = Callable[..., Any]
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a rig, a rig whose right camera was turned, and dots."""
+    folder = tmp_path_factory.mktemp("check")
+    rig = pipeline.calibrate(examples.TARGET, examples.detections()).rig
+    rig.save(folder / "rig.json")
+    right = rig.camera("right")
+    turned = from_rotation_vector([0.002, 0.001, 0.0], [0.0, 0.0, 0.0]) @ right.T_cam_world
+    record = rig.cameras["right"].model_copy(update={"T_cam_world": turned.tolist()})
+    changed = {**rig.model_dump(mode="json"), "cameras": {
+        "left": rig.cameras["left"].model_dump(mode="json"), "right": record.model_dump(mode="json")
+    }}  # fmt: skip
+    Rig.model_validate(changed).save(folder / "turned.json")
+    write_detections(folder / "dots.csv", examples.detections())
+    return folder
+
+
+def test_the_function_and_the_command_make_the_same(labcal: Run, home: Path) -> None:
+    words = ("check", home / "turned.json", home / "dots.csv", "--target", examples.TARGET)
+    log = ("--log", home / "command.jsonl", "--date", "2026-05-04", "--note", "turned")
+    told = labcal(*words, *log, "--mend", home / "mended.json")
+    settings = CheckSettings(home / "python.jsonl", "2026-05-04", note="turned")
+    found = check(home / "turned.json", read_detections(home / "dots.csv"), examples.TARGET, settings)
+    assert told.status == 1
+    document = plain_data(check_result(found, home / "mended.json"))
+    assert told.document == document
+    assert (home / "command.jsonl").read_bytes() == (home / "python.jsonl").read_bytes()
+    assert read_rig(home / "mended.json") == found.mended()
+    again = labcal("check", home / "mended.json", home / "dots.csv", "--target", examples.TARGET)
+    assert (again.status, again.document["verdict"]) == (0, "valid")
+
+
+def test_wrong_use(labcal: Run, home: Path) -> None:
+    for words, expected in [
+        (("rig.json", "dots.csv"), "--target"),
+        (("rig.json", "dots.csv", "--target", examples.TARGET, "--note", "x"), "--log"),
+        (("rig.json", "dots.csv", "--target", examples.TARGET, "--force"), "--force"),
+        (("rig.json", "dots.csv", "--target", examples.TARGET, "--workers", "2"), "--workers"),
+        (("rig.json", "nothing.csv", "--target", examples.TARGET), "nothing.csv"),
+    ]:
+        told = labcal("check", *(home / word if "." in word else word for word in words))
+        assert told.status == 2
+        assert expected in told.document["error"]["message"]
