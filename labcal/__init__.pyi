@@ -23,7 +23,9 @@ from .estimators.model import Model as Model
 from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
 from .evaluate.against_truth import TruthErrors as TruthErrors
+from .evaluate.comparison.rig_comparison import RigComparison as RigComparison
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .pipeline.comparison import compare as compare
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .reconstruct.angle import angle as angle

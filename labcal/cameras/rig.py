@@ -11,6 +11,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.camera_description import camera_description
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
+from labcal.cameras.support import CalibrationSupport
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
@@ -41,6 +42,12 @@ class CalibrationRecord(BaseModel):
     """Variance component beyond the dots' covariances, as a standard deviation of pixels along each axis."""
     inconsistent: tuple[str, ...] = ()
     """Causes of contradictions between the views, the likeliest first; empty if there are none."""
+    support: CalibrationSupport | None = None
+    """Where dots were when they were calibrated; left out of files if not known."""
+
+    @model_serializer(mode="wrap")
+    def _without_unknown_support(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if key != "support" or value is not None}
 
 
 class Rig(PublicObject, BaseModel):

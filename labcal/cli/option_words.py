@@ -19,6 +19,7 @@ OPTIONS = {
     "methods": "--method",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
     "pixel_sigma": "--pixel-sigma",
+    "distances_mm": "--distances-mm", "pictures": "--pictures",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

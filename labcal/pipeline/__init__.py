@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from labcal.pipeline.calibration import calibrate, fit
+from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.evaluate.comparison.compare_settings import CompareSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.render.shoot import RenderSettings
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BenchSettings",
+    "CompareSettings",
     "ConvertSettings",
     "DetectSettings",
     "FitSettings",
@@ -50,6 +53,7 @@ __all__ = [
     "UndistortSettings",
     "bench",
     "calibrate",
+    "compare",
     "convert",
     "detect",
     "detect_settings",
@@ -73,6 +77,7 @@ __all__ = [
 
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
+    "CompareSettings": "labcal.evaluate.comparison.compare_settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
