@@ -22,9 +22,14 @@ from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model
 from .estimators.model_file import load_model as load_model
 from .estimators.model_file import save_model as save_model
+from .evaluate.acceptance.certificate import Certificate as Certificate
+from .evaluate.acceptance.length_plan import LengthPlan as LengthPlan
+from .evaluate.acceptance.length_plan import plan_lengths as plan_lengths
+from .evaluate.acceptance.reference_lengths import ReferenceLengths as ReferenceLengths
 from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.comparison.rig_comparison import RigComparison as RigComparison
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .pipeline.acceptance import certify as certify
 from .pipeline.comparison import compare as compare
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct

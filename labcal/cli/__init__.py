@@ -55,6 +55,7 @@ VERBS = {
     "reconstruct": "points in space from dots",
     "measure": "points in space from named pixels, in a frame of one's own",
     "evaluate": "errors of points in millimetres",
+    "certify": "an acceptance test by known lengths, with a certificate",
     "compare": "how two calibrations differ, in pixels and in millimetres",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",

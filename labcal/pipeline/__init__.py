@@ -13,6 +13,7 @@ too. Nothing is printed: what a person should not miss is in the `warnings` of w
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from labcal.pipeline.acceptance import certify
 from labcal.pipeline.calibration import calibrate, fit
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.evaluate.acceptance.certify_settings import CertifySettings
+    from labcal.evaluate.acceptance.length_plan import plan_lengths
     from labcal.evaluate.comparison.compare_settings import CompareSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.measure_settings import MeasureSettings
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BenchSettings",
+    "CertifySettings",
     "CompareSettings",
     "ConvertSettings",
     "DetectSettings",
@@ -53,6 +57,7 @@ __all__ = [
     "UndistortSettings",
     "bench",
     "calibrate",
+    "certify",
     "compare",
     "convert",
     "detect",
@@ -67,6 +72,7 @@ __all__ = [
     "measure",
     "measure_pictures",
     "open_pictures",
+    "plan_lengths",
     "reconstruct",
     "render",
     "reproduce",
@@ -77,6 +83,7 @@ __all__ = [
 
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
+    "CertifySettings": "labcal.evaluate.acceptance.certify_settings",
     "CompareSettings": "labcal.evaluate.comparison.compare_settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
@@ -91,6 +98,7 @@ _HOMES = {
     "detections_of": "labcal.correspond.measure",
     "epipolar_rms": "labcal.calibrate.epipolar_residual",
     "estimators_of": "labcal.estimators.fitting",
+    "plan_lengths": "labcal.evaluate.acceptance.length_plan",
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
     "training_of": "labcal.estimators.fitting",

@@ -77,7 +77,7 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     kind = KINDS[case.kind]
     random = generator(case.seed, "bench solve", "budget", case.kind, case.surface, str(case.views))
     settings = HandheldSettings(eccentricity_rounds=0, free_dots=case.surface == PRINTS[2])
-    found = calibrate_handheld(_detections(kind, case, random), kind.target(), case.lens, settings)
+    found = calibrate_handheld(simulated_detections(kind, case, random), kind.target(), case.lens, settings)
     rig = found.rig
     if rig.covariance is None:
         raise InputError("A calibration with free lenses states no covariance.")
@@ -107,7 +107,7 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     )
 
 
-def _detections(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
+def simulated_detections(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
     """Return images of centres with noise, of a print that is as the case says."""
     target = kind.target()
     dots = target.points()
