@@ -64,8 +64,8 @@ class Decided(BaseModel):
     conforms: bool
     """The true largest error is within the limit."""
     off: Measured
-    """Limit minus true largest error in standard uncertainties of the test: those of the worst length where it
-    does not conform, else those of the most uncertain one."""
+    """Limit minus true largest error in standard uncertainties of the test: those of the worst length where
+    it does not conform, else those of the most uncertain one."""
 
 
 class CertifyFigures(BaseModel):
