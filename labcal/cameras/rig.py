@@ -43,7 +43,7 @@ class CalibrationRecord(BaseModel):
     inconsistent: tuple[str, ...] = ()
     """Causes of contradictions between the views, the likeliest first; empty if there are none."""
     support: CalibrationSupport | None = None
-    """Where dots were when they were calibrated; left out of files if not known."""
+    """Hulls of the dots that they were calibrated from; left out of files if not known."""
 
     @model_serializer(mode="wrap")
     def _without_unknown_support(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:

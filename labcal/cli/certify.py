@@ -9,10 +9,12 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
 
-_OF_A_TEST = (
-    "lengths", "rig", "limit_mm", "limit_ppm", "rule", "confidence", "uncertainty", "pixel_sigma", "operator",
-    "temperature_c", "date",
-)  # fmt: skip
+_OF_A_TEST = {
+    "lengths": None, "rig": None, "limit_mm": None, "limit_ppm": 0.0, "rule": "iso-14253-1",
+    "confidence": 0.95, "uncertainty": "reference", "pixel_sigma": None, "operator": None,
+    "temperature_c": None, "date": None,
+}  # fmt: skip
+"""Options with their defaults."""
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -55,19 +57,25 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument("--rig", type=Path, metavar="RIG", help="with points.csv: what measured them")
     parser.add_argument("--limit-mm", type=float, metavar="MM", help="largest permissible error of a length")
     parser.add_argument(
-        "--limit-ppm", type=float, metavar="PPM", help="part of it that grows with the length"
+        "--limit-ppm", type=float, default=0.0, metavar="PPM", help="part of it that grows with the length"
     )
     parser.add_argument(
         "--rule",
         choices=["iso-14253-1", "simple"],
+        default="iso-14253-1",
         help="decision rule: what is stated must be proven (default), or errors are compared as they are",
     )
     parser.add_argument(
-        "--confidence", type=float, metavar="P", help="probability of what is proven (default 0.95)"
+        "--confidence",
+        type=float,
+        default=0.95,
+        metavar="P",
+        help="probability of what is proven (0.95)",
     )
     parser.add_argument(
         "--uncertainty",
         choices=["reference", "noise-and-reference"],
+        default="reference",
         help="uncertainty of the test: that of the calibrated lengths, so that noise of the pixels counts as "
         "error (default); or both, so that the limit is for errors that stay in a repetition",
     )
@@ -101,8 +109,9 @@ def _plan(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.report.certify_result import plan_result, plan_table
     from labcal.run.claims import FileOutput, claim_outputs
 
-    for name in _OF_A_TEST:
-        refuse_option(arguments, name, "goes with a test, not with its plan")
+    for name, default in _OF_A_TEST.items():
+        if getattr(arguments, name) != default:
+            raise InputError(f"--{name.replace('_', '-')} goes with a test, not with its plan. Leave it out.")
     if arguments.source is not None:
         raise InputError(f"{arguments.source} goes with a test, not with its plan. Leave it out.")
     if arguments.volume_mm is None or arguments.output is None:
@@ -135,14 +144,7 @@ def _test(arguments: Namespace, session: Session) -> ExitStatus:
     if arguments.points is not None:
         refuse_option(arguments, "rig", "goes with a table of points; the rig of pixels is named first")
         points, rig = arguments.points, arguments.source
-    given = {
-        name: getattr(arguments, name)
-        for name in (
-            "limit_mm", "limit_ppm", "rule", "confidence", "uncertainty", "pixel_sigma", "operator",
-            "temperature_c", "date",
-        )
-        if getattr(arguments, name) is not None
-    }  # fmt: skip
+    given = {name: getattr(arguments, name) for name in _OF_A_TEST if name not in {"lengths", "rig"}}
     sides = numbers(arguments.volume_mm, "volume_mm") or None
     settings = CertifySettings(**given, volume_mm=sides)
     arguments.page = arguments.output

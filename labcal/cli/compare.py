@@ -63,7 +63,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refuse_option(arguments, "force", "replaces a page, and none is asked for")
     page = asked_page(arguments, session, [arguments.one, arguments.other])
     settings = CompareSettings(
-        cameras={} if arguments.cameras is None else parse_names(arguments.cameras),
+        cameras=None if arguments.cameras is None else parse_names(arguments.cameras),
         distances_mm=numbers(arguments.distances_mm, "distances_mm"),
         pictures=arguments.pictures,
     )

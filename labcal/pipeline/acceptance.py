@@ -68,7 +68,7 @@ def certify(
     >>> settings = CertifySettings(limit_mm=0.01)
     >>> found = labcal.certify(examples.pixels(), examples.lengths(), settings, rig=examples.rig())
     >>> found.error_mm.round(3)
-    array([-0.032, -0.061,  0.006])
+    array([ 0.019,  0.026, -0.004])
     """
     from labcal.evaluate.acceptance.certified import certified
     from labcal.evaluate.acceptance.certify_settings import CertifySettings

@@ -54,7 +54,7 @@ class CertifyResult:
     rule: str
     confidence: float
     uncertainty: str
-    """What the uncertainty of the test holds."""
+    """Sources that the uncertainty of the test holds."""
     date: str
     operator: str | None
     temperature_c: float | None

@@ -72,7 +72,7 @@ class CompareResult:
     pictures: str | None
     """``different`` or ``same``; null if not known."""
     consistent: bool | None
-    """Whether both budgets explain the differences (chance of 1% or more); null where no test is possible."""
+    """True if both budgets explain the differences (chance of 1% or more); null where no test is possible."""
     warnings: list[str]
 
 

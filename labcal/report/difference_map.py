@@ -21,7 +21,7 @@ def difference_map(
     q: Pixels,
     px: Float64[np.ndarray, " n"],
     size: tuple[int, int],
-    outlines: Sequence[Pixels],
+    outlines: Sequence[Float64[np.ndarray, "_ 2"]],
     most_px: float,
 ) -> str:
     """Return an SVG of lengths over a picture.

@@ -43,7 +43,7 @@ class Certificate(PublicObject):
     >>> from labcal.pipeline import CertifySettings
     >>> settings = CertifySettings(limit_mm=0.5)
     >>> labcal.certify(examples.pixels(), examples.lengths(), settings, rig=examples.rig())
-    Certificate(outcome=incomplete, lengths=3, largest_error='0.0611 mm', limit='0.5 mm', warnings=1)
+    Certificate(outcome=incomplete, lengths=3, largest_error=0.0258 mm, limit=0.5 mm, warnings=1)
     """
 
     reference: ReferenceLengths

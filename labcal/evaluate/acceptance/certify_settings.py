@@ -9,9 +9,10 @@ from jaxtyping import Float64
 
 from labcal.arguments import choice_of, one_text, set_checked, wrong_type
 from labcal.arrays import AnyArray, float_array
-from labcal.bounds import LEAST_MM, MOST_MM
+from labcal.bounds import MOST_MM
 from labcal.errors import InputError
 from labcal.evaluate.acceptance.decision import Rule, Uncertainty
+from labcal.evaluate.acceptance.length_plan import volume_sides
 from labcal.wording import clipped, has_control, printable, shown
 
 CONFIDENCE = 0.95
@@ -51,7 +52,7 @@ class CertifySettings:
     volume_mm: AnyArray | None = None
     """Sides of the volume that is tested, mm: three numbers; it tells whether lengths reach far enough."""
     operator: str | None = None
-    """Who made the test."""
+    """Name of the person who made the test."""
     temperature_c: float | None = None
     """Temperature, degrees Celsius."""
     date: str | None = None
@@ -82,8 +83,7 @@ class CertifySettings:
         if self.temperature_c is not None:
             values["temperature_c"] = _number(self.temperature_c, "temperature_c", (-273.15, 1e4))
         if self.volume_mm is not None:
-            sides = float_array(self.volume_mm, (3,), "volume_mm").tolist()
-            values["volume_mm"] = tuple(_number(side, "volume_mm", (LEAST_MM, MOST_MM)) for side in sides)
+            values["volume_mm"] = volume_sides(self.volume_mm)
         if self.operator is not None:
             values["operator"] = _line(self.operator, "operator")
         if self.date is not None:

@@ -19,8 +19,9 @@ from labcal.errors import InputError
 from labcal.evaluate.acceptance.reference_lengths import ReferenceLengths
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.wording import shown
 
-LINES, LENGTHS = 7, 5
+LINES, LENGTHS, SPACE = 7, 5, 3
 LONGEST_SHARE = 2.0 / 3.0
 """Least share of the volume's diagonal that the longest length has."""
 _STEPS = np.array([1.0, 0.8, 0.6, 0.4, 0.2])
@@ -29,7 +30,7 @@ _STEPS = np.array([1.0, 0.8, 0.6, 0.4, 0.2])
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LengthPlan(PublicObject):
-    """Where to put a scale bar, or two marks, for an acceptance test.
+    """Places of a scale bar, or of two marks, for an acceptance test.
 
     Attributes
     ----------
@@ -45,7 +46,7 @@ class LengthPlan(PublicObject):
     >>> import labcal
     >>> plan = labcal.plan_lengths((400, 300, 200))
     >>> plan
-    LengthPlan(volume='400 x 300 x 200 mm', lines=7, lengths=35, longest=539 mm, warnings=0)
+    LengthPlan(volume=400 x 300 x 200 mm, lines=7, lengths=35, longest=539 mm, warnings=0)
     >>> plan.lengths().nominal_mm[:3].round(1)
     array([538.5, 430.8, 323.1])
     """
@@ -85,6 +86,22 @@ class LengthPlan(PublicObject):
         return [HtmlTable(("line", "length", "mm", "from (mm)", "to (mm)"), plan_rows(self))]
 
 
+def volume_sides(volume_mm: AnyArray) -> tuple[float, float, float]:
+    """Return the sides of a volume, mm.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        They are not three positive numbers.
+    """
+    sides = float_array(volume_mm, ("n",), "volume_mm").tolist()
+    if len(sides) != SPACE or not all(isfinite(side) and LEAST_MM <= side <= MOST_MM for side in sides):
+        raise InputError(
+            f"`volume_mm` takes three positive numbers of mm, but {shown(sides)} was given."
+        )
+    return (sides[0], sides[1], sides[2])
+
+
 def plan_rows(plan: LengthPlan) -> list[list[str]]:
     """Return the lengths as cells: line, length, nominal length and both ends, mm."""
     rows = []
@@ -105,6 +122,10 @@ def plan_lengths(volume_mm: AnyArray, longest_mm: float | None = None) -> Length
     longest_mm : float, optional
         Longest length that there is: of the scale bar. Shorter lengths follow from it.
 
+    Returns
+    -------
+    LengthPlan
+
     Raises
     ------
     InputError, InputTypeError
@@ -116,10 +137,9 @@ def plan_lengths(volume_mm: AnyArray, longest_mm: float | None = None) -> Length
     >>> labcal.plan_lengths((400, 300, 200), longest_mm=250).warnings[0][:60]
     'the longest length has 250 mm, less than two thirds of the v'
     """
-    sides = float_array(volume_mm, (3,), "volume_mm")
-    for name, values in (("volume_mm", sides.tolist()), ("longest_mm", [longest_mm or 1.0])):
-        if not all(isfinite(value) and LEAST_MM <= value <= MOST_MM for value in values):
-            raise InputError(f"`{name}` takes positive numbers of mm, but {values} was given.")
+    sides = np.array(volume_sides(volume_mm))
+    if longest_mm is not None and not (isfinite(longest_mm) and LEAST_MM <= longest_mm <= MOST_MM):
+        raise InputError(f"`longest_mm` is a positive number of mm, but {longest_mm} was given.")
     half = 0.5 * sides
     corners = half * np.array([[-1, -1, -1], [1, -1, -1], [-1, 1, -1], [1, 1, -1]])
     starts = np.concatenate([corners, -np.diag(half)])

@@ -1,7 +1,7 @@
 """Settings of a comparison of two calibrations."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from math import isfinite
 
@@ -15,7 +15,7 @@ from labcal.wording import clipped, printable
 
 
 class Pictures(StrEnum):
-    """Whether two calibrations come from the same pictures."""
+    """The origin of two calibrations: the same pictures, or different ones."""
 
     DIFFERENT = "different"
     """Their errors are independent."""
@@ -37,7 +37,7 @@ class CompareSettings:
     True
     """
 
-    cameras: Mapping[str, str] = field(default_factory=dict)
+    cameras: Mapping[str, str] | None = None
     """Names of cameras in the second rig by those in the first, where they differ."""
     distances_mm: AnyArray = ()
     """Distances from the cameras, mm, at which lenses are compared; those of the target during the first
@@ -53,9 +53,9 @@ class CompareSettings:
         InputError, InputTypeError, UnknownNameError
             Names are no mapping, a distance is not positive, or there is no such origin of pictures.
         """
-        if not isinstance(self.cameras, Mapping):
+        if not isinstance(self.cameras, Mapping | None):
             raise wrong_type(self.cameras, "a mapping of names to names", "cameras")
-        names = {one_text(a, "cameras"): one_text(b, "cameras") for a, b in self.cameras.items()}
+        names = {one_text(a, "cameras"): one_text(b, "cameras") for a, b in (self.cameras or {}).items()}
         distances = float_array(np.atleast_1d(self.distances_mm), ("n",), "distances_mm")
         for distance in distances.tolist():
             if not (isfinite(distance) and 0.0 < distance <= MOST_MM):
@@ -71,7 +71,7 @@ class CompareSettings:
 
     @property
     def origin(self) -> Pictures | None:
-        """Whether the pictures are the same, where that is stated."""
+        """The origin of the pictures, where that is stated."""
         return None if self.pictures is None else Pictures(self.pictures)
 
 

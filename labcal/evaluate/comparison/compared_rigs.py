@@ -25,7 +25,7 @@ _SPACE = 3
 
 def compared(one: Rig, other: Rig, settings: CompareSettings) -> RigComparison:
     """Return the difference of two rigs; as :func:`labcal.pipeline.compare`."""
-    names = _names(one, other, settings.cameras)
+    names = _names(one, other, settings.cameras or {})
     cameras = []
     for name, second in names.items():
         _require_same_size(one, other, name, second)
@@ -42,7 +42,7 @@ def compared(one: Rig, other: Rig, settings: CompareSettings) -> RigComparison:
         )
     pictures = settings.origin
     if pictures is None:
-        pictures = _told_by_views(one, other)
+        pictures = _known_by_views(one, other)
     if pictures is None:
         warnings.append(
             "both calibrations name views alike, or none: if they come from the same pictures, their errors "
@@ -137,8 +137,8 @@ def _volume(
     return np.asarray(p[np.isfinite(p).all(axis=1)])
 
 
-def _told_by_views(one: Rig, other: Rig) -> Pictures | None:
-    """Return what names of views tell of the pictures; None where they tell nothing."""
+def _known_by_views(one: Rig, other: Rig) -> Pictures | None:
+    """Return the origin of pictures by names of views; None where they leave it open."""
     known = one.calibrated_on and other.calibrated_on
     apart = known and not set(one.calibrated_on) & set(other.calibrated_on)
     return Pictures.DIFFERENT if apart else None
