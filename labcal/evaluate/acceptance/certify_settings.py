@@ -2,18 +2,17 @@
 
 from dataclasses import dataclass
 from datetime import date as calendar_date
-from math import isfinite
 
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arguments import choice_of, one_text, set_checked, wrong_type
+from labcal.arguments import choice_of, one_text, real_number, set_checked
 from labcal.arrays import AnyArray, float_array
 from labcal.bounds import MOST_MM
 from labcal.errors import InputError
 from labcal.evaluate.acceptance.decision import Rule, Uncertainty
 from labcal.evaluate.acceptance.length_plan import volume_sides
-from labcal.wording import clipped, has_control, printable, shown
+from labcal.wording import clipped, has_control, printable
 
 CONFIDENCE = 0.95
 """Probability that ISO 14253-1 assumes where nothing else is agreed."""
@@ -69,19 +68,19 @@ class CertifySettings:
         values: dict[str, object] = {
             "rule": choice_of(self.rule, Rule, "rule"),
             "uncertainty": choice_of(self.uncertainty, Uncertainty, "uncertainty"),
-            "confidence": _number(self.confidence, "confidence", (0.5, 1.0 - 1e-9)),
-            "limit_ppm": _number(self.limit_ppm, "limit_ppm", (0.0, 1e6)),
+            "confidence": real_number(self.confidence, "confidence", (0.5, 1.0 - 1e-9)),
+            "limit_ppm": real_number(self.limit_ppm, "limit_ppm", (0.0, 1e6)),
         }
         if self.limit_mm is None and self.limit_ppm:
             raise InputError(
                 "`limit_ppm` is added to a limit. Give `limit_mm`, too; 0 if there is no such part."
             )
         if self.limit_mm is not None:
-            values["limit_mm"] = _number(self.limit_mm, "limit_mm", (0.0, MOST_MM))
+            values["limit_mm"] = real_number(self.limit_mm, "limit_mm", (0.0, MOST_MM))
             if self.limit_mm == 0.0 and self.limit_ppm == 0.0:
                 raise InputError("`limit_mm` and `limit_ppm` are both 0: no length is free of errors.")
         if self.temperature_c is not None:
-            values["temperature_c"] = _number(self.temperature_c, "temperature_c", (-273.15, 1e4))
+            values["temperature_c"] = real_number(self.temperature_c, "temperature_c", (-273.15, 1e4))
         if self.volume_mm is not None:
             values["volume_mm"] = volume_sides(self.volume_mm)
         if self.operator is not None:
@@ -100,18 +99,6 @@ class CertifySettings:
         if self.limit_mm is None:
             return np.full(len(nominal_mm), np.nan)
         return np.asarray(self.limit_mm + 1e-6 * self.limit_ppm * nominal_mm)
-
-
-def _number(given: object, name: str, ends: tuple[float, float]) -> float:
-    """Return a number within its ends."""
-    if isinstance(given, bool | np.bool_ | str) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number", name)
-    value = float(given)
-    if not (isfinite(value) and ends[0] <= value <= ends[1]):
-        raise InputError(
-            f"`{name}` is a number from {ends[0]:g} to {ends[1]:g}, but {shown(given)} was given."
-        )
-    return value
 
 
 def _line(given: object, name: str) -> str:

@@ -13,6 +13,7 @@ from math import isfinite
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.arguments import real_number
 from labcal.arrays import AnyArray, float_array
 from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.errors import InputError
@@ -96,9 +97,7 @@ def volume_sides(volume_mm: AnyArray) -> tuple[float, float, float]:
     """
     sides = float_array(volume_mm, ("n",), "volume_mm").tolist()
     if len(sides) != SPACE or not all(isfinite(side) and LEAST_MM <= side <= MOST_MM for side in sides):
-        raise InputError(
-            f"`volume_mm` takes three positive numbers of mm, but {shown(sides)} was given."
-        )
+        raise InputError(f"`volume_mm` takes three positive numbers of mm, but {shown(sides)} was given.")
     return (sides[0], sides[1], sides[2])
 
 
@@ -134,19 +133,18 @@ def plan_lengths(volume_mm: AnyArray, longest_mm: float | None = None) -> Length
     Examples
     --------
     >>> import labcal
-    >>> labcal.plan_lengths((400, 300, 200), longest_mm=250).warnings[0][:60]
+    >>> labcal.plan_lengths((400, 300, 200), longest_mm=250.0).warnings[0][:60]
     'the longest length has 250 mm, less than two thirds of the v'
     """
     sides = np.array(volume_sides(volume_mm))
-    if longest_mm is not None and not (isfinite(longest_mm) and LEAST_MM <= longest_mm <= MOST_MM):
-        raise InputError(f"`longest_mm` is a positive number of mm, but {longest_mm} was given.")
+    bar = None if longest_mm is None else real_number(longest_mm, "longest_mm", (LEAST_MM, MOST_MM))
     half = 0.5 * sides
     corners = half * np.array([[-1, -1, -1], [1, -1, -1], [-1, 1, -1], [1, 1, -1]])
     starts = np.concatenate([corners, -np.diag(half)])
     end_a, end_b = [], []
     for number, start in enumerate(starts):
         whole = 2.0 * float(np.linalg.norm(start))
-        reach = whole if longest_mm is None else min(whole, longest_mm)
+        reach = whole if bar is None else min(whole, bar)
         along = -2.0 * start / whole
         for step, share in enumerate(_STEPS):
             # Lengths begin at both ends of a line in turn, so that all of the volume is measured in.

@@ -221,6 +221,8 @@ def test_pixels_need_a_rig_and_lengths_their_points() -> None:
     for wrong in ([0.0, 1.0, 1.0], [1.0, 2.0]):
         with pytest.raises(InputError, match="volume_mm"):
             plan_lengths(wrong)
+    with pytest.raises(InputError, match="longest_mm"):
+        plan_lengths(SIDES, longest_mm=-1.0)
     pixels = examples.pixels()
     bare = NamedPixels(pixels.view, pixels.camera, pixels.point, pixels.position)
     found = labcal.certify(bare, examples.lengths(), CertifySettings(pixel_sigma=0.02), rig=examples.rig())
