@@ -20,6 +20,8 @@ _PIXEL_PX = 0.01
 """Noise of the pixels that weigh the directions of points, along each axis: less than cameras see."""
 _UNSEEN = 1e8
 """Factor of the variance of a pixel outside of its picture, which then counts for nothing."""
+_CONDITION = 1e10
+"""Of a point's covariance, beyond which its most certain directions count as less certain."""
 _FEWEST = 10
 _STEPS = 10
 _ARRIVED_MM = 1e-9
@@ -120,7 +122,7 @@ def _after_motion(
     if one is not None and other is not None:
         R = T[:3, :3]
         expected += one.blocks() + R @ other.blocks() @ R.T
-    weight = np.linalg.inv(expected)
+    weight = _inverse(expected)
     for _ in range(_STEPS):
         moved = transform(T, there)
         turned = -cross_matrices(moved - centre)
@@ -138,8 +140,15 @@ def _after_motion(
     sigma = np.full(6, np.nan)
     if None not in carried:
         parts = [(remover.motion(u.by), u.covariance) for u in carried if u is not None]
-        sigma = np.sqrt(sum(np.diagonal(by @ C @ by.T) for by, C in parts))
+        sigma = np.sqrt(np.maximum(sum(np.diagonal(by @ C @ by.T) for by, C in parts), 0.0))
     left = [None if u is None else Uncertain(remover.left(u.by), u.covariance) for u in carried]
     difference = transform(T, there) - p
     remaining = RemainingDifference(difference, left[0], left[1], weight, everywhere)
     return VolumeDifference(p, remaining, T, np.asarray(sigma))
+
+
+def _inverse(expected: Float64[np.ndarray, "n 3 3"]) -> Float64[np.ndarray, "n 3 3"]:
+    """Return inverse covariances; of what is left open in a direction, those of a bounded condition."""
+    variance, axes = np.linalg.eigh(expected)
+    variance = np.maximum(variance, variance[:, -1:] / _CONDITION)
+    return np.asarray((axes / variance[:, None, :]) @ axes.transpose(0, 2, 1))

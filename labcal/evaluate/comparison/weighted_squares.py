@@ -7,6 +7,8 @@ from scipy.special import ndtr
 
 _NEGLIGIBLE = 1e-12
 """Weights below this part of the largest one."""
+_LEAST, _MOST = 1e-12, 1e5
+"""Squares, in units of the largest weight, below which the chance is 1 to all digits, and above which it is 0."""
 _NEAR_MEAN = 1e-4
 """Distance from the mean, in standard deviations, below which the limit of the formula is taken."""
 
@@ -42,6 +44,8 @@ def weighted_squares_tail(value: float, weights: Float64[np.ndarray, " k"]) -> f
     if value <= 0.0 or largest <= 0.0:
         return float(value <= 0.0)
     scaled, at = weights[weights > _NEGLIGIBLE * largest] / largest, value / largest
+    if not _LEAST < at / len(scaled) < _MOST:
+        return float(at < 1.0)
     deviation = float(np.sqrt(2.0 * (scaled**2).sum()))
     if abs(at - scaled.sum()) < _NEAR_MEAN * deviation:  # smooth there: both sides of it, averaged
         step = 2.0 * _NEAR_MEAN * deviation
@@ -55,7 +59,7 @@ def _tail(at: float, weights: Float64[np.ndarray, " k"]) -> float:
     def slope(z: float) -> float:
         return float((weights / (1.0 - 2.0 * z * weights)).sum()) - at
 
-    lowest = -0.5 * len(weights) / at - 1.0  # there the slope is below `at`
+    lowest = -1.0 * len(weights) / at - 1.0  # there the sum is half of `at` at most
     saddle = float(brentq(slope, lowest, 0.5 * (1.0 - 1e-14), xtol=1e-14))
     shrunk = 1.0 - 2.0 * saddle * weights
     w = float(np.sign(saddle) * np.sqrt(max(0.0, 2.0 * saddle * at + np.log(shrunk).sum())))

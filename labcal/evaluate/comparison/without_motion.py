@@ -51,7 +51,10 @@ class MotionRemover:
         J, W = self.design[self.fitted], self.weight[self.fitted]
         WJ = W @ J
         normal = np.einsum("nmi,nmj->ij", J, WJ)
-        return np.asarray(np.linalg.solve(normal, WJ.reshape(-1, J.shape[2]).T))
+        scale = np.sqrt(np.maximum(np.diagonal(normal), np.finfo(np.float64).tiny))
+        # Covariances that leave a direction open make the scaled matrix nearly singular, too.
+        inverse = np.linalg.pinv(normal / scale[:, None] / scale, hermitian=True)
+        return np.asarray((inverse / scale[:, None] / scale) @ WJ.reshape(-1, J.shape[2]).T)
 
     def motion(
         self, difference: Float64[np.ndarray, "n m *parameters"]

@@ -168,10 +168,15 @@ def test_the_tail_of_weighted_squares_is_that_of_many_draws(weights: list[float]
         assert weighted_squares_tail(value, np.asarray(weights)) == pytest.approx(share, rel=0.12)
     assert weighted_squares_tail(0.0, np.ones(2)) == 1.0
     assert np.isnan(weighted_squares_tail(float("nan"), np.ones(2)))
+    for small in (1e-30, 1e-13, 1e-9):
+        assert weighted_squares_tail(small, np.asarray(weights)) == pytest.approx(1.0, abs=1e-3)
+    for large in (1e4, 1e7, 1e30):
+        assert weighted_squares_tail(large, np.asarray(weights)) < 1e-6
 
 
 def test_calibrations_of_the_same_pictures_are_not_tested() -> None:
     rig = _with_covariance(examples.rig(), 0.1)
+    assert labcal.compare(rig, rig, NEAR).p_value == pytest.approx(1.0)  # nothing differs
     same = labcal.compare(rig, rig, replace(NEAR, pictures="same"))
     assert same.is_consistent is None
     assert "are not tested" in " ".join(same.warnings)
