@@ -10,13 +10,17 @@ from jaxtyping import Float64
 from labcal.arrays import AnyArray, Mask, PointCovariances, Vectors3, float_array
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import RUN, Imaged, imaged
-from labcal.geometry.covariances import positive_definite
+from labcal.geometry.covariances import clearly_definite, positive_definite
 from labcal.geometry.rays import closest_points
 
 STEPS = 10
 """Most Gauss-Newton steps; from the rays' meeting point three are enough."""
 _ARRIVED_MM = 1e-9
 """Step of all points below which the next one, which is smaller by far, is of no use."""
+_PAIR = 2
+"""Cameras that a point takes at least."""
+_CLEARLY = 1e-10
+"""Share of its trace above which the least eigenvalue of a normal matrix leaves no doubt."""
 _RESOLVED = 1e14
 """Condition of a normal matrix beyond which float64 resolves no point."""
 
@@ -134,19 +138,23 @@ def _normal_equations(
 ) -> tuple[np.ndarray, np.ndarray]:
     normal = np.zeros((len(p), 3, 3))
     gradient = np.zeros((len(p), 3))
-    for i, imager in enumerate(imagers):
-        found = imager.imaged(p)
-        residual = found.q - q[:, i]
-        WJ = weight[:, i] @ found.by_point
-        normal += np.einsum("nki,nkj->nij", found.by_point, WJ)
-        gradient += np.einsum("nki,nk->ni", WJ, residual)
+    for first in range(0, len(p), RUN):
+        rows = slice(first, first + RUN)
+        for i, imager in enumerate(imagers):
+            found = imager.imaged(p[rows])
+            residual = found.q - q[rows, i]
+            WJ = weight[rows, i] @ found.by_point
+            normal[rows] += np.einsum("nki,nkj->nij", found.by_point, WJ)
+            gradient[rows] += np.einsum("nki,nk->ni", WJ, residual)
     return normal, gradient
 
 
 def _resolved(normal: Float64[np.ndarray, "n 3 3"]) -> Mask:
     """Return a mask of normal matrices that float64 can invert; of symmetric ones eigenvalues tell it."""
-    spread = np.linalg.eigvalsh(normal)
-    return np.asarray(spread[:, 0] * _RESOLVED > spread[:, -1])
+    resolved = clearly_definite(normal, _CLEARLY)
+    spread = np.linalg.eigvalsh(normal[~resolved])
+    resolved[~resolved] = spread[:, 0] * _RESOLVED > spread[:, -1]
+    return resolved
 
 
 def triangulation_limit(cameras: Sequence[Camera], p: AnyArray, covariance: AnyArray) -> PointCovariances:
@@ -216,7 +224,8 @@ def noise_covariance(
     p : ndarray, shape (n, 3)
         Points as triangulated, mm; NaN where there is none.
     covariance : ndarray, shape (n, cameras, 2, 2)
-        Covariances of pixels, px squared, by which the points were triangulated.
+        Covariances of pixels, px squared, by which the points were triangulated; NaN of cameras that took no
+        part in a point.
     extra : float
         Variance of pixels along each axis beyond these, px squared.
 
@@ -226,16 +235,17 @@ def noise_covariance(
         Mm squared; NaN where there is no point.
     """
     found = np.full((len(p), 3, 3), np.nan)
-    known = np.flatnonzero(np.isfinite(p).all(axis=1) & positive_definite(covariance).all(axis=1))
+    taking_part = positive_definite(covariance)
+    known = np.flatnonzero(np.isfinite(p).all(axis=1) & (taking_part.sum(axis=1) >= _PAIR))
     for first in range(0, len(known), RUN):
         rows = known[first : first + RUN]
-        weight = np.linalg.inv(covariance[rows])
         normal, beyond = np.zeros((2, len(rows), 3, 3))
         for i, imager in enumerate(imagers):
-            by_point = imager.imaged(p[rows]).by_point
-            weighted = weight[:, i] @ by_point
-            normal += by_point.transpose(0, 2, 1) @ weighted
-            beyond += weighted.transpose(0, 2, 1) @ weighted
+            at = taking_part[rows, i]
+            by_point = imager.imaged(p[rows[at]]).by_point
+            weighted = np.linalg.inv(covariance[rows[at], i]) @ by_point
+            normal[at] += by_point.transpose(0, 2, 1) @ weighted
+            beyond[at] += weighted.transpose(0, 2, 1) @ weighted
         own = np.linalg.inv(normal)
         found[rows] = own + extra * (own @ beyond @ own)
     return found

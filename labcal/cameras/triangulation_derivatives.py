@@ -12,6 +12,7 @@ from labcal.cameras.optics import INTRINSICS
 from labcal.geometry.cross_matrices import cross_matrices
 from labcal.geometry.poses import transform
 
+_PAIR = 2
 POSE = 6
 """A rotation vector, rad, and a shift, mm, both along the camera's axes; the first camera has none."""
 
@@ -34,7 +35,8 @@ def triangulation_derivatives(
     p : ndarray, shape (n, 3)
         Triangulated points, mm; NaN where there is none.
     covariance : ndarray, shape (n, cameras, 2, 2)
-        Of their pixels, px squared, by which they were triangulated.
+        Of their pixels, px squared, by which they were triangulated; NaN of cameras that took no part in a
+        point, which then does not depend on them.
 
     Returns
     -------
@@ -49,34 +51,35 @@ def triangulation_derivatives(
     second derivatives times residuals are left out, as in Gauss-Newton.
     """
     found = np.full((len(p), 3, parameter_count(cameras)), np.nan)
-    usable = np.flatnonzero(np.isfinite(p).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2, 3)))
+    taking_part = np.isfinite(covariance).all(axis=(2, 3))
+    usable = np.flatnonzero(np.isfinite(p).all(axis=1) & (taking_part.sum(axis=1) >= _PAIR))
     for first in range(0, len(usable), RUN):
         rows = usable[first : first + RUN]
-        found[rows] = _of_some(cameras, p[rows], np.linalg.inv(covariance[rows]))
+        found[rows] = _of_some(cameras, p[rows], covariance[rows])
     return found
 
 
 def _of_some(
-    cameras: Sequence[Camera], p: Vectors3, weight: Float64[np.ndarray, "n cameras 2 2"]
+    cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
 ) -> Float64[np.ndarray, "n 3 parameters"]:
-    """Return the derivatives of points that all cameras image."""
+    """Return the derivatives of points that two cameras or more image."""
     normal = np.zeros((len(p), 3, 3))
     gradient = np.zeros((len(p), 3, parameter_count(cameras)))
     first = 0
     for number, camera in enumerate(cameras):
-        R = camera.T_cam_world[:3, :3]
-        p_cam = transform(camera.T_cam_world, p)
+        R, at = camera.T_cam_world[:3, :3], np.isfinite(covariance[:, number]).all(axis=(1, 2))
+        p_cam = transform(camera.T_cam_world, p[at])
         found = projection_derivatives(camera, p_cam)
         by_world = found.by_point @ R
-        weighted = by_world.transpose(0, 2, 1) @ weight[:, number]
-        normal += weighted @ by_world
+        weighted = by_world.transpose(0, 2, 1) @ np.linalg.inv(covariance[at, number])
+        normal[at] += weighted @ by_world
         last = first + INTRINSICS + camera.model.coefficients
-        gradient[:, :, first:last] = weighted @ found.by_camera
+        gradient[at, :, first:last] = weighted @ found.by_camera
         if number:
             # The camera's rotation turns points about its centre: w x (R p) = -[R p] w.
             turned = -found.by_point @ cross_matrices(p_cam - camera.T_cam_world[:3, 3])
-            gradient[:, :, last : last + 3] = weighted @ turned
-            gradient[:, :, last + 3 : last + POSE] = weighted @ found.by_point
+            gradient[at, :, last : last + 3] = weighted @ turned
+            gradient[at, :, last + 3 : last + POSE] = weighted @ found.by_point
             last += POSE
         first = last
     return np.asarray(-np.linalg.solve(normal, gradient))

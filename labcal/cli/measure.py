@@ -3,7 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
-from labcal.cli.named_points import add_named_points, write_named
+from labcal.cli.named_points import add_budget, add_named_points, write_named
 from labcal.cli.options import add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.ply import add_ply
@@ -38,6 +38,7 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="MODULE:CLASS",
         help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
+    add_budget(parser)
     add_output(parser, "points.csv", "table of points to write")
     add_named_points(parser)
     add_ply(parser)

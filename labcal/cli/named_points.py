@@ -10,7 +10,7 @@ from labcal.cli.ply import ply_outputs, write_ply_beside
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
-_OPTIONS = ("pixel_sigma", "frame", "frame_view")
+_OPTIONS = ("pixel_sigma", "frame", "frame_view", "scale_bars", "scale_sigma_ppm")
 
 
 def add_named_points(parser: argparse.ArgumentParser) -> None:
@@ -30,6 +30,30 @@ def add_named_points(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--frame-view", metavar="VIEW", help="the view that determines the frame, where several could"
+    )
+    parser.add_argument(
+        "--scale-bar",
+        dest="scale_bars",
+        action="append",
+        metavar="ONE,OTHER,LENGTH,SIGMA",
+        help="known distance between two named points, mm, which corrects points and cameras; "
+        "may be given several times",
+    )
+    parser.add_argument(
+        "--scale-sigma-ppm",
+        type=float,
+        metavar="PPM",
+        help="standard deviation of the rig's scale before the bars (default: the bars alone give the scale)",
+    )
+
+
+def add_budget(parser: argparse.ArgumentParser) -> None:
+    """Add ``--budget``, of dots and of named points."""
+    parser.add_argument(
+        "--budget",
+        choices=("full", "noise"),
+        help="sources of errors in the covariances of a rig's points: pixel noise and calibration (default, "
+        "if the rig states its covariance), or pixel noise alone",
     )
 
 
@@ -57,12 +81,13 @@ def write_named(arguments: Namespace, source: str | Path, session: Session) -> E
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.outputs import write_file
 
-    settings = MeasureSettings(**{name: getattr(arguments, name) for name in _OPTIONS})
+    given = {name: getattr(arguments, name) for name in _OPTIONS}
+    settings = MeasureSettings(**given | {"scale_bars": arguments.scale_bars or ()})
     frame = None if settings.frame is None else RequestedFrame.of(settings.frame)
     read = paths_read([arguments.model, source, arguments.target, None if frame is None else frame.path])
     claim_outputs([FileOutput(arguments.output, KIND), *ply_outputs(arguments)], read, force=arguments.force)
     model = load_reconstructor(arguments.model, own_method(arguments.method))
-    found = measure(model, source, arguments.target, settings)
+    found = measure(model, source, arguments.target, settings, budget=arguments.budget)
     write_file(arguments.output, named_points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)
     result = measure_result(arguments.output, model, found)

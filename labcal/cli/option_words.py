@@ -18,7 +18,7 @@ OPTIONS = {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
     "methods": "--method",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
-    "pixel_sigma": "--pixel-sigma",
+    "pixel_sigma": "--pixel-sigma", "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
     "limit_mm": "--limit-mm", "limit_ppm": "--limit-ppm", "confidence": "--confidence", "date": "--date",
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
     "temperature_c": "--temperature-c",

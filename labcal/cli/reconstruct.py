@@ -4,8 +4,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from labcal.cli.methods import own_method
-from labcal.cli.named_points import add_named_points, refuse_named_points, write_named
-from labcal.cli.options import add_detector_settings, add_output, add_workers, refuse_option
+from labcal.cli.named_points import add_budget, add_named_points, refuse_named_points, write_named
+from labcal.cli.options import add_detector_settings, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.ply import add_ply, ply_outputs, write_ply_beside
 from labcal.cli.session import Session
@@ -39,12 +39,7 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="MODULE:CLASS",
         help="the method of your own that the model was fitted with, as it was named to 'labcal fit'",
     )
-    parser.add_argument(
-        "--budget",
-        choices=("full", "noise"),
-        help="sources of errors in the covariances of a rig's points: pixel noise and calibration (default, "
-        "if the rig states its covariance), or pixel noise alone",
-    )
+    add_budget(parser)
     add_output(parser, "points.csv", "table of points to write")
     add_named_points(parser)
     add_ply(parser)
@@ -67,11 +62,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.outputs import write_file
 
     if is_pixels(arguments.source):
-        refuse_option(
-            arguments,
-            "budget",
-            "goes with dots of a target; covariances of named points hold the noise of their pixels alone",
-        )
         refuse_idle_detection(arguments)
         return write_named(arguments, arguments.source, session)
     refuse_named_points(arguments)

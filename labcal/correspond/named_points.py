@@ -5,11 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labcal.arrays import (
-    AnyArray,
-    float_array,
-    text_array,
-)
+from labcal.arrays import AnyArray, PointCovariances, float_array, text_array
 from labcal.correspond.points import symmetric
 from labcal.correspond.table_lines import PointLines
 from labcal.paths import AnyPath
@@ -53,6 +49,10 @@ class NamedPoints(PointLines):
                 "flag": text_array(flag, n, "flag"),
             }
         )
+
+    def with_covariances(self, covariance: PointCovariances) -> "NamedPoints":
+        """Return the same points with other covariances, mm squared."""
+        return NamedPoints(self.view, self.name, self.point, covariance, self.flag)
 
     @classmethod
     def load(cls, path: AnyPath) -> "NamedPoints":

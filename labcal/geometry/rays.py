@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
+from labcal.geometry.covariances import clearly_definite
 
 
 def closest_points(
@@ -30,7 +31,8 @@ def closest_points(
     A = projectors.sum(axis=1)
     b = np.einsum("nrij,nrj->ni", projectors, origins)
     solvable = np.isfinite(A).all(axis=(1, 2)) & np.isfinite(b).all(axis=1)
-    solvable[solvable] = np.linalg.eigvalsh(A[solvable])[:, 0] > 1e-12  # noqa: PLR2004 -- of a sum of projectors
+    doubtful = solvable & ~clearly_definite(A, 1e-10)
+    solvable[doubtful] = np.linalg.eigvalsh(A[doubtful])[:, 0] > 1e-12  # noqa: PLR2004 -- of a sum of projectors
     p = np.full((len(A), 3), np.nan)
     p[solvable] = np.linalg.solve(A[solvable], b[solvable][..., None])[..., 0]
     return p

@@ -41,6 +41,8 @@ def reconstruct(
     target: Target | AnyPath | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
+    *,
+    budget: "Budget | str | None" = None,
 ) -> "NamedReconstruction": ...
 
 
@@ -95,8 +97,7 @@ def reconstruct(
         Of named pixels alone.
     budget : {"full", "noise"}, optional
         The sources of errors in the covariances of a rig's points: noise of the pixels and the calibration,
-        or the noise alone. If left out, all that the rig states: one of an older file states none. Points of
-        named pixels hold the noise alone, and take none.
+        or the noise alone. If left out, all that the rig states: one of an older file states none.
 
     Returns
     -------
@@ -107,7 +108,7 @@ def reconstruct(
     ------
     InputError
         As of :func:`~labcal.reconstruct.reconstruction.reconstruct_centres`, or of :func:`measure`; or
-        settings are given that go with named pixels, or a budget with these.
+        settings are given that go with named pixels.
     UnknownNameError
         There is no such budget.
 
@@ -123,13 +124,8 @@ def reconstruct(
     if isinstance(detections, NamedPixels) or (
         isinstance(detections, str | os.PathLike) and is_pixels(detections)
     ):
-        if budget is not None:
-            raise InputError(
-                "`budget` goes with dots of a target: covariances of named points hold the noise of their "
-                "pixels alone. Leave it out."
-            )
         named = detections if isinstance(detections, NamedPixels) else as_path(detections)
-        return measure(model, named, target, settings)
+        return measure(model, named, target, settings, budget=budget)
     if settings is not None:
         raise InputError("`settings` go with named pixels, not with dots of a target. Leave them out.")
     return _of_dots(model, detections, target, progress, budget)

@@ -3,22 +3,23 @@
 import numpy as np
 
 from labcal.errors import InputError
-from labcal.reconstruct.chosen_points import ChosenPoints
+from labcal.reconstruct.chosen_lines import OnePoint
+from labcal.reconstruct.chosen_points import AnyReconstruction, ChosenPoints
 from labcal.reconstruct.measured import Measured
-from labcal.reconstruct.reconstruction import Reconstruction
 
 _STRAIGHT = 1e-9
 """Sine below which an angle is 0 or pi, where it has no first derivative."""
 
 
-def angle(found: Reconstruction, corner: int, one: int, other: int) -> Measured:
+def angle(found: AnyReconstruction, corner: OnePoint, one: OnePoint, other: OnePoint) -> Measured:
     """Return the angle at a corner between the directions to two points of a rig, rad.
 
     Parameters
     ----------
-    found : Reconstruction
-    corner, one, other : int
-        Lines of the points in ``found.points``.
+    found : Reconstruction or NamedReconstruction
+    corner, one, other : int, str or (str, str)
+        Lines of the points in ``found.points``; of named points also their names, with the view before the
+        name where several views have it: ``("loaded", "tip")``.
 
     Returns
     -------
@@ -28,8 +29,8 @@ def angle(found: Reconstruction, corner: int, one: int, other: int) -> Measured:
     Raises
     ------
     InputError, InputTypeError
-        There is no such line, one is given twice, the points lie on a line, one has no solution, or they are
-        not those of a rig.
+        There is no such line or name, one is given twice, the points lie on a line, one has no solution, or
+        they are not those of a rig.
 
     Examples
     --------

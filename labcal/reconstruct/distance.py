@@ -3,12 +3,12 @@
 import numpy as np
 
 from labcal.errors import InputError
-from labcal.reconstruct.chosen_points import ChosenPoints
+from labcal.reconstruct.chosen_lines import OnePoint
+from labcal.reconstruct.chosen_points import AnyReconstruction, ChosenPoints
 from labcal.reconstruct.measured import Measured
-from labcal.reconstruct.reconstruction import Reconstruction
 
 
-def distance(found: Reconstruction, one: int, other: int) -> Measured:
+def distance(found: AnyReconstruction, one: OnePoint, other: OnePoint) -> Measured:
     """Return the distance of two points of a rig, mm.
 
     Errors of the calibration move near points alike, so that their distance is known far better than either
@@ -16,9 +16,10 @@ def distance(found: Reconstruction, one: int, other: int) -> Measured:
 
     Parameters
     ----------
-    found : Reconstruction
-    one, other : int
-        Lines of the points in ``found.points``.
+    found : Reconstruction or NamedReconstruction
+    one, other : int, str or (str, str)
+        Lines of the points in ``found.points``; of named points also their names, with the view before the
+        name where several views have it: ``("loaded", "tip")``.
 
     Returns
     -------
@@ -28,7 +29,8 @@ def distance(found: Reconstruction, one: int, other: int) -> Measured:
     Raises
     ------
     InputError, InputTypeError
-        There is no such line, the points are one, one has no solution, or they are not those of a rig.
+        There is no such line or name, the points are one, one has no solution, or they are not those of a
+        rig.
 
     Examples
     --------

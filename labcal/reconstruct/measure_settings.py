@@ -1,14 +1,17 @@
 """Settings of a measurement of named points."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
 from labcal.arguments import one_text, set_checked, wrong_type
 from labcal.bounds import LONGEST_SIDE_PX
 from labcal.errors import InputError
+from labcal.reconstruct.scale.scale_bar import ScaleBar
 from labcal.wording import shown
 
 _LEAST_SIGMA_PX = 1e-9
+_MOST_PPM = 1e4
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,11 @@ class MeasureSettings:
     and, where known, sigma_mm); that of the model if left out."""
     frame_view: str | None = None
     """The view whose points or dots determine the frame, where several have them."""
+    scale_bars: Sequence[ScaleBar | str] = ()
+    """Known distances between named points: ``"ONE,OTHER,LENGTH,SIGMA"``, mm."""
+    scale_sigma_ppm: float | None = None
+    """Standard deviation of the rig's scale before the bars, ppm: how far off the pitch of its target may be.
+    Nothing is known of it if left out, and the bars alone give the scale."""
 
     def __post_init__(self) -> None:
         """Check the settings.
@@ -51,6 +59,19 @@ class MeasureSettings:
             values["pixel_sigma"] = _sigma(self.pixel_sigma)
         if self.frame_view is not None and self.frame is None:
             raise InputError("`frame_view` goes with a frame. Give `frame`, too, or leave it out.")
+        bars = [self.scale_bars] if isinstance(self.scale_bars, str | ScaleBar) else self.scale_bars
+        values["scale_bars"] = tuple(ScaleBar.of(bar) for bar in bars)
+        if values["scale_bars"] and self.frame is not None:
+            raise InputError(
+                "`scale_bars` give points in the world of the rig, and no `frame` goes with them. Leave one "
+                "of them out; a frame by known points may have a scale (similarity:known.csv)."
+            )
+        if self.scale_sigma_ppm is not None:
+            values["scale_sigma_ppm"] = _ppm(self.scale_sigma_ppm)
+            if not values["scale_bars"]:
+                raise InputError(
+                    "`scale_sigma_ppm` goes with scale bars. Give `scale_bars`, too, or leave it out."
+                )
         set_checked(self, values)
 
 
@@ -63,5 +84,18 @@ def _sigma(given: object) -> float:
         raise InputError(
             f"`pixel_sigma` is the standard deviation of a pixel's x and y, a positive number of px, but "
             f"{shown(given)} was given."
+        )
+    return sigma
+
+
+def _ppm(given: object) -> float:
+    """Return the standard deviation of a scale, ppm."""
+    if isinstance(given, bool) or not hasattr(given, "__float__"):
+        raise wrong_type(given, "a number of ppm", "scale_sigma_ppm")
+    sigma = float(given)
+    if not (isfinite(sigma) and 0.0 <= sigma <= _MOST_PPM):
+        raise InputError(
+            f"`scale_sigma_ppm` is a standard deviation from 0 to {_MOST_PPM:g} ppm, but {shown(given)} was "
+            "given."
         )
     return sigma

@@ -19,9 +19,10 @@ class Measured(PublicObject):
     value : float
     sigma : float
         Standard deviation by all that the budget holds, in the unit of the value.
-    noise_sigma, calibration_sigma : float
-        Shares of pixel noise and of the calibration; their squares add up. The second one is 0 where the
-        budget is that of noise alone.
+    noise_sigma, calibration_sigma, stated_sigma : float
+        Shares of pixel noise, of the calibration (with the scale, where bars correct it), and of what was
+        stated: known coordinates of a frame, lengths of scale bars. Their squares add up. The second one is 0
+        where the budget is that of noise alone and there are no bars.
     unit : str
         ``mm`` or ``rad``.
     budget : Budget
@@ -40,21 +41,24 @@ class Measured(PublicObject):
     sigma: float
     noise_sigma: float
     calibration_sigma: float
+    stated_sigma: float
     unit: str
     budget: Budget
 
     @classmethod
     def of(cls, value: float, shares: Shares, unit: str) -> "Measured":
         """Return a value with the shares of its variance, which are 1 x 1."""
-        noise, calibration = float(shares.noise[0, 0]), max(0.0, float(shares.calibration[0, 0]))
-        sigma, own, common = np.sqrt([noise + calibration, noise, calibration]).tolist()
-        return cls(value, sigma, own, common, unit, shares.budget)
+        parts = [max(0.0, float(one[0, 0])) for one in (shares.noise, shares.calibration, shares.stated)]
+        noise, calibration, stated = np.sqrt(parts).tolist()
+        return cls(value, float(np.sqrt(sum(parts))), noise, calibration, stated, unit, shares.budget)
 
     def _summary(self) -> Mapping[str, object]:
-        return {
+        summary: dict[str, object] = {
             "value": f"{self.value:.9g} {self.unit}",
             "sigma": f"{self.sigma:.3g}",
             "noise": f"{self.noise_sigma:.3g}",
             "calibration": f"{self.calibration_sigma:.3g}",
-            "budget": self.budget.value,
         }
+        if self.stated_sigma > 0.0:
+            summary["stated"] = f"{self.stated_sigma:.3g}"
+        return {**summary, "budget": self.budget.value}

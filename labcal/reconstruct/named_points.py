@@ -24,6 +24,7 @@ from labcal.estimators.model import Model
 from labcal.estimators.valid_points import predicted
 from labcal.geometry.covariances import valid_or_not_stated
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
+from labcal.reconstruct.point_budget import Budget, PointBudget, budget_of_a_method
 from labcal.wording import listed
 
 _PAIR = 2
@@ -33,23 +34,31 @@ _FEWEST = 20
 """Points from which on their median residual tells what is usual among them."""
 
 
-def reconstruct_named(model: Model | Rig, pixels: NamedPixels) -> NamedReconstruction:
+def reconstruct_named(
+    model: Model | Rig, pixels: NamedPixels, wanted: Budget | None = None
+) -> NamedReconstruction:
     """Return the points of named pixels: each from all cameras that measured it, in a rig from two or more.
 
     Parameters
     ----------
     model : Model or Rig
         A fitted method gives points in the stage's world, with the covariances that it states, and takes all
-        of its cameras; a rig triangulates, in its own world.
+        of its cameras; a rig triangulates, in its own world, with covariances from the pixels' and from its
+        own.
     pixels : NamedPixels
         Each with a covariance. A pixel outside of its picture is not used; its point is flagged.
+    wanted : Budget, optional
+        The sources of errors in the covariances of a rig's points; all that the rig knows if left out.
 
     Raises
     ------
     InputError
-        The model has no such camera, pictures are exchanged, a point is listed twice for a picture, or no
-        point was measured by enough cameras.
+        A budget is named for a fitted method, or the full one for a rig that states no covariance; the model
+        has no such camera, pictures are exchanged, a point is listed twice for a picture, or no point was
+        measured by enough cameras.
     """
+    if wanted is not None and not isinstance(model, Rig):
+        raise budget_of_a_method()
     cameras = tuple(model.cameras)
     for name in pixels.cameras:
         if name not in cameras:
@@ -71,10 +80,16 @@ def reconstruct_named(model: Model | Rig, pixels: NamedPixels) -> NamedReconstru
             _by_rig([model.camera(cameras[at]) for at in chosen], rows, scatter_px, solved)
         else:
             _by_method(model, rows, scatter_px, solved)
+    budget = None
+    if isinstance(model, Rig):
+        used = np.where(found.seen[:, :, None, None], found.covariance, np.nan)
+        budget = PointBudget.of(model, solved.point, used, wanted)
+        if budget.kind is Budget.FULL:
+            solved = replace(solved, covariance=budget.noise + budget.calibration)
     points, check = _flagged(model, found, outside, solved)
     residual = solved.px[np.concatenate([rows for _, rows in enough])]
     typical = float(np.median(residual)) if solved.residuals else None
-    return NamedReconstruction(points, typical, check)
+    return NamedReconstruction(points, typical, check, budget=budget)
 
 
 @dataclass(frozen=True)

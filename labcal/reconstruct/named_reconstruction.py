@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.triangulation_check import TriangulationCheck
@@ -10,6 +10,10 @@ from labcal.correspond.named_points import NamedPoints
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
+from labcal.reconstruct.frames.framed_budget import FramedBudget
+from labcal.reconstruct.point_budget import Budget, PointBudget
+from labcal.reconstruct.scale.fitted_scale import FittedScale
+from labcal.reconstruct.scale.scaled_budget import ScaledBudget
 
 if TYPE_CHECKING:
     import pandas
@@ -37,8 +41,31 @@ class NamedReconstruction(PublicObject):
     """Comparison of the residuals with the value expected from the calibration; None without cameras."""
     frame: FittedFrame | None = None
     """The frame that the points are in; None if it is that of the model."""
+    budget: PointBudget | FramedBudget | ScaledBudget | None = None
+    """The shares of noise and calibration in the covariances, line by line, in the frame of the points; None
+    if the model has no rig."""
+    scale: FittedScale | None = None
+    """The scale that scale bars gave; None without."""
     warnings: tuple[str, ...] = ()
     """Warnings in words."""
+
+    def in_frame(self, frame: FittedFrame) -> "NamedReconstruction":
+        """Return these points, which are in the world of their model, in a frame that they determine."""
+        inside = self.with_noise
+        points = frame.applied(inside)
+        if not isinstance(self.budget, PointBudget):
+            return replace(self, points=points, frame=frame)
+        budget = FramedBudget(self.budget, inside, frame, points.covariance)
+        if budget.kind is Budget.FULL:
+            points = points.with_covariances(budget.noise + budget.calibration)
+        return replace(self, points=points, frame=frame, budget=budget)
+
+    @property
+    def with_noise(self) -> NamedPoints:
+        """The points with the covariances of their noise alone, in the world of the model."""
+        if isinstance(self.budget, PointBudget) and self.budget.kind is Budget.FULL:
+            return self.points.with_covariances(self.budget.noise)
+        return self.points
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
         """Write the points as ``points.csv``, which :meth:`NamedPoints.load` reads.
@@ -67,4 +94,8 @@ class NamedReconstruction(PublicObject):
             summary["median_residual"] = f"{self.miss_px:.3g} px"
         if self.frame is not None:
             summary["frame"] = self.frame.kind.value
+        if self.scale is not None:
+            summary["scale_error"] = f"{self.scale.error_ppm:.3g} ppm"
+        if self.budget is not None:
+            summary["budget"] = self.budget.kind.value
         return {**summary, "warnings": len(self.warnings)}

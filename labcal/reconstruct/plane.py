@@ -9,8 +9,7 @@ from jaxtyping import Float64
 from labcal.arrays import AnyArray
 from labcal.errors import InputError
 from labcal.public_object import PublicObject
-from labcal.reconstruct.chosen_points import ChosenPoints, Shares
-from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.chosen_points import AnyReconstruction, ChosenPoints, Shares
 
 _FEWEST = 3
 _ON_A_LINE = 1e-9
@@ -71,14 +70,15 @@ class Plane(PublicObject):
         }
 
 
-def plane(found: Reconstruction, lines: AnyArray) -> Plane:
+def plane(found: AnyReconstruction, lines: AnyArray) -> Plane:
     """Return the plane through points of a rig.
 
     Parameters
     ----------
-    found : Reconstruction
-    lines : array_like of int or of bool
-        Lines of the points in ``found.points``: their numbers, or a mask.
+    found : Reconstruction or NamedReconstruction
+    lines : array_like of int or of bool, or sequence of str or (str, str)
+        Lines of the points in ``found.points``: their numbers, or a mask; of named points also their names,
+        with the view before the name where several views have it.
 
     Returns
     -------

@@ -14,6 +14,7 @@ from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import KnownCamera, noise_covariance
 from labcal.cameras.triangulation_derivatives import parameter_count, triangulation_derivatives
 from labcal.errors import InputError
+from labcal.reconstruct.point_errors import PointErrors
 
 
 class Budget(StrEnum):
@@ -41,7 +42,8 @@ class PointBudget:
     point : float64 array, (n, 3)
         Mm.
     pixels : float64 array, (n, cameras, 2, 2)
-        Covariances of the pixels by which the points were triangulated, px squared.
+        Covariances of the pixels by which the points were triangulated, px squared; NaN of cameras that took
+        no part in a point.
     noise : float64 array, (n, 3, 3)
         Share of the pixels' noise with the variance component, mm squared.
     kind : Budget
@@ -68,7 +70,7 @@ class PointBudget:
         point : ndarray, shape (n, 3)
             Mm; NaN where there is none.
         pixels : ndarray, shape (n, cameras, 2, 2)
-            Px squared, by which the points were triangulated.
+            Px squared, by which the points were triangulated; NaN of cameras that took no part in a point.
         wanted : Budget or None
             None for all that the rig knows.
 
@@ -126,11 +128,17 @@ class PointBudget:
         InputError, InputTypeError
             There is no such line.
         """
+        return self.errors(lines).joint
+
+    def errors(self, lines: AnyArray) -> PointErrors:
+        """Return the sources of the errors of some points; `lines` as of :meth:`joint`."""
         lines = lines_array(lines, len(self), "lines")
-        by = self.derivatives(lines)
-        flat = by.reshape(3 * len(by), -1)
-        joint = flat @ self.parameters @ flat.T
-        for number, own in enumerate(self.noise[lines]):
-            at = slice(3 * number, 3 * number + 3)
-            joint[at, at] += own
-        return np.asarray(joint)
+        return PointErrors.without_shared_noise(self.noise[lines], self.derivatives(lines), self.parameters)
+
+
+def budget_of_a_method() -> InputError:
+    """Return the error for a budget that is named for a fitted method."""
+    return InputError(
+        "`budget` is for points of a rig; a fitted method states the covariance of its points itself. "
+        "Leave `budget` out."
+    )

@@ -22,7 +22,7 @@ from labcal.estimators.model_file import ModelKind, load_model, model_kind, trai
 from labcal.estimators.valid_points import predicted, within_sense
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
-from labcal.reconstruct.point_budget import Budget, PointBudget
+from labcal.reconstruct.point_budget import Budget, PointBudget, budget_of_a_method
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
@@ -168,10 +168,7 @@ def reconstruct_centres(
         found = _by_rig(model, matches, target, budget)
         return replace(found, points=within_sense(found.points))
     if budget is not None:
-        raise InputError(
-            "`budget` is for points of a rig; a fitted method states the covariance of its points itself. "
-            "Leave `budget` out."
-        )
+        raise budget_of_a_method()
     _require_sizes(detections, dict(zip(cameras, model.image_sizes, strict=True)))
     found = _by_method(model, matches, target)
     return replace(found, points=within_sense(found.points))

@@ -11,8 +11,7 @@ from labcal.errors import InputError
 from labcal.geometry.cross_matrices import cross_matrices
 from labcal.geometry.poses import rigid_alignment, rotation_vector, transform
 from labcal.public_object import PublicObject
-from labcal.reconstruct.chosen_points import ChosenPoints, Shares
-from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.chosen_points import AnyReconstruction, ChosenPoints, Shares
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,16 +69,17 @@ class RigidMotion(PublicObject):
         }
 
 
-def rigid_motion(found: Reconstruction, before: AnyArray, after: AnyArray) -> RigidMotion:
+def rigid_motion(found: AnyReconstruction, before: AnyArray, after: AnyArray) -> RigidMotion:
     """Return the motion of a rigid body that points of a rig were measured on twice.
 
     Errors of the calibration act on both moments: of a small motion they all but cancel.
 
     Parameters
     ----------
-    found : Reconstruction
-    before, after : array_like of int or of bool
-        Lines of the same points in ``found.points`` at both moments, in the same order.
+    found : Reconstruction or NamedReconstruction
+    before, after : array_like of int or of bool, or sequence of str or (str, str)
+        Lines of the same points in ``found.points`` at both moments, in the same order; of named points also
+        view and name of each.
 
     Returns
     -------

@@ -11,8 +11,10 @@ from labcal.estimators.model import Model
 from labcal.paths import AnyPath
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
-from labcal.reconstruct.point_budget import Budget
+from labcal.reconstruct.scale.fitted_scale import FittedScale
+from labcal.report.budget_shares import BudgetShares, budget_shares, budget_words
 from labcal.report.reconstruct_result import InconsistentPoints, inconsistent_points, residual_words
+from labcal.wording import counted
 
 
 @dataclass(frozen=True)
@@ -60,11 +62,12 @@ class MeasureResult:
     """True if that component is assumed, since the cameras do not state their calibration's residuals."""
     inconsistent: InconsistentPoints | None
     """Contradictions that make points unreliable; null if none are found."""
-    budget: str | None
-    """``noise`` of a rig's points, whose covariances hold the noise of their pixels, the cameras counting as
-    exact; null of a fitted method, which states its own."""
+    budget: BudgetShares | None
+    """Sources of errors in the covariances; null of a fitted method, which states its own."""
     frame: FrameResult | None
     """The frame of the points; null if it is that of the model."""
+    scale_bars: FittedScale | None
+    """The scale that scale bars gave, and their residuals; null without."""
     warnings: list[str]
     """Warnings, for people."""
 
@@ -81,8 +84,9 @@ def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction
         expected_px=None if check is None else check.expected_px,
         expected_assumed=None if check is None else check.assumed,
         inconsistent=inconsistent_points(model, check),
-        budget=Budget.NOISE.value if isinstance(model, Rig) else None,
+        budget=None if found.budget is None else budget_shares(found.budget),
         frame=None if found.frame is None else _frame(found.frame),
+        scale_bars=found.scale,
         warnings=list(found.warnings),
     )
 
@@ -90,8 +94,12 @@ def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction
 def measure_words(result: MeasureResult) -> str:
     """Return the document for people."""
     words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
-    if result.budget is not None:
-        words += "; covariances hold the noise of the pixels, not the calibration's errors"
+    words += budget_words(result.budget)
+    if result.scale_bars is not None:
+        scale = result.scale_bars
+        words += f"; error of the scale by {counted(len(scale.bars), 'measurement')} of scale bars: "
+        words += f"{scale.error_ppm:+.4g} ppm, now with sigma {scale.sigma_ppm:.2g} ppm"
+        words += "" if scale.sigma0 is None else f"; residuals {scale.sigma0:.2g} times as expected"
     if result.frame is not None:
         turn, shift = max(result.frame.rotation_sigma_deg), max(result.frame.place_sigma_mm)
         words += (

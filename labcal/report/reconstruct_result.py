@@ -5,16 +5,13 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Protocol, runtime_checkable
 
-import numpy as np
-
-from labcal.arrays import PointCovariances
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
-from labcal.reconstruct.point_budget import Budget, PointBudget
 from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.report.budget_shares import BudgetShares, budget_shares, budget_words
 
 
 @dataclass(frozen=True)
@@ -25,18 +22,6 @@ class InconsistentPoints:
     """Causes of an inconsistent calibration, the likeliest first; empty if it is consistent."""
     views: list[str]
     """Views whose triangulation residuals are far larger than expected."""
-
-
-@dataclass(frozen=True)
-class BudgetShares:
-    """The key ``budget`` in the JSON document: root mean squares over the points with a solution, mm."""
-
-    kind: str
-    """``full``, or ``noise`` if it was asked for or the rig states no covariance of its calibration."""
-    noise_mm: float
-    """Share of the noise of pixels."""
-    calibration_mm: float | None
-    """Share of the calibration; null if it is not in the covariances."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +63,7 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         expected_assumed=None if check is None else check.assumed,
         inconsistent=inconsistent_points(model, check),
         warnings=list(found.warnings),
-        budget=None if found.budget is None else _shares(found.budget),
+        budget=None if found.budget is None else budget_shares(found.budget),
     )
 
 
@@ -87,11 +72,7 @@ def reconstruct_words(result: ReconstructResult) -> str:
     words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
     if result.centre_bias_px is not None:
         words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
-    if result.budget is not None:
-        words += f"; RMS sigma of a point by noise {result.budget.noise_mm:.3g} mm, "
-        known = result.budget.calibration_mm
-        words += "by the calibration not in the covariances" if known is None else ""
-        words += "" if known is None else f"by the calibration {known:.3g} mm"
+    words += budget_words(result.budget)
     return f"{result.file}: {words}."
 
 
@@ -122,20 +103,6 @@ def residual_words(result: ResidualFigures) -> str:
     if result.expected_assumed:
         words += " by assumption, since these cameras do not state their calibration's residuals"
     return words
-
-
-def _shares(budget: PointBudget) -> BudgetShares:
-    """Return the shares over all points."""
-    full = budget.kind is Budget.FULL
-    calibration = _rms_mm(budget.calibration) if full else None
-    return BudgetShares(budget.kind.value, _rms_mm(budget.noise), calibration)
-
-
-def _rms_mm(covariance: PointCovariances) -> float:
-    """Return the root mean square standard deviation of points, without those that have none; else NaN."""
-    variance = np.trace(covariance, axis1=1, axis2=2)
-    stated = variance[np.isfinite(variance)]
-    return float(np.sqrt(stated.mean())) if len(stated) else float("nan")
 
 
 def inconsistent_points(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:

@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from labcal.errors import InputError
-from labcal.run.file_reading import MOST_OF_A_TABLE
-from labcal.run.tables import damaged_line, read_table
+from labcal.run.file_reading import MOST_OF_A_TABLE, read_bytes
+from labcal.run.plain_table import plain_columns
+from labcal.run.tables import LONGEST_LINE, MOST_LINES, damaged_line, read_lines
 from labcal.wording import clipped
 
 _TOGETHER = 2**11
@@ -30,20 +31,22 @@ class TableLines:
     first: int
     """Number of the first line, counted from 0 after the header."""
     header: Sequence[str]
-    lines: list[list[str]]
+    columns: Sequence[Sequence[str]]
+    """The cells, column by column."""
     faults: list[tuple[int, str]] = field(default_factory=list)
     """Line (counted from 0 here) and reason; of each check the first."""
 
     def __len__(self) -> int:
-        return len(self.lines)
+        return len(self.columns[0])
 
     @cached_property
-    def _columns(self) -> list[tuple[str, ...]]:
-        return list(zip(*self.lines, strict=True))
+    def lines(self) -> list[tuple[str, ...]]:
+        """The cells, line by line."""
+        return list(zip(*self.columns, strict=True))
 
-    def column(self, name: str) -> tuple[str, ...]:
+    def column(self, name: str) -> Sequence[str]:
         """Return the cells of a column."""
-        return self._columns[self.header.index(name)]
+        return self.columns[self.header.index(name)]
 
     def figures(self, names: Sequence[str], empty: str | None = None) -> Float64[np.ndarray, "n columns"]:
         """Return columns of numbers, with a substitute for empty cells; NaN at a fault."""
@@ -75,7 +78,7 @@ class TableLines:
         self, name: str, number: Callable[[str], float], other: float, empty: str | None = None
     ) -> np.ndarray:
         cells = self.column(name)
-        if empty is not None:
+        if empty is not None and "" in cells:
             cells = tuple(cell or empty for cell in cells)
         try:
             return np.array(list(map(number, cells)))
@@ -102,12 +105,18 @@ def table_parts(
     header: Sequence[str], what: str, path: Path, most: int = MOST_OF_A_TABLE
 ) -> Iterator[TableLines]:
     """Yield the lines of a table, many at a time; parameters and errors are those of :func:`read_table`."""
-    lines = read_table(header, what, path, most)
-    first = 0
+    data, first = read_bytes(path, what, most), 0
+    plain = plain_columns(header, data, MOST_LINES, LONGEST_LINE)
+    if plain is not None:
+        for columns in plain:
+            yield TableLines(path, first, header, columns)
+            first += len(columns[0])
+        return
+    lines = read_lines(header, what, path, data)
     while part := list(_until_bad(lines, _TOGETHER)):
         good = [line for line in part if not isinstance(line, InputError)]
         if good:
-            yield TableLines(path, first, header, good)
+            yield TableLines(path, first, header, list(zip(*good, strict=True)))
         if isinstance(part[-1], InputError):  # the lines before it were good
             raise part[-1]
         first += len(part)

@@ -18,8 +18,11 @@ MOST_LINES = 2_000_000
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 """The beginning of a text that a spreadsheet would take for a formula, after any apostrophes."""
+_QUOTED = re.compile(r"""[^\w.:;/+()'\-]""")
+"""Letters for which the writer of CSV files might put a cell into quotation marks; a few more do no harm."""
 _MOST_IN_A_LINE = 200
-_LONGEST_LINE = 2**17
+LONGEST_LINE = 2**17
+"""Letters."""
 
 
 def table_text(header: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
@@ -49,12 +52,24 @@ def columns_text(header: Sequence[str], parts: Iterable[Sequence[Sequence[object
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     for columns in parts:
+        texts = [bool(column) and isinstance(column[0], str) for column in columns]
         cells = [
-            list(map(_cell, column)) if column and isinstance(column[0], str) else column
-            for column in columns
+            list(map(_cell, column)) if of_text else column
+            for column, of_text in zip(columns, texts, strict=True)
         ]
-        writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
+        if any(_is_quoted(column) for column, of_text in zip(cells, texts, strict=True) if of_text):
+            writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
+            continue
+        written = [
+            column if of_text else map(repr, column) for column, of_text in zip(cells, texts, strict=True)
+        ]
+        text.writelines(line + "\n" for line in map(",".join, zip(*written, strict=True)))
     return text.getvalue()
+
+
+def _is_quoted(column: Sequence[object]) -> bool:
+    """Tell whether a text of a column may have to stand in quotation marks, or is empty."""
+    return "" in column or _QUOTED.search("".join(map(str, column))) is not None
 
 
 def _cell(value: object) -> object:
@@ -97,7 +112,11 @@ def read_table(
         The file cannot be read, has other columns, more than :data:`MOST_LINES` lines, or a line of it has
         not as many cells.
     """
-    data = read_bytes(path, what, most)
+    yield from read_lines(header, what, path, read_bytes(path, what, most))
+
+
+def read_lines(header: Sequence[str], what: str, path: Path, data: bytes) -> Iterator[list[str]]:
+    """Yield the lines of :func:`read_table` from the bytes of its file."""
     number = -1
     marked = b"'" in data  # else no cell is marked as a text
     try:
@@ -123,7 +142,7 @@ def read_table(
 def _bounded_lines(text: Iterable[str], path: Path) -> Iterator[str]:
     """Yield the lines of a text with their ends as they are, which a cell in quotation marks may hold."""
     for line in text:
-        if len(line) > _LONGEST_LINE:
+        if len(line) > LONGEST_LINE:
             raise InputError(f"{path} is no table: a line in it has {len(line)} characters.")
         yield line
 

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 _NEGLIGIBLE = 1e-12
 """Weights below this part of the largest one."""
 _LEAST, _MOST = 1e-12, 1e5
-"""Squares, in units of the largest weight, below which the chance is 1 to all digits, and above which it is 0."""
+"""Mean squares, in units of the largest weight, below which the chance is 1, and above which it is 0."""
 _NEAR_MEAN = 1e-4
 """Distance from the mean, in standard deviations, below which the limit of the formula is taken."""
 

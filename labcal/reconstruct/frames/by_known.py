@@ -3,13 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 
-from labcal.arrays import PointCovariances, Vectors3
+from labcal.arrays import Matrix3, PointCovariances, Vectors3
 from labcal.distributions import chi2_upper_quantile
 from labcal.errors import InputError
+from labcal.geometry.covariances import covariance_root
 from labcal.geometry.poses import from_rotation_vector, nearest_rotation
 from labcal.reconstruct.frames.by_points import on_a_line, require_turn
-from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameKind, by_parameters
+from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameCalibration, FrameKind, by_parameters
 from labcal.wording import listed
 
 _FEWEST = 3
@@ -24,6 +26,16 @@ _UNLIKELY = 1e-3
 
 
 @dataclass(frozen=True)
+class CameraShare:
+    """Errors of measured points by the cameras."""
+
+    by_cameras: Float64[np.ndarray, "n 3 cameras"]
+    """Derivatives by the cameras' parameters."""
+    covariance: Float64[np.ndarray, "cameras cameras"]
+    """Joint covariance of these."""
+
+
+@dataclass(frozen=True)
 class MeasuredKnown:
     """Points that are measured in the model's world a and known in the frame b."""
 
@@ -32,11 +44,27 @@ class MeasuredKnown:
     measured: Vectors3
     """(n, 3), in a, mm."""
     covariance: PointCovariances
-    """(n, 3, 3), of `measured`, mm squared."""
+    """(n, 3, 3), of `measured` by its noise, mm squared."""
     known: Vectors3
     """(n, 3), in b, mm."""
     known_covariance: PointCovariances
     """(n, 3, 3), of `known`, mm squared; 0 where it counts as exact."""
+    by_cameras: CameraShare | None = None
+    """The cameras' share in the errors of `measured`; None where they count as exact."""
+
+    @property
+    def sources(self) -> str:
+        """The errors that the covariances hold, at the end of a sentence."""
+        if self.by_cameras is None:
+            return "the noise of pixels alone, not errors of the calibration or of the known places"
+        return "the noise of pixels and the calibration, not more than is stated of the known places"
+
+    def carried(self, by_point: Matrix3) -> Float64[np.ndarray, "n 3 cameras"]:
+        """Return errors in b by one standard deviation along each direction of the cameras' covariance."""
+        if self.by_cameras is None:
+            return np.zeros((len(self.names), 3, 0))
+        share = self.by_cameras
+        return np.asarray(by_point @ share.by_cameras @ covariance_root(share.covariance))
 
 
 def frame_by_known(kind: FrameKind, given: MeasuredKnown) -> FittedFrame:
@@ -137,20 +165,44 @@ def _fitted(
     HW = H.swapaxes(1, 2) @ weight
     gain = -np.linalg.solve((HW @ H).sum(axis=0), HW)
     residual = turned + t_ba - given.known
-    chi_square = float(np.einsum("ni,nij,nj->", residual, weight, residual))
+    chi_square = _chi_square(residual, weight, H, given.carried(by_point))
     freedom = residual.size - H.shape[2]
     sigma0 = float(np.sqrt(chi_square / freedom)) if freedom > 0 else None
     rms_mm, warnings = float(np.sqrt((residual**2).sum(axis=1).mean())), []
     if sigma0 is not None and chi_square > chi2_upper_quantile(_UNLIKELY, freedom):
         warnings.append(
             f"the points that determine the frame lie {rms_mm:.3g} mm RMS off their known places, "
-            f"{sigma0:.2g} times what their covariances explain: these hold the noise of pixels alone, not "
-            "errors of the calibration or of the known places. The frame's sigmas are too small by as much"
+            f"{sigma0:.2g} times what their covariances explain: these hold {given.sources}. The frame's "
+            "sigmas are too small by as much"
         )
     known = (gain @ given.known_covariance @ gain.swapaxes(1, 2)).sum(axis=0)
+    share = given.by_cameras
     frame = FittedFrame(
         kind, given.view, given.names, R_ba, t_ba, scale, gain @ by_point, given.covariance, known,
         turned.mean(axis=0) + t_ba, residual, sigma0, tuple(warnings),
+        None if share is None else FrameCalibration(
+            np.einsum("kpi,kic->pc", gain @ by_point, share.by_cameras), share.covariance
+        ),
     )  # fmt: skip
     require_turn(frame, given.names)
     return frame
+
+
+def _chi_square(
+    residual: Vectors3,
+    weight: PointCovariances,
+    H: Float64[np.ndarray, "n 3 parameters"],
+    carried: Float64[np.ndarray, "n 3 cameras"],
+) -> float:
+    """Return the least chi-square of residuals over the frame's parameters and the cameras' errors.
+
+    The latter are unknowns with a standard deviation of 1 each, so that errors that all points share are
+    weighed by their joint covariance without its inverse.
+    """
+    design = np.concatenate([H, carried], axis=2)
+    weighted = design.swapaxes(1, 2) @ weight
+    normal = (weighted @ design).sum(axis=0)
+    normal[H.shape[2] :, H.shape[2] :] += np.eye(carried.shape[2])
+    right = (weighted @ residual[:, :, None]).sum(axis=0)[:, 0]
+    square = float(np.einsum("ni,nij,nj->", residual, weight, residual))
+    return square if carried.shape[2] == 0 else square - float(right @ np.linalg.solve(normal, right))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from labcal.arrays import Matrix3, PointCovariances, Vectors3
 from labcal.correspond.named_points import NamedPoints
@@ -24,8 +24,18 @@ class FrameKind(StrEnum):
     """By known points; rotation, translation and scale are fitted."""
 
 
-_FREE = np.tri(3, k=-1)
+FREE = np.tri(3, k=-1)
 """Coordinates of the three points of `POINTS` that are not 0 by decree."""
+
+
+@dataclass(frozen=True)
+class FrameCalibration:
+    """The cameras' share in the errors of a frame."""
+
+    by_cameras: Float64[np.ndarray, "parameters cameras"]
+    """Derivatives of the frame's parameters by those of the cameras."""
+    covariance: Float64[np.ndarray, "cameras cameras"]
+    """Joint covariance of the cameras' parameters."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +57,7 @@ class FittedFrame:
     slopes: Float64[np.ndarray, "n parameters 3"]
     """Derivatives of the parameters by the coordinates of these points in a."""
     covariance: PointCovariances
-    """(n, 3, 3), of these points in a, mm squared."""
+    """(n, 3, 3), of these points in a by their noise, mm squared."""
     known: Float64[np.ndarray, "parameters parameters"]
     """Share of the known coordinates in the covariance of the parameters; 0 where they count as exact."""
     middle: Float64[np.ndarray, "3"]
@@ -57,12 +67,48 @@ class FittedFrame:
     sigma0: float | None
     """Root of the residuals' chi-square over its degrees of freedom; None where none are left."""
     warnings: tuple[str, ...] = ()
+    calibration: FrameCalibration | None = None
+    """The cameras' share; None where they count as exact."""
+
+    @property
+    def noise_covariance(self) -> Float64[np.ndarray, "parameters parameters"]:
+        """Covariance of the parameters by noise and known coordinates; the cameras count as exact."""
+        shares = self.slopes @ self.covariance @ self.slopes.swapaxes(1, 2)
+        return np.asarray(shares.sum(axis=0) + self.known)
 
     @property
     def parameter_covariance(self) -> Float64[np.ndarray, "parameters parameters"]:
-        """Covariance of the parameters; the cameras count as exact."""
-        shares = self.slopes @ self.covariance @ self.slopes.swapaxes(1, 2)
-        return np.asarray(shares.sum(axis=0) + self.known)
+        """Covariance of the parameters by all that is known of their errors."""
+        if self.calibration is None:
+            return self.noise_covariance
+        by = self.calibration.by_cameras
+        return np.asarray(self.noise_covariance + by @ self.calibration.covariance @ by.T)
+
+    @property
+    def shared_errors(
+        self,
+    ) -> tuple[
+        Float64[np.ndarray, "parameters shared"],
+        Float64[np.ndarray, "shared shared"],
+        Bool[np.ndarray, " shared"],
+    ]:
+        """Derivatives of the parameters by errors other than the cameras', their covariance, and a mask.
+
+        The errors are the noise of each point that determines the frame, then what the known coordinates do
+        to each parameter, which the mask marks. No point is one of a board's dots, whose noise is put
+        together.
+        """
+        parameters = self.slopes.shape[1]
+        if self.kind is FrameKind.BOARD:
+            return np.eye(parameters), self.noise_covariance, np.zeros(parameters, dtype=bool)
+        count = 3 * len(self.slopes)
+        by = np.concatenate([self.slopes.swapaxes(0, 1).reshape(parameters, count), np.eye(parameters)], 1)
+        covariance = np.zeros((count + parameters, count + parameters))
+        for number, own in enumerate(self.covariance):
+            at = slice(3 * number, 3 * number + 3)
+            covariance[at, at] = own
+        covariance[count:, count:] = self.known
+        return by, covariance, np.arange(count + parameters) >= count
 
     @property
     def place_covariance(self) -> Float64[np.ndarray, "3 3"]:
@@ -76,7 +122,7 @@ class FittedFrame:
         return float(np.sqrt((self.residual**2).sum(axis=1).mean()))
 
     def applied(self, points: NamedPoints) -> NamedPoints:
-        """Return points in this frame, with covariances that hold its own.
+        """Return points in this frame, with covariances of noise that hold its own; cameras are exact.
 
         A point that determines the frame is correlated with it, which is counted: by three points, the origin
         has no covariance, and the point on the x axis has one along this axis alone.
@@ -85,17 +131,17 @@ class FittedFrame:
         by_point = self.scale * self.R_ba
         by_frame = by_parameters(turned, self.slopes.shape[1])
         covariance = by_point @ points.covariance @ by_point.T
-        covariance += by_frame @ self.parameter_covariance @ by_frame.swapaxes(1, 2)
+        covariance += by_frame @ self.noise_covariance @ by_frame.swapaxes(1, 2)
         place = turned + self.t_ba
-        for row, at in self._own_rows(points):
+        for row, at in self.own_rows(points):
             covariance[row] = self._own_covariance(at, by_frame[row])
             if self.kind is FrameKind.POINTS:  # but for rounding
-                place[row] *= _FREE[at]
-                covariance[row] *= np.outer(_FREE[at], _FREE[at])
+                place[row] *= FREE[at]
+                covariance[row] *= np.outer(FREE[at], FREE[at])
         covariance = 0.5 * (covariance + covariance.swapaxes(1, 2)) + 0.0
         return NamedPoints(points.view, points.name, place + 0.0, covariance, points.flag)
 
-    def _own_rows(self, points: NamedPoints) -> list[tuple[int, int]]:
+    def own_rows(self, points: NamedPoints) -> list[tuple[int, int]]:
         """Return the rows of the points that determine the frame, each with its place among them."""
         if self.kind is FrameKind.BOARD:
             return []

@@ -1,19 +1,21 @@
 """The frame that a user names, read from words such as ``points:origin,x,plane``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from labcal.arrays import AnyArray
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.named_points import NamedPoints
 from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
-from labcal.reconstruct.frames.by_known import MeasuredKnown, frame_by_known
+from labcal.reconstruct.frames.by_known import CameraShare, MeasuredKnown, frame_by_known
 from labcal.reconstruct.frames.by_points import frame_by_points
-from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameKind
+from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameCalibration, FrameKind
 from labcal.reconstruct.frames.known_points import read_known_points
+from labcal.reconstruct.point_budget import Budget, PointBudget
 from labcal.targets.target import Target
 from labcal.wording import clipped, listed, printable
 
@@ -58,16 +60,24 @@ class RequestedFrame:
         """The table that is read; None for three points."""
         return None if self.kind is FrameKind.POINTS else Path(self.value)
 
-    def fitted(self, model: Model | Rig, points: NamedPoints, target: Target | None) -> FittedFrame:
+    def fitted(
+        self,
+        model: Model | Rig,
+        points: NamedPoints,
+        target: Target | None = None,
+        budget: PointBudget | None = None,
+    ) -> FittedFrame:
         """Return the frame in the world of a model.
 
         Parameters
         ----------
         model : Model or Rig
         points : NamedPoints
-            In the world of the model.
+            In the world of the model, with the covariances of their noise.
         target : Target, optional
             The target that lies in the frame; of `BOARD` alone.
+        budget : PointBudget, optional
+            Of the points, line by line, if they are those of a rig.
 
         Raises
         ------
@@ -79,12 +89,12 @@ class RequestedFrame:
                 raise InputError("`target` goes with a frame by a board that lies in it. Leave it out.")
             raise InputError("A frame by a board takes the board's name: `target='NAME'`.")
         if self.kind is FrameKind.POINTS:
-            return self._by_points(points)
+            return self._by_points(points, budget)
         if target is not None:
-            return self._by_board(model, target)
-        return self._by_known(points)
+            return self._by_board(model, target, None if budget is None else budget.kind)
+        return self._by_known(points, budget)
 
-    def _by_points(self, points: NamedPoints) -> FittedFrame:
+    def _by_points(self, points: NamedPoints, budget: PointBudget | None) -> FittedFrame:
         names = tuple(self.value.split(","))
         if len(names) != 3 or len(set(names)) != 3:  # noqa: PLR2004 -- origin, on x, in the plane
             raise InputError(
@@ -98,11 +108,16 @@ class RequestedFrame:
         rows = self._rows(points, names, least=len(names))
         ordered = [rows[name] for name in names]
         view = str(points.view[ordered[0]])
-        return frame_by_points(
+        frame = frame_by_points(
             view, (origin, on_x, in_plane), points.point[ordered], points.covariance[ordered]
         )
+        share = _camera_share(budget, ordered)
+        if share is None:
+            return frame
+        by_cameras = np.einsum("kpi,kic->pc", frame.slopes, share.by_cameras)
+        return replace(frame, calibration=FrameCalibration(by_cameras, share.covariance))
 
-    def _by_known(self, points: NamedPoints) -> FittedFrame:
+    def _by_known(self, points: NamedPoints, budget: PointBudget | None) -> FittedFrame:
         known = read_known_points(Path(self.value))
         rows = self._rows(points, known.name, least=3)
         at = [place for place, name in enumerate(known.name) if name in rows]
@@ -115,10 +130,11 @@ class RequestedFrame:
             points.covariance[ordered],
             known.point[at],
             known.sigma_mm[at, None, None] ** 2 * np.eye(3),
+            _camera_share(budget, ordered),
         )
         return frame_by_known(self.kind, given)
 
-    def _by_board(self, model: Model | Rig, target: Target) -> FittedFrame:
+    def _by_board(self, model: Model | Rig, target: Target, wanted: Budget | None) -> FittedFrame:
         from labcal.reconstruct.reconstruction import reconstruct_centres  # noqa: PLC0415 -- a board alone needs it
 
         dots = read_detections(Path(self.value))
@@ -130,15 +146,18 @@ class RequestedFrame:
         view = self.view or next(iter(dots.views), "")
         if view not in dots.views:
             raise UnknownNameError("view in the detections", view, dots.views)
-        found = reconstruct_centres(model, dots.where(dots.view == view), target).points
-        found = found.where(found.ok)
+        dots = dots.where(dots.view == view)
+        measured = reconstruct_centres(model, dots, target, wanted)
+        lines = np.flatnonzero(measured.points.ok)
+        found, share = measured.points.where(lines), _camera_share(measured.budget, lines)
         given = MeasuredKnown(
             view,
             tuple(f"dot ({col}, {row})" for col, row in found.index.tolist()),
             found.point,
-            found.covariance,
+            found.covariance if share is None or measured.budget is None else measured.budget.noise[lines],
             target.points(found.index),
             np.zeros((len(found), 3, 3)),
+            share,
         )
         return frame_by_known(self.kind, given)
 
@@ -171,3 +190,10 @@ class RequestedFrame:
                 "frame. See the flags of these points, or name others."
             )
         return next(iter(fitting.values()))
+
+
+def _camera_share(budget: PointBudget | None, lines: AnyArray) -> CameraShare | None:
+    """Return the cameras' share in the errors of some points; None where cameras count as exact."""
+    if budget is None or budget.kind is Budget.NOISE:
+        return None
+    return CameraShare(budget.derivatives(lines), budget.parameters)

@@ -1,0 +1,1 @@
+"""Known distances between named points, which enter a measurement as observations."""
