@@ -30,7 +30,7 @@ class MeasuredLengths:
         Standard deviation by the noise of the pixels; NaN where points state no covariance. Of a table of
         points, by all that their covariances hold.
     calibration_sigma_mm : float64 array, (n,)
-        By the errors of the calibration; NaN where that is not known.
+        By the errors of the calibration, and of scale bars; NaN where that is not known.
     missing : tuple of str
         Reasons why lengths were not measured.
     warnings : tuple of str
@@ -105,17 +105,14 @@ def _length(
     given: AnyPoints, points: Points | NamedPoints, one: int, other: int
 ) -> tuple[float, float, float]:
     """Return a length and its standard deviations by noise and by the calibration, mm."""
-    if isinstance(given, Reconstruction) and given.budget is not None:
-        found = distance(given, one, other)
-        return (
-            found.value,
-            found.noise_sigma,
-            found.calibration_sigma if found.budget is Budget.FULL else np.nan,
-        )
     along = points.point[other] - points.point[one]
     length = float(np.linalg.norm(along))
     if length == 0.0:
         return 0.0, float("nan"), float("nan")
+    if isinstance(given, Reconstruction | NamedReconstruction) and given.budget is not None:
+        found = distance(given, one, other)
+        shared = float(np.sqrt(max(0.0, found.sigma**2 - found.noise_sigma**2)))
+        return found.value, found.noise_sigma, shared if found.budget is Budget.FULL else float("nan")
     unit = along / length
     covariance = points.covariance[one] + points.covariance[other]
     return length, float(np.sqrt(unit @ covariance @ unit)), float("nan")

@@ -151,10 +151,20 @@ def test_dots_of_a_target_have_lengths_with_both_shares() -> None:
     expected = labcal.distance(points, *lines)
     assert found.measured.length_mm[0] == expected.value
     assert found.measured.noise_sigma_mm[0] == expected.noise_sigma
-    assert found.measured.calibration_sigma_mm[0] == expected.calibration_sigma
+    assert found.measured.calibration_sigma_mm[0] == pytest.approx(expected.calibration_sigma)
     assert abs(found.error_mm[0]) < 4.0 * found.expected_sigma_mm[0]
     with_table = labcal.certify(points.points, reference)
     assert "do not tell noise from errors of the calibration" in " ".join(with_table.warnings)
+
+
+def test_named_points_of_a_rig_have_both_shares() -> None:
+    rig = labcal.pipeline.calibrate(examples.TARGET, examples.detections()).rig
+    found = labcal.certify(examples.pixels(), examples.lengths(), rig=rig)
+    measured = labcal.measure(rig, examples.pixels())
+    expected = labcal.distance(measured, "origin", "right-corner")
+    assert found.measured.noise_sigma_mm[0] == expected.noise_sigma
+    assert found.measured.calibration_sigma_mm[0] == pytest.approx(expected.calibration_sigma)
+    assert (np.abs(found.error_mm) < 4.0 * found.expected_sigma_mm).all()
 
 
 def test_lengths_read_back_and_may_leave_the_uncertainty_out(tmp_path: Path) -> None:
