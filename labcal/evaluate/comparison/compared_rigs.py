@@ -17,6 +17,8 @@ from labcal.wording import listed
 
 _ACROSS = 16
 """Points along each side of the box around a volume."""
+_ENOUGH = 100
+"""Points that both calibrations supported, from which on only these count."""
 _DOWN = (9, 7)
 """Pixels of the first camera whose rays hold the points of a volume that only distances tell."""
 _PAIR = 2
@@ -121,13 +123,16 @@ def _volume(
     one: Rig, other: Rig, names: Mapping[str, str], distances_mm: tuple[float, ...]
 ) -> Vectors3 | None:
     """Return the points to compare in the first rig's world; None where no volume is known."""
-    hull = _known_volume(one)
-    if hull is None and next(iter(other.cameras)) == names[next(iter(one.cameras))]:
-        hull = _known_volume(other)  # whose world is that of the same camera
+    hull, second = _known_volume(one), None
+    if next(iter(other.cameras)) == names[next(iter(one.cameras))]:
+        second = _known_volume(other)  # whose world is that of the same camera
+    hull = second if hull is None else hull
     if hull is not None:
         axes = [np.linspace(*ends, _ACROSS) for ends in zip(hull.min(axis=0), hull.max(axis=0), strict=True)]
         p = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, _SPACE)
-        return np.asarray(np.concatenate([p[inside_hull(p, hull, 1e-6)], hull]))
+        p = np.concatenate([p[inside_hull(p, hull, 1e-6)], hull])
+        common = p if second is None else p[inside_hull(p, second, 1e-6)]
+        return np.asarray(common if len(common) >= _ENOUGH else p)
     if not distances_mm:
         return None
     camera = one.camera(next(iter(one.cameras)))
