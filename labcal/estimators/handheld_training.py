@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.calibrate.eccentricity import CorrectedEccentricity, Discs, eccentricities_at_poses
 from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.training import TrainingData
@@ -53,5 +54,14 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
     return CentredTraining(
-        data, tuple(cameras), CorrectedEccentricity.of(eccentricity), None, found.rig.calibration
+        data,
+        tuple(cameras),
+        CorrectedEccentricity.of(eccentricity),
+        None,
+        _without_support(found.rig.calibration),
     )
+
+
+def _without_support(record: CalibrationRecord | None) -> CalibrationRecord | None:
+    """Return a record for a model, whose own box states the region that it was fitted in."""
+    return None if record is None else record.model_copy(update={"support": None})
