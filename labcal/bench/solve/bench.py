@@ -7,6 +7,7 @@ from labcal.bench.settings import BenchSettings
 from labcal.bench.solve.adjustment import adjustment_findings
 from labcal.bench.solve.budget import budget_findings
 from labcal.bench.solve.certify import certify_findings
+from labcal.bench.solve.compare import compare_findings
 from labcal.bench.solve.limits import limit_findings
 from labcal.bench.solve.mistakes import mistake_findings
 from labcal.bench.solve.mrcal import mrcal_findings
@@ -19,7 +20,7 @@ from labcal.run.progress import Progress
 from labcal.wording import listed
 
 _OF_METHODS = "limits"
-_OF_CASES = frozenset((_OF_METHODS, "mistakes", "budget", "certify"))
+_OF_CASES = frozenset((_OF_METHODS, "mistakes", "budget", "certify", "compare"))
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,
@@ -28,6 +29,7 @@ GROUPS: Groups = {
     "mistakes": mistake_findings,
     "budget": budget_findings,
     "certify": certify_findings,
+    "compare": compare_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }
