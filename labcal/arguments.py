@@ -117,6 +117,30 @@ def positive_number(given: object, name: str, unit: str) -> float:
     return number
 
 
+def real_number(given: object, name: str, ends: tuple[float, float]) -> float:
+    """Return an argument that is a number within its ends, also one of NumPy's.
+
+    Raises
+    ------
+    InputTypeError
+        It is something else; a truth value and a text count as such.
+    InputError
+        It is beyond its ends, or not finite.
+
+    Examples
+    --------
+    >>> real_number(np.float32(0.5), "share", (0.0, 1.0))
+    0.5
+    """
+    if isinstance(given, bool | np.bool_ | str) or not hasattr(given, "__float__"):
+        raise wrong_type(given, "a number", name)
+    value = float(given)
+    if not ends[0] <= value <= ends[1]:  # of NaN, too
+        between = f"from {ends[0]:g} to {ends[1]:g}"
+        raise InputError(f"`{name}` must be a number {between}, but {shown(given)} was given.")
+    return value
+
+
 def truth_value(given: object, name: str) -> bool:
     """Return an argument that is true or false: a text such as ``"no"`` would count as true.
 

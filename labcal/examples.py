@@ -18,6 +18,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.named_pixels import NamedPixels
 from labcal.correspond.points import Points
 from labcal.errors import InputError, OutputError
+from labcal.evaluate.acceptance.reference_lengths import ReferenceLengths
 from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.guide.rehearsal.rehearsal import Rehearsal, rehearsed
 from labcal.guide.rehearsal.rig_plan import RigPlan
@@ -148,6 +149,22 @@ def _pixels_of(view: str, motion: Vectors3) -> NamedPixels:
         point=np.tile(names, len(cameras.cameras)),
         position=position,
         covariance=np.tile(SIGMA_PX**2 * np.eye(2), (len(position), 1, 1)),
+    )
+
+
+def lengths() -> ReferenceLengths:
+    """Return three known edges of the block of :func:`pixels`, as an acceptance test has them.
+
+    Examples
+    --------
+    >>> lengths().point_b.tolist()
+    ['right-corner', 'far-corner', 'upper-corner']
+    """
+    ends, block = ("right-corner", "far-corner", "upper-corner"), np.full(3, "block")
+    origin = np.array(_BLOCK["origin"])
+    nominal = [float(np.linalg.norm(np.array(_BLOCK[end]) - origin)) for end in ends]
+    return ReferenceLengths(
+        ["1"] * 3, ["1", "2", "3"], block, ["origin"] * 3, block, ends, nominal, [0.002] * 3
     )
 
 

@@ -37,6 +37,7 @@ from labcal.calibrate.single_calibration import (
     adjusted,
     calibrate_single,
 )
+from labcal.calibrate.support_record import support_record
 from labcal.calibrate.systematic_residual import systematic_residual
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
@@ -141,7 +142,8 @@ def _calibrated(
     else:
         doubt = disagreement(Calibrated(found, entering, single))
     rig_found = _assemble(replace(agreeing, cameras=found), whole, target, decision, settings.places)
-    return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, doubt))
+    kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
+    return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, (doubt, kept)))
 
 
 def _whole(
@@ -179,9 +181,16 @@ def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
 
 
 def _recorded(
-    found: HandheldCalibration, entering: Detections, target: AnyTarget, doubt: Disagreement | None
+    found: HandheldCalibration,
+    entering: Detections,
+    target: AnyTarget,
+    of: tuple[Disagreement | None, Rig | None],
 ) -> Rig:
-    """Return the rig with what its calibration left, by some of the views where there are very many."""
+    """Return the rig with what its calibration left, by some of the views where there are very many.
+
+    `of` holds the disagreement of the cameras and the rig that lenses were kept from.
+    """
+    doubt, kept = of
     dots = found.outliers.left_out(entering)
     some = dots.views[:: -(-len(dots) // _MOST_DOTS)]
     cameras = [found.rig.camera(name) for name in found.rig.cameras]
@@ -196,7 +205,9 @@ def _recorded(
         point = triangulate(cameras, matches.q, matches.covariance).point
         part = systematic_residual(cameras, matches, point, found.rig.covariance.matrix, record)
         record = record.model_copy(update={"systematic_px": None if part is None else part.rms_px})
-    return found.rig.model_copy(update={"calibration": record})
+    support = support_record(dots, target, found.views, found.T_world_target, kept)
+    with_support = record.model_copy(update={"support": support})
+    return found.rig.model_copy(update={"calibration": with_support})
 
 
 def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) -> None:

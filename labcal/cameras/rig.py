@@ -14,6 +14,7 @@ from labcal.cameras.camera_pair import CameraPair, camera_pair
 from labcal.cameras.expected_errors import ExpectedErrors, expected_errors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
+from labcal.cameras.support import CalibrationSupport
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
@@ -48,6 +49,14 @@ class CalibrationRecord(BaseModel):
     """Causes of contradictions between the views, the likeliest first; empty if there are none."""
     dot_places: Literal["freed"] | None = None
     """``freed`` where places of dots were estimated with the cameras; left out where they are as declared."""
+    support: CalibrationSupport | None = None
+    """Hulls of the dots that they were calibrated from; left out of files if not known."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        """Leave out what older files do not have, so that they keep their bytes."""
+        newer = ("systematic_px", "dot_places", "support")
+        return {key: value for key, value in dump(self).items() if key not in newer or value is not None}
 
 
 class Rig(PublicObject, BaseModel):

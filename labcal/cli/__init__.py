@@ -56,6 +56,8 @@ VERBS = {
     "measure": "points in space from named pixels, in a frame of one's own",
     "evaluate": "errors of points in millimetres",
     "check": "whether a calibration is still valid, and what changed",
+    "certify": "an acceptance test by known lengths, with a certificate",
+    "compare": "how two calibrations differ, in pixels and in millimetres",
     "rehearse": "the errors to expect of a planned rig, before anything is bought",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",

@@ -20,6 +20,10 @@ OPTIONS = {
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
     "pixel_sigma": "--pixel-sigma", "reference_view": "--reference-view",
     "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
+    "limit_mm": "--limit-mm", "limit_ppm": "--limit-ppm", "confidence": "--confidence", "date": "--date",
+    "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
+    "temperature_c": "--temperature-c",
+    "distances_mm": "--distances-mm", "pictures": "--pictures",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.calibrate.eccentricity import CorrectedEccentricity, Discs, eccentricities_at_poses
 from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.training import TrainingData
@@ -53,4 +54,10 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
     rig, corrected = found.rig, CorrectedEccentricity.of(eccentricity)
-    return CentredTraining(data, tuple(cameras), corrected, None, rig.calibration, rig.covariance)
+    record = _without_support(rig.calibration)
+    return CentredTraining(data, tuple(cameras), corrected, None, record, rig.covariance)
+
+
+def _without_support(record: CalibrationRecord | None) -> CalibrationRecord | None:
+    """Return a record for a model, whose own box states the region that it was fitted in."""
+    return None if record is None else record.model_copy(update={"support": None})

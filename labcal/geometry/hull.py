@@ -46,3 +46,27 @@ def inside_hull(
         distance = local[:, :rank] @ faces[:, :-1].T + faces[:, -1]
         inside &= (distance <= tolerance_mm).all(axis=1)
     return np.asarray(inside)
+
+
+def hull_vertices(p: Float64[np.ndarray, "n k"], tolerance: float) -> Float64[np.ndarray, "m k"]:
+    """Return the vertices of the convex hull of points, in the plane in order around it.
+
+    Parameters
+    ----------
+    p : ndarray, shape (n, k)
+        In two or three dimensions; points with NaN do not count.
+    tolerance : float
+        Extent below which points count as flat in a direction. Flat ones in space give the hull within their
+        plane, those on a line its two ends.
+    """
+    p = p[np.isfinite(p).all(axis=1)]
+    if len(p) <= 1:
+        return p
+    _, spread, axes = np.linalg.svd(p - p.mean(axis=0), full_matrices=True)
+    local = (p - p.mean(axis=0)) @ axes.T
+    rank = int((np.ptp(local[:, : len(spread)], axis=0) > tolerance).sum())
+    if rank == 0:
+        return p[:1]
+    if rank == 1:
+        return p[[int(np.argmin(local[:, 0])), int(np.argmax(local[:, 0]))]]
+    return np.asarray(p[ConvexHull(local[:, :rank]).vertices])

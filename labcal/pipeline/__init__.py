@@ -13,8 +13,10 @@ too. Nothing is printed: what a person should not miss is in the `warnings` of w
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from labcal.pipeline.acceptance import certify
 from labcal.pipeline.calibration import calibrate, fit
 from labcal.pipeline.check import check
+from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.named_points import measure
@@ -34,6 +36,9 @@ if TYPE_CHECKING:
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.evaluate.acceptance.certify_settings import CertifySettings
+    from labcal.evaluate.acceptance.length_plan import plan_lengths
+    from labcal.evaluate.comparison.compare_settings import CompareSettings
     from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.paper.reproduce import ReproduceSettings
@@ -44,7 +49,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BenchSettings",
+    "CertifySettings",
     "CheckSettings",
+    "CompareSettings",
     "ConvertSettings",
     "DetectSettings",
     "FitSettings",
@@ -57,7 +64,9 @@ __all__ = [
     "UndistortSettings",
     "bench",
     "calibrate",
+    "certify",
     "check",
+    "compare",
     "convert",
     "detect",
     "detect_settings",
@@ -72,6 +81,7 @@ __all__ = [
     "measure",
     "measure_pictures",
     "open_pictures",
+    "plan_lengths",
     "reconstruct",
     "rehearse",
     "render",
@@ -83,7 +93,9 @@ __all__ = [
 
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
+    "CertifySettings": "labcal.evaluate.acceptance.certify_settings",
     "CheckSettings": "labcal.guide.check_settings",
+    "CompareSettings": "labcal.evaluate.comparison.compare_settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
@@ -98,6 +110,7 @@ _HOMES = {
     "detections_of": "labcal.correspond.measure",
     "epipolar_rms": "labcal.calibrate.epipolar_residual",
     "estimators_of": "labcal.estimators.fitting",
+    "plan_lengths": "labcal.evaluate.acceptance.length_plan",
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
     "training_of": "labcal.estimators.fitting",

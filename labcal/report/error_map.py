@@ -18,7 +18,7 @@ _HIGHEST = 98.0
 """Percentile of the cells' errors at which the colours end."""
 
 
-def error_map(points: Vectors3, error_mm: Float64[np.ndarray, " n"]) -> str:
+def error_map(points: Vectors3, error_mm: Float64[np.ndarray, " n"], name: str = "error-map") -> str:
     """Return an SVG of the RMS error of the points in each cell, in three projections.
 
     Parameters
@@ -27,6 +27,8 @@ def error_map(points: Vectors3, error_mm: Float64[np.ndarray, " n"]) -> str:
         Mm.
     error_mm : ndarray, shape (n,)
         Length of the error of each.
+    name : str
+        Begins every id in the element.
     """
     maps = [_cells(points[:, ["XYZ".index(name) for name in panel]], error_mm) for panel in _PANELS]
     known = np.concatenate([rms[np.isfinite(rms)] for rms, _, _ in maps])
@@ -43,7 +45,7 @@ def error_map(points: Vectors3, error_mm: Float64[np.ndarray, " n"]) -> str:
         shades = ScalarMappable(scale, ERROR_COLOURS)
         bar = figure.colorbar(shades, ax=panels, label="RMS error (mm)", extend="max", aspect=30)
         bar.outline.set_edgecolor(GROUND.drawn)
-        return inline_svg(figure, "error-map", "RMS error of the points over the volume in three projections")
+        return inline_svg(figure, name, "RMS error of the points over the volume in three projections")
 
 
 def _cells(at: Float64[np.ndarray, "n 2"], error_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

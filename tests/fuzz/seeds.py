@@ -216,6 +216,12 @@ def _named(home: Path, detections: Detections) -> None:
     dlc = "scorer,a,a,a\nbodyparts,paw,paw,paw\ncoords,x,y,likelihood\n0,10.5,20.5,0.9\n1,11.5,21.5,0.8\n"
     tracks = "# IMAGE_ID\n1 1 0 0 0 0 0 0 1 a_left.png\n100.5 50.5 7 3 4 -1 20.25 30.5 9\n"
     vic = '"sigma", "x", "y", "u", "v", "q", "r"\n0.01, 100, 50, 0.25, 0.5, -40.5, 1.25\n'
+    view, ends = str(few.view[0]), ((0, 5), (0, 3), (2, 4))
+    rows = [
+        f"1,{one + other},{view},{one}-0,{view},{other}-0,{20 * (other - one)},0.01" for one, other in ends
+    ]
+    header = "line,length,view_a,point_a,view_b,point_b,nominal_mm,sigma_mm"
+    (home / "lengths.csv").write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
     texts = {"known.csv": known, "dlc.csv": dlc, "tracks.txt": tracks, "vic.csv": vic}
     for name, text in texts.items():
         (home / name).write_text(text, encoding="utf-8")

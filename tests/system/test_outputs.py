@@ -70,6 +70,8 @@ VERBS = {
     "reconstruct": Verb(("reconstruct", "model", "dots.csv"), ("dots.csv",), ".csv"),
     "reconstruct by a rig": Verb(("reconstruct", "rig.json", "held.csv"), ("rig.json",), ".csv"),
     "measure": Verb(("measure", "rig.json", "pixels.csv"), ("pixels.csv",), ".csv"),
+    "certify --plan": Verb(("certify", "--plan", "--volume-mm", "400,300,200"), (), ".csv"),
+    "compare": Verb(("compare", "rig.json", "rig.json", "--pictures", "same"), ("rig.json",), ".html"),
     "convert": Verb(("convert", "rig.json", "--to", "opencv"), ("rig.json",), ".yml", ""),
     "convert to a folder": Verb(("convert", "rig.json", "--to", "colmap"), ("rig.json",), "", ""),
     "convert detections": Verb(

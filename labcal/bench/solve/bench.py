@@ -6,7 +6,9 @@ from labcal.bench.groups import Groups, measured_groups
 from labcal.bench.settings import BenchSettings
 from labcal.bench.solve.adjustment import adjustment_findings
 from labcal.bench.solve.budget import budget_findings
+from labcal.bench.solve.certify import certify_findings
 from labcal.bench.solve.check import check_findings
+from labcal.bench.solve.compare import compare_findings
 from labcal.bench.solve.limits import limit_findings
 from labcal.bench.solve.mistakes import mistake_findings
 from labcal.bench.solve.mrcal import mrcal_findings
@@ -20,7 +22,7 @@ from labcal.run.progress import Progress
 from labcal.wording import listed
 
 _OF_METHODS = "limits"
-_OF_CASES = frozenset((_OF_METHODS, "mistakes", "budget", "check", "rehearse"))
+_OF_CASES = frozenset((_OF_METHODS, "mistakes", "budget", "certify", "check", "compare", "rehearse"))
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,
@@ -28,7 +30,9 @@ GROUPS: Groups = {
     "adjustment": adjustment_findings,
     "mistakes": mistake_findings,
     "budget": budget_findings,
+    "certify": certify_findings,
     "check": check_findings,
+    "compare": compare_findings,
     "rehearse": rehearsal_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,

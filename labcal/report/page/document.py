@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 from labcal.report.page.asset import Asset
 from labcal.report.page.part import Part
@@ -17,6 +18,13 @@ PAGE_KIND = FileKind("a page of labcal", lambda content: _MADE_BY in content[:_H
 """A page that is an output by itself."""
 INNER_PAGE_KIND = recognised_by(PAGE_KIND.name, PAGE_KIND.recognises)
 """A page in a folder of results, whose mark tells whether somebody has edited the page."""
+
+
+class Paper(StrEnum):
+    """The way a page lies on paper when it is printed, which is also its name in the style."""
+
+    LANDSCAPE = "landscape"
+    PORTRAIT = "portrait"
 
 
 @dataclass(frozen=True)
@@ -57,6 +65,7 @@ class Page:
     provenance: Provenance
     opening: Sequence[Part] = field(default=())
     """Above the first heading: the outcome."""
+    paper: Paper = Paper.LANDSCAPE
 
     def text(self) -> str:
         """Return the page as HTML."""

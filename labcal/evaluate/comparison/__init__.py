@@ -1,0 +1,1 @@
+"""Differences of two calibrations after the rigid motion that no measurement tells."""
