@@ -11,12 +11,12 @@ from labcal.cameras.rig_covariance import POSE_PARAMETERS, RigCovariance
 from labcal.geometry.cross_matrices import cross_matrices
 
 _PARALLEL = 1e-9
-"""Sine of the angle below which no direction of its change is told from another."""
+"""Sine of the angle below which all directions of its change are alike."""
 
 
 @dataclass(frozen=True)
 class CameraPair:
-    """How two cameras stand to each other.
+    """Baseline and angle of two cameras.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class CameraPair:
 def camera_pair(
     cameras: Mapping[str, Camera], names: tuple[str, str], covariance: RigCovariance | None
 ) -> CameraPair:
-    """Return how two cameras of a rig stand to each other.
+    """Return baseline and angle of two cameras of a rig.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ class ErrorShares:
     calibration_mm : float
         By the calibration; NaN where the rig does not state its covariance.
     print_mm : float
-        The part of it by dots that are off on the print; NaN where that is not told apart.
+        The part of it by dots that are off on the print; NaN where that is not known.
     """
 
     noise_mm: float

@@ -157,7 +157,7 @@ class Rig(PublicObject, BaseModel):
         return float(np.linalg.norm(self.camera(second).centre - self.camera(first).centre))
 
     def pair(self, first: str, second: str) -> CameraPair:
-        """Return how two cameras stand to each other: baseline, mm, and angle, degrees, with their sigmas.
+        """Return baseline, mm, and angle, degrees, of two cameras, with their sigmas.
 
         Raises
         ------

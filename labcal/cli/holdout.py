@@ -9,7 +9,7 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
 _DEFAULT = 0
-"""Where the number of parts is left to the library."""
+"""Number of parts that stands for that of the library."""
 
 
 def add_holdout(parser: argparse.ArgumentParser) -> None:

@@ -1,4 +1,4 @@
-"""What is left of motions of points when a rigid motion of all of them together is taken out."""
+"""Motions of points without a rigid motion of all of them together."""
 
 import numpy as np
 from jaxtyping import Float64

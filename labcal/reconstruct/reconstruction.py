@@ -92,8 +92,8 @@ class Reconstruction(PublicObject):
     budget: PointBudget | None = None
     """The shares of noise and calibration in the covariances, line by line; None if the model has no rig."""
     systematic: SystematicResidual | None = None
-    """What changes of whole pictures explain of the triangulation residuals; None where the target or the
-    rig's covariance is not known."""
+    """The part of the triangulation residuals that changes of whole pictures explain; None where the target
+    or the rig's covariance is not known."""
     scale: TargetScale | None = None
     """Size of the reconstructed target; None where either is not known."""
 

@@ -1,4 +1,4 @@
-"""What to expect of a rig: baseline, angle, poses and errors at the working distance, as text for people."""
+"""Baselines, angles and errors to expect of a rig: in the JSON document, and for people."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -54,8 +54,8 @@ class ReconstructResult:
     residual_ratio: float | None
     """RMS triangulation residual over its expectation; null if the model has no cameras."""
     systematic: SystematicResidual | None
-    """What shifts, rotations and changes of scale of whole pictures explain of the residuals, with its test;
-    null where the target or the rig's covariance is not known."""
+    """The part of the residuals that shifts, rotations and changes of scale of whole pictures explain, with
+    its test; null where the target or the rig's covariance is not known."""
     target_scale: TargetScale | None
     """Size of the reconstructed target over the declared one, with its test; null likewise."""
 
