@@ -6,6 +6,7 @@ examples of the documentation start from these.
 
 from collections.abc import Iterator
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from labcal.correspond.points import Points
 from labcal.errors import InputError, OutputError
 from labcal.evaluate.acceptance.reference_lengths import ReferenceLengths
 from labcal.geometry.poses import from_rotation_vector, pose
-from labcal.guide.rehearsal.rehearsal import Rehearsal, rehearsed
 from labcal.guide.rehearsal.rig_plan import RigPlan
 from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.reconstruction import reconstruct_points
@@ -29,6 +29,9 @@ from labcal.shoot.dataset import MANIFEST, Shoot, open_shoot, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
 from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
+
+if TYPE_CHECKING:
+    from labcal.guide.rehearsal.rehearsal import Rehearsal
 
 SIGMA_PX = 0.02
 """Standard deviation of the dots' positions along each axis."""
@@ -253,7 +256,7 @@ def rig_plan() -> RigPlan:
 
 
 @cache
-def rehearsal() -> Rehearsal:
+def rehearsal() -> "Rehearsal":
     """Return the rehearsal of :func:`rig_plan`, made once.
 
     Examples
@@ -262,6 +265,8 @@ def rehearsal() -> Rehearsal:
     >>> len(examples.rehearsal().views)
     6
     """
+    from labcal.guide.rehearsal.rehearsal import rehearsed  # noqa: PLC0415 -- imports OpenCV
+
     return rehearsed(rig_plan(), 0)
 
 
