@@ -29,11 +29,17 @@ from .evaluate.acceptance.reference_lengths import ReferenceLengths as Reference
 from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.comparison.rig_comparison import RigComparison as RigComparison
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .guide.rehearsal.catalogue import load_rig_plan as load_rig_plan
+from .guide.rehearsal.rehearsal import Rehearsal as Rehearsal
+from .guide.rehearsal.rig_plan import RigPlan as RigPlan
 from .pipeline.acceptance import certify as certify
 from .pipeline.comparison import compare as compare
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
+from .pipeline.rehearsal import rehearse as rehearse
 from .reconstruct.angle import angle as angle
+from .reconstruct.displacements import Displacements as Displacements
+from .reconstruct.displacements import displacements as displacements
 from .reconstruct.distance import distance as distance
 from .reconstruct.measured import Measured as Measured
 from .reconstruct.named_reconstruction import NamedReconstruction as NamedReconstruction

@@ -7,6 +7,7 @@ argument between backticks. Arrays are those of :mod:`labcal.arrays`, paths thos
 import os
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
+from math import isfinite
 from operator import index
 from typing import TypeVar
 
@@ -115,6 +116,29 @@ def real_number(given: object, name: str, ends: tuple[float, float]) -> float:
         between = f"from {ends[0]:g} to {ends[1]:g}"
         raise InputError(f"`{name}` must be a number {between}, but {shown(given)} was given.")
     return value
+
+
+def positive_number(given: object, name: str, unit: str) -> float:
+    """Return an argument that is a positive number in a unit, for messages.
+
+    Raises
+    ------
+    InputTypeError
+        It is no number; a truth value counts as none.
+    InputError
+        It is not positive, or not finite.
+
+    Examples
+    --------
+    >>> positive_number(1, "pixel_sigma_px", "px")
+    1.0
+    """
+    if isinstance(given, bool | np.bool_) or not hasattr(given, "__float__"):
+        raise wrong_type(given, f"a number of {unit}", name)
+    number = float(given)
+    if not (isfinite(number) and number > 0.0):
+        raise InputError(f"`{name}` must be a positive number of {unit}, but {shown(number)} was given.")
+    return number
 
 
 def truth_value(given: object, name: str) -> bool:

@@ -4,7 +4,7 @@ The bits are those of :mod:`scipy.stats`, which calls the same special functions
 forty distributions.
 """
 
-from scipy.special import betaincc, chdtri, fdtrc, gammaincinv
+from scipy.special import betaincc, chdtrc, chdtri, fdtrc, gammaincinv
 
 
 def chi2_quantile(share: float, freedom: int) -> float:
@@ -15,6 +15,11 @@ def chi2_quantile(share: float, freedom: int) -> float:
 def chi2_upper_quantile(chance: float, freedom: int) -> float:
     """Return the value that a sum of so many squared normal deviates exceeds with this probability."""
     return float(chdtri(freedom, chance))
+
+
+def chi2_upper(value: float, freedom: int) -> float:
+    """Return how likely a sum of so many squared normal deviates exceeds a value."""
+    return float(chdtrc(freedom, value))
 
 
 def f_tail(ratio: float, upper_freedom: int, lower_freedom: float) -> float:

@@ -5,11 +5,12 @@ examples of the documentation start from these.
 """
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 
 from labcal.arguments import whole_number
-from labcal.arrays import Pose
+from labcal.arrays import Pose, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.rig import Rig
@@ -19,6 +20,8 @@ from labcal.correspond.points import Points
 from labcal.errors import InputError, OutputError
 from labcal.evaluate.acceptance.reference_lengths import ReferenceLengths
 from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.guide.rehearsal.rehearsal import Rehearsal, rehearsed
+from labcal.guide.rehearsal.rig_plan import RigPlan
 from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.rng import generator
@@ -117,12 +120,31 @@ def pixels() -> NamedPixels:
     >>> pixels()
     NamedPixels(views=1, cameras=['left', 'right'], points=5, pixels=10, with_covariance=10)
     """
+    return _pixels_of("block", np.zeros(3))
+
+
+def moved_pixels() -> NamedPixels:
+    """Return the pixels of the block before and after a motion of 2 mm to the right, as views of their own.
+
+    Examples
+    --------
+    >>> moved_pixels()
+    NamedPixels(views=2, cameras=['left', 'right'], points=5, pixels=20, with_covariance=20)
+    """
+    before, after = pixels(), _pixels_of("moved", np.array([2.0, 0.0, 0.0]))
+    columns = ("view", "camera", "point", "position", "covariance")
+    return NamedPixels(*(np.concatenate([getattr(before, name), getattr(after, name)]) for name in columns))
+
+
+def _pixels_of(view: str, motion: Vectors3) -> NamedPixels:
+    """Return the pixels of the block in a view, after a motion (mm)."""
     cameras = rig()
-    names, places = list(_BLOCK), np.array(list(_BLOCK.values()))
+    names, places = list(_BLOCK), np.array(list(_BLOCK.values())) + motion
     position = np.concatenate([cameras.camera(name).project(places).q for name in cameras.cameras])
-    position += SIGMA_PX * generator(0, "examples", "pixels").normal(size=position.shape)
+    noise = generator(0, "examples", "pixels", *([] if view == "block" else [view]))
+    position += SIGMA_PX * noise.normal(size=position.shape)
     return NamedPixels(
-        view=np.full(len(position), "block"),
+        view=np.full(len(position), view),
         camera=np.repeat(list(cameras.cameras), len(names)),
         point=np.tile(names, len(cameras.cameras)),
         position=position,
@@ -199,6 +221,48 @@ def shoot(folder: AnyPath, views: int = 2) -> Shoot:
         write_picture(place / path, _drawn(seen))
     write_manifest(place, manifest)
     return Shoot(place, manifest)
+
+
+def rig_plan() -> RigPlan:
+    """Return the plan of a pair of small cameras half a metre in front of a target.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> examples.rig_plan().geometry.baseline_mm
+    150.0
+    """
+    camera = {"size": _SIZE, "fov_deg": 50.0, "lens": "brown-k1k2", "dist": (-0.1, 0.02)}
+    target = {
+        "name": "small-9x7", "cols": 9, "rows": 7, "pitch_x_mm": 18.0, "pitch_y_mm": 18.0,
+        "dot_diameter_mm": 8.0, "ring_outer_diameter_mm": 8.0, "ring_inner_diameter_mm": 3.5,
+        "rings": {"origin": (2, 2), "x": (6, 2), "y": (2, 5)}, "margin_mm": 10.0,
+    }  # fmt: skip
+    return RigPlan.model_validate(
+        {
+            "name": "small",
+            "camera": camera,
+            "geometry": {"kind": "pair", "baseline_mm": 150.0, "convergence_mm": 500.0},
+            "volume": {"width_mm": 140.0, "height_mm": 100.0, "near_mm": 450.0, "far_mm": 550.0},
+            "photometry": {"format": "png"},
+            "target": target,
+            "print_sigma_mm": 0.01,
+            "shoot": {"views": 6},
+        }
+    )
+
+
+@cache
+def rehearsal() -> Rehearsal:
+    """Return the rehearsal of :func:`rig_plan`, made once.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> len(examples.rehearsal().views)
+    6
+    """
+    return rehearsed(rig_plan(), 0)
 
 
 def _target() -> DotGrid:

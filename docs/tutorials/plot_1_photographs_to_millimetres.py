@@ -136,8 +136,8 @@ figure = errors.plot()
 # %%
 # Lengths on the target do not tell all: a print that is 0.1 % too large makes every length 0.1 % too large,
 # and nothing in the pictures shows it. Measure your print with a ruler or better. A real print is also
-# uneven by some micrometres: pass ``HandheldSettings(free_dots=True)``, and the place of every dot is
-# estimated, too.
+# uneven by some micrometres: where that makes points more certain, ``calibrate`` estimates the place of every
+# dot, too, and ``found.dots.why`` says so; ``HandheldSettings(dot_places="freed")`` asks for it.
 #
 # Keep the result. ``rig.json`` is a text file, and ``labcal convert`` writes it for OpenCV, mrcal, Kalibr,
 # ROS, COLMAP and DICe (:doc:`/how-to/export-to-my-program`).

@@ -1,13 +1,15 @@
 """A complete calibration: lens choice, held-out views, calibration, warnings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreement.words import contradiction_message
+from labcal.calibrate.budget.shared_errors import measured_places
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
@@ -15,11 +17,14 @@ from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_rig import parallel_notes
+from labcal.calibrate.print_warnings import uneven_message, warnings_of_print
 from labcal.cameras.blind_pixels import blind_pixels
+from labcal.cameras.camera_pair import CameraPair
+from labcal.cameras.expected_errors import ExpectedErrors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, held_out_views, warning_of_test_views
+from labcal.correspond.view_roles import HoldOut, held_out_views, holds_none, warning_of_test_views
 from labcal.errors import InputError
 from labcal.optim.stopping import StopReason
 from labcal.paths import AnyPath
@@ -47,7 +52,8 @@ class Calibration(PublicObject):
     held_out : tuple of str
         Views that the calibration did not see.
     calibrated_on : tuple of str
-        Views that it comes from; those of a rig whose lenses were kept among them.
+        Views that it comes from; those of a rig whose lenses were kept among them, and those that a measured
+        print comes from.
     warnings : tuple of str
         What is not as it should be, for people.
 
@@ -124,7 +130,8 @@ class Calibration(PublicObject):
 
         if self.found.freed is None:
             raise InputError(
-                "The dots of this calibration were not freed. Calibrate with `free_dots=True` to draw them."
+                "The dots of this calibration were not freed. Calibrate with `dot_places='freed'` to draw "
+                "them."
             )
         return displacement_figure(self.found.freed)
 
@@ -152,12 +159,39 @@ class Calibration(PublicObject):
         """The cameras, and the views that they were calibrated from."""
         return self.found.rig.model_copy(update={"calibrated_on": self.calibrated_on})
 
+    def pairs(self) -> tuple[CameraPair, ...]:
+        """Return baseline and angle of every two cameras, with their standard deviations.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> (pair,) = made.pairs()
+        >>> abs(pair.baseline_mm - 200.0) < 3 * pair.baseline_sigma_mm
+        True
+        """
+        return self.found.pairs()
+
+    def expected_errors(self) -> ExpectedErrors:
+        """Return the errors to expect of points where the target was, of dots like these, mm.
+
+        Examples
+        --------
+        >>> from labcal import examples, load_target, pipeline
+        >>> made = pipeline.calibrate(load_target(examples.TARGET), examples.detections())
+        >>> depth = made.expected_errors().depth
+        >>> 0.0 < depth.noise_mm < depth.calibration_mm
+        True
+        """
+        return self.found.expected_errors()
+
     @property
     def places(self) -> DotPlaces | None:
         """Places of the dots on the print, and the views that gave them; None if dots were not freed."""
         if self.found.freed is None:
             return None
-        return self.found.freed.places().model_copy(update={"calibrated_on": self.calibrated_on})
+        places = measured_places(self.found.freed, self.found.sources.print_share)
+        return places.model_copy(update={"calibrated_on": self.calibrated_on})
 
 
 def calibrated(
@@ -196,19 +230,54 @@ def calibrated(
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
     if lens == AUTO:
-        choice = choose_lens(entering, target, settings, progress or NoProgress())
+        choice, found = _with_chosen_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
-    found = calibrate_handheld(entering, target, lens, settings)
+    else:
+        found = calibrate_handheld(entering, target, lens, settings)
     kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
-    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on))))
-    tested = None if held_out else warning_of_test_views(entering)
+    before = () if settings.places is None else settings.places.calibrated_on
+    learned = tuple(dict.fromkeys((*found.views, *(() if kept is None else kept.calibrated_on), *before)))
+    asked = bool(held_out) or holds_none(hold_out, detections.views)
+    tested = None if asked else warning_of_test_views(entering)
     notes = parallel_notes(found.rig, started=settings.start_rig is not None)
     warnings = (
         *(() if tested is None else (tested,)),
+        *warnings_of_print(found, settings),
         *calibration_warnings(found, lens, target.name),
         *notes,
     )
     return Calibration(found, lens, choice, held_out, learned, warnings)
+
+
+def _with_chosen_lens(
+    entering: Detections, target: AnyTarget, settings: HandheldSettings, progress: Progress
+) -> tuple[LensChoice, HandheldCalibration]:
+    """Choose the lens with the dots treated as they will be, and calibrate with it.
+
+    Whether dots are freed depends on the lens: it is decided with :data:`DEFAULT_LENS` first, and with the
+    lens that was chosen. Where both differ, the lens is chosen once more.
+    """
+    treatment = settings.dot_places
+    if treatment is DotTreatment.AUTO:
+        treatment = _treatment_with(DEFAULT_LENS, entering, target, settings)
+    choice = choose_lens(entering, target, replace(settings, dot_places=treatment), progress)
+    found = calibrate_handheld(entering, target, choice.lens, settings)
+    if found.dot_decision.treatment is treatment:
+        return choice, found
+    treatment = found.dot_decision.treatment
+    choice = choose_lens(entering, target, replace(settings, dot_places=treatment), progress)
+    again = calibrate_handheld(entering, target, choice.lens, replace(settings, dot_places=treatment))
+    return choice, replace(again, dot_decision=found.dot_decision)
+
+
+def _treatment_with(
+    lens: str, entering: Detections, target: AnyTarget, settings: HandheldSettings
+) -> DotTreatment:
+    """Return the treatment of the dots with a lens; as declared where it does not suit."""
+    try:
+        return calibrate_handheld(entering, target, lens, settings).dot_decision.treatment
+    except InputError:
+        return DotTreatment.DECLARED
 
 
 def refuse_contradictory(lens: str | None, settings: HandheldSettings) -> None:
@@ -270,17 +339,14 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
         if groups is not None:
             warnings.append(two_lenses_message(name, groups, lens))
         elif found.freed is None and found.fits[name].uneven:
-            warnings.append(
-                f"the dots of {name} scatter by {found.fits[name].scatter_px:.3f} px beyond their own noise: "
-                "an uneven print or another lens; `free_dots=True` estimates where each dot is on the print"
-            )
+            warnings.append(uneven_message(found, name))
     views = found.sources.views
     if views.is_beyond_chance and found.disagreement is None:
         warnings.append(
             f"views disagree about the cameras by {views.ratio:.1f} times the squares that the noise of "
             f"their dots explains. Likely causes: the lens model '{lens}' is too simple (try "
-            "`lens='auto'`), or the board bends or moves. Stated sigmas are wider by this, but hold only "
-            "what changes from view to view"
+            "`lens='auto'`), the board bends or moves, or light and blur move neighbouring dots alike. "
+            "Stated sigmas are wider by this, but hold only what changes from view to view"
         )
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")

@@ -10,6 +10,7 @@ from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.cameras.camera import Camera
 from labcal.geometry.cross_matrices import cross_matrices
+from labcal.geometry.rigid_part import without_rigid_part
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,8 @@ class CameraCovariance:
         To first order a point moves by -N^-1 sum J^T G d where d is the cameras' error, G the derivatives of
         pixels by the cameras, J those by the point, and N = sum J^T J (all pixels weigh the same).
         """
-        moved = _motions(cameras, p, self)
         n = len(p)
-        turn, shift = -cross_matrices(p - p.mean(axis=0)), np.broadcast_to(np.eye(3), (n, 3, 3))
-        rigid = np.concatenate([turn, shift], axis=2).reshape(3 * n, 6)
-        moved = moved.reshape(3 * n, -1)
-        moved -= rigid @ np.linalg.lstsq(rigid, moved, rcond=None)[0]
+        moved = without_rigid_part(_motions(cameras, p, self), p).reshape(3 * n, -1)
         return float(np.sqrt(np.maximum(0.0, np.einsum("ij,jk,ik->", moved, self.covariance, moved) / n)))
 
 

@@ -17,6 +17,8 @@ from labcal.calibrate.agreement.finding import ContradictionError, Disagreement
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.budget.rig_record import with_covariance
 from labcal.calibrate.camera_covariance import CameraCovariance
+from labcal.calibrate.dot_decision import decision_at_once, judged
+from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
 from labcal.calibrate.lens_prior import PriorWidth
@@ -36,15 +38,18 @@ from labcal.calibrate.single_calibration import (
     calibrate_single,
 )
 from labcal.calibrate.support_record import support_record
+from labcal.calibrate.systematic_residual import systematic_residual
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.cameras.lens import lens_by_name
 from labcal.cameras.rig import Rig
+from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces
 from labcal.wording import counted
 
 __all__ = ["HandheldSettings", "calibrate_handheld"]
@@ -64,7 +69,7 @@ def calibrate_handheld(
     detections : Detections
         Only dots flagged ``ok`` enter.
     target : AnyTarget
-        Its dots are flat and exactly placed, unless the settings free them.
+        Its dots are flat and exactly placed, unless the settings or held-out views free them.
     lens : str
         Any lens model but a prescription.
     settings : HandheldSettings, optional
@@ -81,42 +86,62 @@ def calibrate_handheld(
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
-    if settings.free_dots and lens_by_name(lens).parallel:
+    if settings.dot_places is DotTreatment.FREED and lens_by_name(lens).parallel:
         raise InputError(
             f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not distinguishable there. Leave `free_dots` out."
+            "tilt are not distinguishable there. Keep them as declared: `dot_places='declared'`."
         )
-    usable = usable_dots(detections, target)
+    usable = settings.measured(usable_dots(detections, target), target)
     cameras = _require_all(usable, detections)
     entering, skipped = in_full_pictures(usable)
     skipped = (*unmeasured_pictures(detections), *skipped)
+
+    as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+    alone = [calibrate_single(name, entering, target, lens, as_declared) for name in cameras]
+    decision = decision_at_once(alone, target, settings)
+
+    def calibrated(ready: list[SingleCalibration], by: DotDecision) -> HandheldCalibration:
+        how = replace(settings, dot_places=by.treatment)
+        return _calibrated(SingleCameras(ready, entering, skipped), target, lens, how, by)
+
+    if decision is None:
+        return judged(alone, target, settings, calibrated)
+    if decision.frees:
+        alone = [one.with_freed_dots(target, settings) for one in alone]
+    return calibrated(alone, decision)
+
+
+def _calibrated(
+    alone: SingleCameras, target: AnyTarget, lens: str, settings: HandheldSettings, decision: DotDecision
+) -> HandheldCalibration:
+    """Calibrate the rig with cameras that are calibrated alone, their dots treated as is decided."""
 
     def single(name: str, dots: Detections) -> SingleCalibration:
         return calibrate_single(name, dots, target, lens, settings)
 
     def flat(name: str, dots: Detections) -> SingleCalibration:
-        return calibrate_single(name, dots, target, lens, replace(settings, free_dots=False))
+        as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+        return calibrate_single(name, dots, target, lens, as_declared)
 
-    agreeing = SingleCameras([single(name, entering) for name in cameras], entering, skipped)
-    agreeing = of_agreeing_views(agreeing, target, single, free_dots=settings.free_dots)
-    entering, skipped = agreeing.entering, agreeing.left_out
+    agreeing = of_agreeing_views(alone, target, single, free_dots=decision.frees)
+    entering = agreeing.entering
     found = _with_lens_groups(agreeing.cameras, target, settings)
     if len(found) == 1:
-        return _assemble(found, found[0].result, target, entering.views, skipped)
+        return _assemble(replace(agreeing, cameras=found), found[0].result, target, decision, settings.places)
     try:
         whole = _whole(found, entering, target, settings)
     except InputError as error:
-        judged = [flat(camera.name, entering) for camera in found] if settings.free_dots else found
-        doubt = disagreement(Calibrated(judged, entering, flat))
+        alike = [flat(camera.name, entering) for camera in found] if decision.frees else found
+        doubt = disagreement(Calibrated(alike, entering, flat))
         if doubt is None:
             raise
-        raise ContradictionError(doubt, _rms_alone(judged)) from error
+        raise ContradictionError(doubt, _rms_alone(alike)) from error
     if whole.freed is not None:
         found_on_print = [camera.on_print(whole.freed, settings) for camera in found]
         doubt = disagreement(Calibrated(found_on_print, entering, flat, free_dots=True))
     else:
         doubt = disagreement(Calibrated(found, entering, single))
-    rig_found = _assemble(found, whole, target, entering.views, skipped)
+    rig_found = _assemble(replace(agreeing, cameras=found), whole, target, decision, settings.places)
     kept = settings.start_rig if settings.lenses is Lenses.FIXED else None
     return replace(rig_found, disagreement=doubt, rig=_recorded(rig_found, entering, target, (doubt, kept)))
 
@@ -128,7 +153,8 @@ def _whole(
     cameras = tuple(camera.name for camera in found)
     observations = observations_of(entering, target, cameras, entering.views)
     start = rig_start(
-        with_determined_poses([camera.single for camera in found], settings.start_rig), target.points()
+        with_determined_poses([camera.single for camera in found], settings.start_rig),
+        settings.dots_of(target),
     )
     whole = adjusted(start, observations, target, settings)
     _refuse_far(whole, entering, target)
@@ -173,9 +199,15 @@ def _recorded(
         matches, _ = centred(cameras, matches, target)
     causes = () if doubt is None else tuple(cause.cause.value for cause in doubt.causes)
     record = calibration_record(cameras, matches, causes)
+    if found.dot_decision.frees:
+        record = record.model_copy(update={"dot_places": "freed"})
+    if found.rig.covariance is not None and len(cameras) > 1 and len(matches):
+        point = triangulate(cameras, matches.q, matches.covariance).point
+        part = systematic_residual(cameras, matches, point, found.rig.covariance.matrix, record)
+        record = record.model_copy(update={"systematic_px": None if part is None else part.rms_px})
     support = support_record(dots, target, found.views, found.T_world_target, kept)
-    with_support = record.model_copy(update={"support": support})
-    return found.rig.model_copy(update={"calibration": with_support})
+    record = record.model_copy(update={"support": support})
+    return found.rig.model_copy(update={"calibration": record})
 
 
 def _refuse_far(whole: AdjustedDots, entering: Detections, target: AnyTarget) -> None:
@@ -211,16 +243,17 @@ def _with_lens_groups(
 
 
 def _assemble(
-    found: list[SingleCalibration],
+    single: SingleCameras,
     whole: AdjustedDots,
     target: AnyTarget,
-    views: tuple[str, ...],
-    skipped: tuple[str, ...],
+    decision: DotDecision,
+    known: DotPlaces | None,
 ) -> HandheldCalibration:
     """Return the rig and its figures."""
+    found, views = single.cameras, single.entering.views
     adjusted = whole.adjusted
     in_rig = adjusted.rms_px(whole.observations)
-    sources = ErrorSources.of(adjusted, whole.observations, whole.freed)
+    sources = ErrorSources.of(adjusted, whole.observations, whole.freed, known)
     covariance = CameraCovariance.of(adjusted, sources)
     fits = {}
     for number, one in enumerate(found):
@@ -244,7 +277,7 @@ def _assemble(
         rig=with_covariance(Rig.of(dict(cameras)), adjusted, sources),
         fits=fits,
         rms_px=float(np.sqrt((adjusted.residual[~adjusted.outlier] ** 2).sum(axis=1).mean())),
-        skipped=skipped,
+        skipped=single.left_out,
         outliers=OutlyingDots.of(adjusted, whole.observations, target, (names, views)),
         views=views,
         T_world_target=adjusted.state.T_world_target,
@@ -254,4 +287,7 @@ def _assemble(
         residuals=RigResiduals.of(adjusted, whole.observations),
         covariance=covariance,
         sources=sources,
+        dots=adjusted.state.dots,
+        measured_print=known is not None,
+        dot_decision=decision,
     )

@@ -1,23 +1,29 @@
 """The result of a calibration: rig, standard deviations and residuals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.arrays import Vectors3
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import POSE
 from labcal.calibrate.agreement.finding import Disagreement
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.calibrate.camera_covariance import CameraCovariance
+from labcal.calibrate.dot_treatment import DotDecision
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.outlying_dots import OutlyingDots
 from labcal.calibrate.rig_residuals import RigResiduals
+from labcal.cameras.camera_pair import CameraPair
+from labcal.cameras.expected_errors import ExpectedErrors, expected_errors
 from labcal.cameras.optics import INTRINSICS
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.geometry.poses import transform
 from labcal.optim.stopping import StopReason
 
 UNEVEN, UNEVEN_PX = 5.0, 0.1
@@ -103,6 +109,12 @@ class HandheldCalibration:
     """Of all cameras together."""
     sources: ErrorSources
     """Sources of the errors that the covariance holds."""
+    dots: Float64[np.ndarray, "dots 3"]
+    """Places of the dots on the print, in the target's frame, mm: as declared, as given, or as estimated."""
+    dot_decision: DotDecision
+    """The treatment of the dots on the print, and the reason."""
+    measured_print: bool = False
+    """True if the dots were kept where an earlier calibration had found them."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
 
@@ -111,6 +123,42 @@ class HandheldCalibration:
         """OpenCV's RMS over all cameras, each calibrated alone."""
         fits = self.fits.values()
         return float(np.sqrt(sum(f.dots * f.rms_px**2 for f in fits) / sum(f.dots for f in fits)))
+
+    @property
+    def places(self) -> Vectors3:
+        """Places of all dots of the target in all views, in the world, (n, 3), mm."""
+        return np.concatenate([transform(T, self.dots) for T in self.T_world_target])
+
+    def scatter_px(self, name: str) -> float:
+        """Return what dots of a camera scatter beyond their covariances, in the rig if known; px per axis."""
+        record = self.rig.calibration
+        return (
+            self.fits[name].scatter_px if record is None or record.scatter_px is None else record.scatter_px
+        )
+
+    @property
+    def pixel_sigma_px(self) -> list[float]:
+        """Standard deviation of a typical dot along each axis by camera: its own noise, and the scatter."""
+        return [float(np.hypot(fit.noise_px, self.scatter_px(name))) for name, fit in self.fits.items()]
+
+    def expected_errors(self) -> ExpectedErrors:
+        """Return the errors to expect of points where the target was, of dots like these, mm."""
+        known = None if self.rig.covariance is None else self.rig.covariance.matrix
+        cameras = [self.rig.camera(name) for name in self.rig.cameras]
+        found = expected_errors(cameras, known, self.places, self.pixel_sigma_px)
+        share = self.sources.print_share
+        if known is None or share is None:
+            return found
+        by_print = expected_errors(cameras, share.covariance, self.places, self.pixel_sigma_px)
+        return replace(
+            found,
+            depth=replace(found.depth, print_mm=by_print.depth.calibration_mm),
+            sideways=replace(found.sideways, print_mm=by_print.sideways.calibration_mm),
+        )
+
+    def pairs(self) -> tuple[CameraPair, ...]:
+        """Return baseline and angle of every two cameras, with their standard deviations."""
+        return tuple(self.rig.pair(*names) for names in combinations(self.rig.cameras, 2))
 
     def entering(self, detections: Detections) -> Detections:
         """Return the detections of the pictures and dots that entered."""

@@ -11,6 +11,7 @@ from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import DEFAULT_LENS, LARGE, OF_VIEWS, PLENTY
@@ -76,7 +77,8 @@ def choose_lens(
         Only dots flagged ``ok`` enter.
     target : AnyTarget
     settings : HandheldSettings
-        Of the calibration to come; lenses are free, and the rig to start from does not count.
+        Of the calibration to come; lenses are free, dots are as declared unless they are ``freed``, and the
+        rig to start from does not count.
     progress : Progress
 
     Raises
@@ -85,7 +87,7 @@ def choose_lens(
         A camera has fewer than :data:`MIN_VIEWS` views or parallel rays, no model can be fitted, or as in
         :func:`~labcal.calibrate.handheld.calibrate_handheld`.
     """
-    entering, _ = in_full_pictures(usable_dots(detections, target))
+    entering, _ = in_full_pictures(settings.measured(usable_dots(detections, target), target))
     cameras = [entering.where(entering.camera == name).by_view() for name in entering.cameras]
     for name, pictures in zip(entering.cameras, cameras, strict=True):
         if len(pictures) < MIN_VIEWS:
@@ -151,10 +153,10 @@ def _held_out(
     for fold in range(FOLDS):
         held = list(pictures[fold::FOLDS])
         others = [picture for number, picture in enumerate(pictures) if number % FOLDS != fold]
-        learned = _Problem.of(others, target)
+        learned = _Problem.of(others, target, settings.dots_of(target))
         fitted = learned.adjusted(start_from_pictures(others, target, lens), Lenses.FREE, rounds)
-        entered, judged = learned.observations, _Problem.of(held, target)
-        if settings.free_dots:
+        entered, judged = learned.observations, _Problem.of(held, target, settings.dots_of(target))
+        if settings.dot_places is DotTreatment.FREED:
             free = adjust_dots(fitted, entered, target, Lenses.FREE, rounds)
             fitted, entered, judged = free.adjusted, free.observations, judged.at(free.dots)
         left_open = undetermined(fitted, entered)
@@ -175,10 +177,10 @@ class _Problem:
     """Their places on the print, mm."""
 
     @classmethod
-    def of(cls, pictures: Sequence[Detections], target: AnyTarget) -> "_Problem":
+    def of(cls, pictures: Sequence[Detections], target: AnyTarget, places: Vectors3) -> "_Problem":
         """Return them as numbers."""
         dots = joined(pictures)
-        return cls(observations_of(dots, target, dots.cameras, dots.views), target, target.points())
+        return cls(observations_of(dots, target, dots.cameras, dots.views), target, places)
 
     def at(self, freed: FreedDots) -> "_Problem":
         """Return the same pictures of dots that were found elsewhere; only those count.

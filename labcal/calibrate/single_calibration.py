@@ -5,11 +5,13 @@ from os import PathLike
 
 import numpy as np
 
-from labcal.arguments import choice_of, object_of, set_checked, truth_value, whole_number
+from labcal.arguments import choice_of, object_of, set_checked, whole_number
+from labcal.arrays import Vectors3
 from labcal.calibrate.adjustment.free_dots import adjust_dots
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.eccentricity import ROUNDS
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.lens_start import (
@@ -26,6 +28,7 @@ from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.paths import AnyPath
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.places import DotPlaces, read_places
 from labcal.wording import counted
 
 MIN_VIEWS = 3
@@ -39,7 +42,7 @@ class HandheldSettings:
     Examples
     --------
     >>> from labcal.pipeline import HandheldSettings
-    >>> HandheldSettings(free_dots=True).eccentricity_rounds
+    >>> HandheldSettings(dot_places="freed").eccentricity_rounds
     2
     """
 
@@ -47,8 +50,12 @@ class HandheldSettings:
     """Lenses are estimated (``"free"``), or kept as in `start` (``"fixed"``)."""
     start: Rig | AnyPath | None = None
     """Rig of the initial values, or the path of its file; OpenCV gives them if this is None."""
-    free_dots: bool = False
-    """True to estimate the places of dots on the print."""
+    dot_places: DotTreatment | str = DotTreatment.AUTO
+    """Places of dots on the print are estimated (``"freed"``), taken as ``"declared"``, or estimated where
+    held-out views show that it is better (``"auto"``)."""
+    dots: DotPlaces | AnyPath | None = None
+    """Places of the dots on this print, as an earlier calibration with freed dots found them, or the path of
+    their file: dots are kept there, and the errors of these places enter the covariance."""
     eccentricity_rounds: int = ROUNDS
     """Number of computations of the eccentricity; 0 if pixels are images of centres."""
 
@@ -65,17 +72,71 @@ class HandheldSettings:
         values = {
             "lenses": choice_of(self.lenses, Lenses, "lenses"),
             "start": None if self.start is None else _rig_of(self.start),
-            "free_dots": truth_value(self.free_dots, "free_dots"),
+            "dot_places": choice_of(self.dot_places, DotTreatment, "dot_places"),
+            "dots": None if self.dots is None else _places_of(self.dots),
             "eccentricity_rounds": whole_number(self.eccentricity_rounds, "eccentricity_rounds", 0),
         }
         set_checked(self, values)
         if self.start is None and self.lenses is Lenses.FIXED:
             raise InputError("`lenses='fixed'` keeps the lenses of a rig. Give that rig: `start='rig.json'`.")
+        if self.dots is not None and self.dot_places == DotTreatment.FREED:
+            raise InputError(
+                "`dots` keeps the dots where they were measured, `dot_places='freed'` estimates them anew. "
+                "Give one of the two."
+            )
+
+    @property
+    def places(self) -> DotPlaces | None:
+        """The measured places of dots, read where a path was given."""
+        return self.dots if isinstance(self.dots, DotPlaces) else None
+
+    def dots_of(self, target: AnyTarget) -> Vectors3:
+        """Return the places of all dots in the target's frame, mm: as measured, or else as declared.
+
+        Raises
+        ------
+        InputError
+            The measured places are those of another target.
+        """
+        if self.places is None:
+            return target.points()
+        if self.places.target != target:
+            named, given = self.places.target.name, target.name
+            other = f"'{given}'" if named != given else "one of this name with other dimensions"
+            raise InputError(
+                f"The places in `dots` are those of the target '{named}', but the dots are of {other}. Give "
+                "the places of this print, or leave `dots` out."
+            )
+        return self.places.points()
+
+    def measured(self, usable: Detections, target: AnyTarget) -> Detections:
+        """Return the dots whose places were measured, where places are given; all of them otherwise.
+
+        Raises
+        ------
+        InputError
+            The measured places are those of another target, or of none of these dots.
+        """
+        self.dots_of(target)
+        if self.places is None:
+            return usable
+        known = self.places.freed()[usable.index[:, 1] * target.cols + usable.index[:, 0]]
+        if not known.any():
+            raise InputError(
+                "None of these dots has a measured place in `dots`. Give the places of this print."
+            )
+        return usable.where(known)
 
     @property
     def start_rig(self) -> Rig | None:
         """The rig of the initial values, read where a path was given."""
         return self.start if isinstance(self.start, Rig) else None
+
+
+def _places_of(given: DotPlaces | AnyPath) -> DotPlaces:
+    if isinstance(given, str | PathLike):
+        return read_places(given)
+    return object_of(given, DotPlaces, "dots")
 
 
 def _rig_of(given: Rig | AnyPath) -> Rig:
@@ -105,6 +166,20 @@ class SingleCalibration:
     two_lenses: TwoLenses | None = None
     """Groups of its views that were taken through different lenses; None where one lens explains all."""
 
+    def with_freed_dots(self, target: AnyTarget, settings: HandheldSettings) -> "SingleCalibration":
+        """Return the camera, which was calibrated with the dots as declared, adjusted with free dots.
+
+        Raises
+        ------
+        InputError
+            As in :func:`~labcal.calibrate.adjustment.free_dots.adjust_dots`.
+        """
+        flat, rounds = self.result, settings.eccentricity_rounds
+        free = adjust_dots(flat.adjusted, flat.observations, target, Lenses(settings.lenses), rounds)
+        end = free.adjusted.state
+        single = replace(self.single, camera=end.cameras[0], T_cam_target=end.T_world_target)
+        return replace(self, result=AdjustedDots(free.adjusted, free.observations, free.dots), single=single)
+
     def on_print(self, dots: FreedDots, settings: HandheldSettings) -> "SingleCalibration":
         """Return the camera adjusted once more, with dots where several cameras together found them."""
         before = self.result
@@ -131,7 +206,7 @@ def calibrate_single(
     """Calibrate one camera from all its views."""
     dots = entering.where(entering.camera == name)
     start = _lens_start(dots, name, target, lens, settings)
-    state = RigState((start.camera,), start.T_cam_target, target.points())
+    state = RigState((start.camera,), start.T_cam_target, settings.dots_of(target))
     result = adjusted(state, observations_of(dots, target, (name,), dots.views), target, settings)
     end, unnumbered = result.adjusted.state, np.arange(len(dots.views))
     single = SingleCamera(name, end.cameras[0], unnumbered, end.T_world_target)
@@ -166,11 +241,11 @@ def _lens_start(
 def adjusted(
     start: RigState, observations: Observations, target: AnyTarget, settings: HandheldSettings
 ) -> AdjustedDots:
-    """Adjust with the dots as declared and, where asked, once more with free dots."""
+    """Adjust with the dots as declared and, where they are to be freed, once more with free dots."""
     freedom = Freedom(Lenses(settings.lenses), np.zeros((3 * target.count, 0)))
     radii = 0.5 * target.outer_diameters_mm()
     flat = adjust_in_rounds(start, observations, freedom, radii, settings.eccentricity_rounds)
-    if not settings.free_dots:
+    if settings.dot_places is not DotTreatment.FREED:
         return AdjustedDots(flat, observations, None)
     free = adjust_dots(flat, observations, target, Lenses(settings.lenses), settings.eccentricity_rounds)
     return AdjustedDots(free.adjusted, free.observations, free.dots)

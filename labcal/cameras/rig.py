@@ -6,9 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
-from labcal.arguments import object_of, one_text, wrong_type
+from labcal.arguments import object_of, one_text, positive_number, wrong_type
+from labcal.arrays import AnyArray, float_array
 from labcal.cameras.camera import Camera
 from labcal.cameras.camera_description import camera_description
+from labcal.cameras.camera_pair import CameraPair, camera_pair
+from labcal.cameras.expected_errors import ExpectedErrors, expected_errors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
 from labcal.cameras.support import CalibrationSupport
@@ -40,8 +43,12 @@ class CalibrationRecord(BaseModel):
     """RMS triangulation residual of the dots that they were calibrated from."""
     scatter_px: Pixel | None = None
     """Variance component beyond the dots' covariances, as a standard deviation of pixels along each axis."""
+    systematic_px: Pixel | None = None
+    """RMS of what shifts, rotations and changes of scale of whole pictures explain of these residuals."""
     inconsistent: tuple[str, ...] = ()
     """Causes of contradictions between the views, the likeliest first; empty if there are none."""
+    dot_places: Literal["freed"] | None = None
+    """``freed`` where places of dots were estimated with the cameras; left out where they are as declared."""
     support: CalibrationSupport | None = None
     """Hulls of the dots that they were calibrated from; left out of files if not known."""
 
@@ -146,6 +153,54 @@ class Rig(PublicObject, BaseModel):
         200.0
         """
         return float(np.linalg.norm(self.camera(second).centre - self.camera(first).centre))
+
+    def pair(self, first: str, second: str) -> CameraPair:
+        """Return how two cameras stand to each other: baseline, mm, and angle, degrees, with their sigmas.
+
+        Raises
+        ------
+        UnknownNameError
+            The rig has no camera of one of the names.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> pair = examples.rig().pair("left", "right")
+        >>> round(pair.baseline_mm, 3), round(pair.angle_deg, 3)
+        (200.0, 17.189)
+        """
+        cameras = {name: self.camera(name) for name in (*self.cameras, first, second)}
+        return camera_pair(cameras, (first, second), self.covariance)
+
+    def expected_errors(self, places: AnyArray, pixel_sigma_px: float) -> ExpectedErrors:
+        """Return the errors to expect of points at such places, in depth and sideways, mm.
+
+        Parameters
+        ----------
+        places : array_like, shape (n, 3)
+            Mm, in the world; those that a camera does not see are left out.
+        pixel_sigma_px : float
+            Standard deviation of the pixels that points will be measured by, along each axis.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            `places` has another shape or is not made of numbers, or `pixel_sigma_px` is no positive number.
+
+        Examples
+        --------
+        >>> from labcal import examples
+        >>> expected = examples.rig().expected_errors([[0, 0, 600], [60, 20, 650]], 0.02)
+        >>> round(expected.depth.noise_mm, 3), round(expected.sideways.noise_mm, 3)
+        (0.072, 0.011)
+        >>> expected.depth.calibration_mm  # this rig states no covariance
+        nan
+        """
+        places = float_array(places, ("n", 3), "places")
+        sigma = positive_number(pixel_sigma_px, "pixel_sigma_px", "px")
+        cameras = [self.camera(name) for name in self.cameras]
+        known = None if self.covariance is None else self.covariance.matrix
+        return expected_errors(cameras, known, places, [sigma] * len(cameras))
 
     @classmethod
     def load(cls, path: AnyPath) -> "Rig":

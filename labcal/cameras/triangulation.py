@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from labcal.arrays import AnyArray, Mask, PointCovariances, Vectors3, float_array
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import RUN, Imaged, imaged
-from labcal.geometry.covariances import clearly_definite, positive_definite
+from labcal.geometry.covariances import clearly_definite, inverses, positive_definite
 from labcal.geometry.rays import closest_points
 
 STEPS = 10
@@ -117,7 +117,7 @@ def refined(
     """
     p = start.copy()
     known = positive_definite(covariance).all(axis=1) & np.isfinite(p).all(axis=1)
-    weight = np.linalg.inv(np.where(known[:, None, None, None], covariance, np.eye(2)))
+    weight = inverses(np.where(known[:, None, None, None], covariance, np.eye(2)))
     cov = np.full((len(q), 3, 3), np.nan)
     for _ in range(STEPS):
         normal, gradient = _normal_equations(imagers, p, q, weight)
@@ -243,7 +243,7 @@ def noise_covariance(
         for i, imager in enumerate(imagers):
             at = taking_part[rows, i]
             by_point = imager.imaged(p[rows[at]]).by_point
-            weighted = np.linalg.inv(covariance[rows[at], i]) @ by_point
+            weighted = inverses(covariance[rows[at], i]) @ by_point
             normal[at] += by_point.transpose(0, 2, 1) @ weighted
             beyond[at] += weighted.transpose(0, 2, 1) @ weighted
         own = np.linalg.inv(normal)

@@ -9,6 +9,7 @@ from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import RUN, projection_derivatives
 from labcal.cameras.optics import INTRINSICS
+from labcal.geometry.covariances import inverses
 from labcal.geometry.cross_matrices import cross_matrices
 from labcal.geometry.poses import transform
 
@@ -71,7 +72,7 @@ def _of_some(
         p_cam = transform(camera.T_cam_world, p[at])
         found = projection_derivatives(camera, p_cam)
         by_world = found.by_point @ R
-        weighted = by_world.transpose(0, 2, 1) @ np.linalg.inv(covariance[at, number])
+        weighted = by_world.transpose(0, 2, 1) @ inverses(covariance[at, number])
         normal[at] += weighted @ by_world
         last = first + INTRINSICS + camera.model.coefficients
         gradient[at, :, first:last] = weighted @ found.by_camera

@@ -57,6 +57,7 @@ VERBS = {
     "evaluate": "errors of points in millimetres",
     "certify": "an acceptance test by known lengths, with a certificate",
     "compare": "how two calibrations differ, in pixels and in millimetres",
+    "rehearse": "the errors to expect of a planned rig, before anything is bought",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",
     "reproduce": "the paper: every row",

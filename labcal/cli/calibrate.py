@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
+from labcal.cli.dot_places import add_dot_places, dot_treatment
 from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_page, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -42,10 +43,12 @@ def add_parser(commands: CommandGroup) -> None:
         help=f"lens model (default {DEFAULT_LENS}, or that of --start), or {AUTO}: chosen by views held out",
     )
     add_output(parser, "rig.json", "cameras to write")
+    add_dot_places(parser, "; the places go to RIG-dots.json")
     parser.add_argument(
-        "--free-dots",
-        action="store_true",
-        help="estimate where each dot is on the print, too, and write it to RIG-dots.json",
+        "--dots",
+        type=Path,
+        metavar="RIG-dots.json",
+        help="keep the dots where an earlier calibration freed them on this print, with the errors of that",
     )
     parser.add_argument("--start", type=Path, metavar="rig.json", help="cameras to start from")
     parser.add_argument(
@@ -80,19 +83,26 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.wording import listed
 
     require_name(arguments.output)
-    if arguments.overlay is not None and not arguments.free_dots:
-        raise InputError("--overlay draws the places that --free-dots estimates. Add --free-dots.")
+    kept = arguments.keep_dots or arguments.dots is not None
+    if arguments.overlay is not None and kept:
+        raise InputError("--overlay draws the places of freed dots, but these dots are kept. Leave it out.")
     outputs = [FileOutput(arguments.output, KIND)]
-    outputs += [FileOutput(_dots_path(arguments.output), DOTS_KIND)] if arguments.free_dots else []
+    outputs += [] if kept else [FileOutput(_dots_path(arguments.output), DOTS_KIND)]
     outputs += [] if arguments.overlay is None else [png_output(arguments.overlay)]
-    page = asked_page(arguments, session, [arguments.source, arguments.detections, arguments.start])
+    page = asked_page(
+        arguments, session, [arguments.source, arguments.detections, arguments.dots, arguments.start]
+    )
     outputs += [] if page is None else [page.file]
-    read = paths_read([arguments.source, arguments.detections, arguments.target, arguments.start])
+    read = paths_read(
+        [arguments.source, arguments.detections, arguments.target, arguments.dots, arguments.start]
+    )
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_detection(arguments)
     named = None if arguments.target is None else load_target(arguments.target)
     given = open_dots(arguments.source, arguments.detections)
+    if named is None and given.shoot is None and settings.places is not None:
+        named = settings.places.target
     target = given.target(named)
     detections = dots_given(given, target, arguments, session)
     hold_out = arguments.hold_out or ()
@@ -103,9 +113,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for warning in made.warnings:
         session.warn(warning)
     if made.held_out:
-        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}")
+        note = "" if arguments.hold_out else " (test views of the shoot; '--hold-out none' uses them, too)"
+        session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}{note}")
     write_rig(arguments.output, made.rig, force=arguments.force)
-    _write_dots(arguments, made)
+    _write_dots(arguments, made, session)
     result = calibrate_result(made, detections, target)
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if result.doubtful else ExitStatus.DONE
@@ -120,7 +131,8 @@ def _settings(arguments: Namespace) -> "HandheldSettings":
     settings = HandheldSettings(
         lenses=Lenses.FIXED if arguments.fix_intrinsics else Lenses.FREE,
         start=arguments.start,
-        free_dots=arguments.free_dots,
+        dot_places=dot_treatment(arguments),
+        dots=arguments.dots,
     )
     refuse_contradictory(arguments.lens, settings)
     return settings
@@ -130,13 +142,17 @@ def _dots_path(output: Path) -> Path:
     return output.with_name(f"{output.stem}-dots.json")
 
 
-def _write_dots(arguments: Namespace, made: "Calibration") -> None:
+def _write_dots(arguments: Namespace, made: "Calibration", session: Session) -> None:
     """Write the places of the dots and, where wanted, the picture of them."""
     from labcal.targets.places import write_places
 
     if made.places is not None:
         write_places(_dots_path(arguments.output), made.places, force=arguments.force)
-    if arguments.overlay is not None and made.found.freed is not None:
+    elif _dots_path(arguments.output).exists():
+        session.warn(f"{_dots_path(arguments.output)} is of an earlier calibration: now no dots were freed")
+    if arguments.overlay is not None and made.found.freed is None:
+        session.warn(f"{arguments.overlay} is not written: no dots were freed. --free-dots frees them")
+    elif arguments.overlay is not None and made.found.freed is not None:
         from labcal.report.displacement_picture import save_displacements  # imports matplotlib
 
         save_displacements(arguments.overlay, made.found.freed, force=arguments.force)

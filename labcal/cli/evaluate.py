@@ -3,6 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
+from labcal.cli.holdout import add_holdout, refuse_without_holdout, run_held_out
 from labcal.cli.options import add_page, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -18,7 +19,12 @@ def add_parser(commands: CommandGroup) -> None:
         "Compute the errors of points, against the truth or, without one, against the target's own lengths.",
         example="labcal evaluate points.csv shoot",
     )
-    parser.add_argument("points", type=Path, metavar="points.csv", help="from 'labcal reconstruct'")
+    parser.add_argument(
+        "points",
+        type=Path,
+        metavar="points.csv",
+        help="from 'labcal reconstruct'; with --holdout a table of dots, or a SHOOT",
+    )
     parser.add_argument("shoot", nargs="?", type=Path, metavar="SHOOT", help="left out for loose photographs")
     parser.add_argument("--target", metavar="NAME", help="the target of loose photographs, for its lengths")
     parser.add_argument(
@@ -46,12 +52,16 @@ def add_parser(commands: CommandGroup) -> None:
         help="the model or rig that the points were reconstructed with: views that it was calibrated from, "
         "or fitted to, are not scored, or are marked; RIG-dots.json and a shoot name theirs themselves",
     )
+    add_holdout(parser)
     add_page(parser)
     parser.add_argument("--force", action="store_true", help="replace a page that labcal made")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Evaluate and report."""
+    if arguments.holdout is not None:
+        return run_held_out(arguments, session)
+    refuse_without_holdout(arguments)
     from labcal.cli.page import asked_page
     from labcal.correspond.points_csv import read_points
     from labcal.pipeline import evaluate

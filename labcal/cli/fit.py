@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO
+from labcal.cli.dot_places import add_dot_places, dot_treatment
 from labcal.cli.methods import named_estimators
 from labcal.cli.options import (
     add_detector_settings,
@@ -70,11 +71,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target", metavar="NAME", help="the target of a table of dots; a shoot brings its own"
     )
-    parser.add_argument(
-        "--free-dots",
-        action="store_true",
-        help="hand-held target: estimate the place of each dot on the print, too",
-    )
+    add_dot_places(parser, " (of a hand-held target)")
     parser.add_argument(
         "--no-rehearsal",
         action="store_true",
@@ -105,7 +102,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     settings = FitSettings(
         arguments.lens,
         arguments.seed,
-        arguments.free_dots,
+        dot_treatment(arguments),
         not arguments.no_rehearsal,
         arguments.hold_out or (),
     )

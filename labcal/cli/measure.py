@@ -3,7 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
-from labcal.cli.named_points import add_budget, add_named_points, write_named
+from labcal.cli.named_points import add_budget, add_displacements, add_named_points, write_named
 from labcal.cli.options import add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.ply import add_ply
@@ -18,7 +18,8 @@ def add_parser(commands: CommandGroup) -> None:
         run,
         "Measure points that are not a target's: named pixels of any number of cameras, missing in some.",
         example="labcal measure rig.json pixels.csv --pixel-sigma 0.1 -o points.csv\n"
-        "  labcal measure rig.json pixels.csv --frame points:origin,x,plane -o points.csv --ply points.ply",
+        "  labcal measure rig.json pixels.csv --frame points:origin,x,plane -o points.csv --ply points.ply\n"
+        "  labcal measure rig.json pixels.csv -o points.csv --displacements moved.csv --reference-view start",
     )
     parser.add_argument(
         "model", type=Path, metavar="RIG-or-MODEL", help="from 'labcal calibrate' or 'labcal fit'"
@@ -41,6 +42,7 @@ def add_parser(commands: CommandGroup) -> None:
     add_budget(parser)
     add_output(parser, "points.csv", "table of points to write")
     add_named_points(parser)
+    add_displacements(parser)
     add_ply(parser)
 
 

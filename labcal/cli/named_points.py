@@ -47,6 +47,19 @@ def add_named_points(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_displacements(parser: argparse.ArgumentParser) -> None:
+    """Add the table of displacements, of points over time."""
+    parser.add_argument(
+        "--displacements",
+        type=Path,
+        metavar="displacements.csv",
+        help="also write the displacements of the points since a view, with rigid motions in the summary",
+    )
+    parser.add_argument(
+        "--reference-view", metavar="VIEW", help="the view that displacements begin at (default: the first)"
+    )
+
+
 def add_budget(parser: argparse.ArgumentParser) -> None:
     """Add ``--budget``, of dots and of named points."""
     parser.add_argument(
@@ -74,7 +87,10 @@ def write_named(arguments: Namespace, source: str | Path, session: Session) -> E
     from labcal.correspond.named_points_csv import KIND, named_points_csv
     from labcal.correspond.paths_read import paths_read
     from labcal.correspond.points import PointFlag
+    from labcal.errors import InputError
     from labcal.pipeline import MeasureSettings, measure
+    from labcal.reconstruct.displacements import displacements
+    from labcal.reconstruct.displacements_csv import KIND as DISPLACEMENTS
     from labcal.reconstruct.frames.requested_frame import RequestedFrame
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.report.measure_result import measure_result, measure_words
@@ -82,16 +98,24 @@ def write_named(arguments: Namespace, source: str | Path, session: Session) -> E
     from labcal.run.outputs import write_file
 
     given = {name: getattr(arguments, name) for name in _OPTIONS}
+    table: Path | None = getattr(arguments, "displacements", None)
+    if table is None and getattr(arguments, "reference_view", None) is not None:
+        raise InputError("--reference-view goes with --displacements. Give a table, too, or leave it out.")
+    tables = [FileOutput(arguments.output, KIND)]
+    tables += [] if table is None else [FileOutput(table, DISPLACEMENTS)]
     settings = MeasureSettings(**given | {"scale_bars": arguments.scale_bars or ()})
     frame = None if settings.frame is None else RequestedFrame.of(settings.frame)
     read = paths_read([arguments.model, source, arguments.target, None if frame is None else frame.path])
-    claim_outputs([FileOutput(arguments.output, KIND), *ply_outputs(arguments)], read, force=arguments.force)
+    claim_outputs([*tables, *ply_outputs(arguments)], read, force=arguments.force)
     model = load_reconstructor(arguments.model, own_method(arguments.method))
     found = measure(model, source, arguments.target, settings, budget=arguments.budget)
+    moved = None if table is None else (table, displacements(found, arguments.reference_view))
     write_file(arguments.output, named_points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)
-    result = measure_result(arguments.output, model, found)
-    for warning in found.warnings:
+    if moved is not None:
+        moved[1].save(moved[0], force=arguments.force)
+    result = measure_result(arguments.output, model, found, moved)
+    for warning in result.warnings:
         session.warn(warning)
     session.emit(result, measure_words(result))
     complete = result.inconsistent is None and result.flags.keys() <= {

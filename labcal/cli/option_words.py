@@ -9,16 +9,17 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots",
+        "alignment", "budget", "cameras", "detections", "distance_mm", "dots", "dpi", "force",
         "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig",
         "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views",
         "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
-    "methods": "--method",
+    "methods": "--method", "parts": "--holdout",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
-    "pixel_sigma": "--pixel-sigma", "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
+    "pixel_sigma": "--pixel-sigma", "reference_view": "--reference-view",
+    "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
     "limit_mm": "--limit-mm", "limit_ppm": "--limit-ppm", "confidence": "--confidence", "date": "--date",
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
     "temperature_c": "--temperature-c",
@@ -26,7 +27,10 @@ OPTIONS = {
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 
-SWITCHES = {"lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal"}
+SWITCHES = {
+    "dot_places='declared'": "--keep-dots", "dot_places='freed'": "--free-dots", "dot_places": "--free-dots",
+    "lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal",
+}  # fmt: skip
 """Options by the values of arguments that they stand for."""
 
 _ARGUMENT = re.compile(r"`([a-z_]+)(?:=(True|'[^'`]*'|[\w.]+))?`")

@@ -58,8 +58,9 @@ def add_hold_out(parser: argparse.ArgumentParser) -> None:
     """Add ``--hold-out``, which :func:`labcal.correspond.view_roles.parse_hold_out` reads."""
     parser.add_argument(
         "--hold-out",
-        metavar="N-or-VIEW[,VIEW]",
-        help="of a target in the hand: leave views out, so many or those named, for 'labcal evaluate'",
+        metavar="N-or-VIEW[,VIEW]-or-none",
+        help="of a target in the hand: leave views out, so many or those named, for 'labcal evaluate'; none: "
+        "'calibrate' uses the test views of a shoot, too",
     )
 
 

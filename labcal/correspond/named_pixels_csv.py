@@ -192,6 +192,8 @@ def _numbers(part: TableLines, column: str, known: dict[str, int], why: str) -> 
     new = [name for name in dict.fromkeys(cells) if name not in known]
     numbers = numbers_of_names(cells, known)
     right = is_name if column == "camera" else _is_readable
+    if column != "camera" and max(map(len, new), default=1) < MOST_LETTERS and "" not in new:
+        new = new if has_control("".join(new)) else []  # all at once, where names are good
     wrong = [known[name] for name in new if not right(name)]
     if wrong:
         part.require(~np.isin(numbers, wrong), why)

@@ -14,7 +14,9 @@ from labcal.shoot.manifest import Role
 from labcal.wording import listed
 
 HoldOut = int | str | Sequence[str]
-"""Number of views, spread evenly, or their names; also as text, ``"2"`` or ``"a,b"``."""
+"""Number of views, spread evenly, or their names; also as text, ``"2"``, ``"a,b"`` or ``"none"``."""
+NONE = "none"
+"""No view is held out, the test views of a shoot neither."""
 
 
 def parse_hold_out(text: str, views: Sequence[str]) -> int | list[str]:
@@ -49,6 +51,11 @@ def checked_hold_out(hold_out: object) -> HoldOut:
     return index(hold_out) if hasattr(hold_out, "__index__") else texts(hold_out, "hold_out")
 
 
+def holds_none(hold_out: HoldOut, views: Sequence[str]) -> bool:
+    """Tell whether no view is to be held out, those neither that a shoot keeps to test on."""
+    return isinstance(hold_out, str) and hold_out.strip() == NONE and NONE not in views
+
+
 def held_out_views(views: Sequence[str], hold_out: HoldOut) -> tuple[str, ...]:
     """Return the views that are held out, in their order.
 
@@ -59,6 +66,8 @@ def held_out_views(views: Sequence[str], hold_out: HoldOut) -> tuple[str, ...]:
     """
     hold_out = checked_hold_out(hold_out)
     if isinstance(hold_out, str):
+        if holds_none(hold_out, views):
+            return ()
         hold_out = parse_hold_out(hold_out, views)
     if isinstance(hold_out, int):
         if hold_out < 0:

@@ -3,16 +3,19 @@
 import cv2
 import numpy as np
 
-from labcal.detect.corners.corner_fit import is_cut
+from labcal.detect.corners.corner_fit import CornerFit, is_cut
 from labcal.detect.corners.corners import Corners, measured_corners
+from labcal.detect.corners.edge_waves import wavelengths
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
+from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
+from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import Polarity
@@ -75,14 +78,23 @@ def _recognised(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings
     return Corners(index, np.asarray(corners, dtype=np.float64).reshape(-1, 2), [None] * len(index))
 
 
+def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:
+    """Return the variance of a picture's corners over what the residuals of their fits say."""
+    if not fits:
+        return 1.0
+    flat = noise_factor(np.array([fit.sums for fit in fits]), settings, _SHADINGS)
+    waves = wavelengths(float(np.median([fit.reach for fit in fits])))
+    ratio, error = smooth_wave_ratio(np.array([fit.powers for fit in fits]), waves, settings)
+    return beside_flat_parts(ratio, error, flat, settings)
+
+
 def _collect(
     corners: Corners, grey: GreyPicture, refusal: Refusal | None, settings: DetectSettings
 ) -> PictureDots:
     """Put the corners into arrays, row by row."""
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
-    sums = [fit.sums for fit in corners.fits if fit is not None]
-    factor = noise_factor(np.array(sums), settings.edge, _SHADINGS) if sums else 1.0
+    factor = _factor([fit for fit in corners.fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
     covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
     dots = PictureDots(

@@ -14,6 +14,7 @@ from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.triangulation_residuals import MOST_PX
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
@@ -41,6 +42,8 @@ class CentredTraining:
     """The reason why it was not corrected."""
     calibration: CalibrationRecord | None = None
     """The triangulation residual of the cameras on the training data."""
+    covariance: RigCovariance | None = None
+    """Joint covariance of the cameras, where they placed a target held in the hand."""
 
 
 def centred_training(

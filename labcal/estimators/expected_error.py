@@ -4,6 +4,7 @@ It is computed by `surrogate_validation.py` beside this file, on points drawn wi
 """
 
 from dataclasses import dataclass
+from math import hypot
 
 LEAST_COVERAGE = 0.92
 """Least acceptable coverage of 95% ellipsoids; its standard deviation with a thousand points is 0.007."""
@@ -23,11 +24,20 @@ class ExpectedError:
         The same of cameras that are known exactly, by the pixels' noise.
     coverage95 : float
         Share of points within the 95% ellipsoid that the method states; 0 where it gives no covariance.
+    adjustment_mm : float
+        Root mean square of the errors that the adjustment of a hand-held target adds to all points, which
+        are not in the figures above; 0 where a stage placed the target, NaN where it is not known.
     """
 
     rmse_mm: float
     limit_mm: float
     coverage95: float
+    adjustment_mm: float = 0.0
+
+    @property
+    def total_mm(self) -> float:
+        """Root mean square of all errors, those of the adjustment included; NaN where these are not known."""
+        return hypot(self.rmse_mm, self.adjustment_mm)
 
     @property
     def misfit(self) -> bool:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arguments import (
+    choice_of,
     object_of,
     one_text,
     set_checked,
@@ -15,9 +16,11 @@ from labcal.arguments import (
     wrong_type,
 )
 from labcal.calibrate.calibration import Calibration, calibrated
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens
+from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.correspond.training import TrainingData, training_data
@@ -52,8 +55,8 @@ class FitSettings:
     """Lens of methods with cameras, and of the adjustment that places a hand-held target."""
     seed: int = 0
     """Seed of whatever is random in a method."""
-    free_dots: bool = False
-    """True to free the dots of a hand-held target."""
+    dot_places: DotTreatment | str = DotTreatment.AUTO
+    """As in :class:`~labcal.calibrate.handheld.HandheldSettings`, of a hand-held target."""
     rehearsal: bool = True
     """True to validate each method on a surrogate, which gives its expected error."""
     hold_out: HoldOut = ()
@@ -70,7 +73,7 @@ class FitSettings:
         values = {
             "lens": one_text(self.lens, "lens"),
             "seed": whole_number(self.seed, "seed", 0),
-            "free_dots": truth_value(self.free_dots, "free_dots"),
+            "dot_places": choice_of(self.dot_places, DotTreatment, "dot_places"),
             "rehearsal": truth_value(self.rehearsal, "rehearsal"),
             "hold_out": checked_hold_out(self.hold_out),
         }
@@ -170,7 +173,7 @@ def training_of(
         trained = [view.name for view in source.views(Role.TRAIN)]
         detections = detections.where(np.isin(detections.view, trained))
     target = source.target if isinstance(source, Shoot) else source
-    how = HandheldSettings(free_dots=settings.free_dots)
+    how = HandheldSettings(dot_places=settings.dot_places)
     found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
     dots = handheld_training(found.found, detections, target)
     return Training(dots, found, found.warnings, (*found.held_out, *tested))
@@ -178,10 +181,14 @@ def training_of(
 
 def _refuse_of_held(settings: FitSettings) -> None:
     """Raise where settings are given that would be dropped, since a stage gives the poses of the target."""
-    for name in ("free_dots", "hold_out"):
-        if getattr(settings, name) not in (False, ()):
+    usual = {"dot_places": DotTreatment.AUTO, "hold_out": ()}
+    for name, value in usual.items():
+        given = getattr(settings, name)
+        if given != value:
+            named = f"{name}='{given}'" if isinstance(given, DotTreatment) else name
             raise InputError(
-                f"`{name}` is for a hand-held target, but this shoot's target stood on a stage. Leave it out."
+                f"`{named}` is for a hand-held target, but this shoot's target stood on a stage. Leave it "
+                "out."
             )
 
 
@@ -281,16 +288,41 @@ def fit_methods(
     surrogate = None
     if settings.rehearsal:
         surrogate = surrogate_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
+    adjustment_mm = 0.0 if surrogate is None else _adjustment_mm(training, surrogate)
     progress.advance()
     for estimator in estimators:
         try:
             model = fit_method(data, estimator, training.centred.cameras, surrogate)
-            about = replace(model, calibration=training.centred.calibration, warnings=training.warnings)
-            fitted.append(replace(about, calibrated_on=training.calibrated_on, held_out=training.held_out))
+            fitted.append(_with_its_origin(model, training, adjustment_mm))
         except InputError as error:
             fitted.append(error)
         progress.advance()
     return fitted
+
+
+def _adjustment_mm(training: Training, surrogate: Surrogate) -> float:
+    """Return the RMS error that the adjustment of a hand-held target adds to the points of a surrogate."""
+    centred = training.centred
+    if training.held is None:
+        return 0.0
+    if centred.cameras is None or centred.covariance is None:
+        return float("nan")
+    share = calibration_share(centred.cameras, centred.covariance.matrix, surrogate.p, surrogate.covariance)
+    return float(np.sqrt(np.trace(share, axis1=1, axis2=2).mean()))
+
+
+def _with_its_origin(model: Model, training: Training, adjustment_mm: float) -> Model:
+    """Return a model that tells what it was fitted to, and what that adds to its errors."""
+    centred, expected = training.centred, model.rehearsed
+    return replace(
+        model,
+        rehearsed=None if expected is None else replace(expected, adjustment_mm=adjustment_mm),
+        calibration=centred.calibration,
+        covariance=centred.covariance,
+        calibrated_on=training.calibrated_on,
+        held_out=training.held_out,
+        warnings=training.warnings,
+    )
 
 
 def fit_method(

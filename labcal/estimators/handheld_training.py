@@ -53,13 +53,9 @@ def handheld_training(found: HandheldCalibration, detections: Detections, target
     centred = replace(matches, q=matches.q - eccentricity)
     sizes = tuple(detections.picture_size(name) for name in names)
     data = TrainingData(names, sizes, centred.view, centred.index, centred.X, p)
-    return CentredTraining(
-        data,
-        tuple(cameras),
-        CorrectedEccentricity.of(eccentricity),
-        None,
-        _without_support(found.rig.calibration),
-    )
+    rig, corrected = found.rig, CorrectedEccentricity.of(eccentricity)
+    record = _without_support(rig.calibration)
+    return CentredTraining(data, tuple(cameras), corrected, None, record, rig.covariance)
 
 
 def _without_support(record: CalibrationRecord | None) -> CalibrationRecord | None:

@@ -8,12 +8,14 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig import CalibrationRecord, Rig
+from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
 from labcal.errors import InputError
 from labcal.estimators.expected_error import ExpectedError
 from labcal.paths import AnyPath
 from labcal.public_object import PublicObject
-from labcal.wording import counted
+from labcal.wording import counted, listed
 
 if TYPE_CHECKING:
     from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
@@ -76,6 +78,9 @@ class Model(PublicObject):
         Error at points between the training dots, by surrogate validation; None where that was not possible.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data.
+    covariance : RigCovariance, optional
+        Joint covariance of the resected cameras, where they placed a target held in the hand; None where a
+        stage did.
     calibrated_on : tuple of str
         Names of the views that it was fitted to, as of a rig; empty where that is not known.
     held_out : tuple of str
@@ -106,6 +111,7 @@ class Model(PublicObject):
     resected: tuple[Camera, ...] | None = None
     rehearsed: ExpectedError | None = None
     calibration: CalibrationRecord | None = None
+    covariance: RigCovariance | None = None
     calibrated_on: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -114,6 +120,46 @@ class Model(PublicObject):
     def misfit(self) -> bool:
         """True if surrogate validation found errors far above noise or stated covariance."""
         return self.rehearsed is not None and self.rehearsed.misfit
+
+    @property
+    def placed_by(self) -> Rig | None:
+        """The rig that placed the training dots of a target held in the hand, with its covariance.
+
+        Its errors are in all points of the method. None where a stage placed the target, or a model of an
+        older version does not tell.
+        """
+        if self.resected is None or self.covariance is None:
+            return None
+        return Rig(
+            cameras=dict(zip(self.cameras, map(CameraRecord.of, self.resected), strict=True)),
+            calibration=self.calibration,
+            covariance=self.covariance,
+        )
+
+    @property
+    def field_px(self) -> tuple[float, ...] | None:
+        """RMS length of the residual field over the training pixels, by camera; None of methods without one.
+
+        It is 0 where the training data asked for no field: `hybrid` is then a lens formula alone.
+        """
+        lengths = getattr(self.estimator, "field_px_", None)
+        return None if lengths is None else tuple(float(length) for length in lengths)
+
+    @property
+    def field_note(self) -> str | None:
+        """A note on cameras whose training data asked for no residual field, for people; else None."""
+        if self.field_px is None or all(self.field_px):
+            return None
+        if not any(self.field_px):
+            return (
+                f"{self.estimator.method}: no residual field was used, since the training dots ask for none: "
+                "the cameras are those of a lens formula alone, as by 'bundle'"
+            )
+        without = [name for name, length in zip(self.cameras, self.field_px, strict=True) if not length]
+        return (
+            f"{self.estimator.method}: no residual field was used for {listed(without)}, where the training "
+            "dots ask for none"
+        )
 
     @classmethod
     def load(cls, path: AnyPath, method: object | None = None) -> "Model":
@@ -159,6 +205,8 @@ class Model(PublicObject):
             summary["expected_rmse"] = f"{self.rehearsed.rmse_mm:.3g} mm"
         if self.misfit:
             summary["misfit"] = True
+        if self.field_px is not None:
+            summary["field_px"] = [float(f"{length:.2g}") for length in self.field_px]
         return summary
 
     def _compared(self) -> object:
@@ -166,7 +214,7 @@ class Model(PublicObject):
         arrays = {one.attribute: getattr(estimator, one.attribute) for one in estimator.stored_arrays()}
         facts = {name: getattr(estimator, name) for name in estimator.fitted_facts}
         kept = (self.cameras, self.image_sizes, self.box, self.resected, self.rehearsed)
-        fitted = (self.calibration, self.calibrated_on, self.held_out)
+        fitted = (self.calibration, self.covariance, self.calibrated_on, self.held_out)
         return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, fitted)
 
     def __post_init__(self) -> None:
@@ -182,6 +230,13 @@ class Model(PublicObject):
                 f"A model of {counted(len(self.cameras), 'camera')} has {len(self.resected)} resected. "
                 "Fit it again."
             )
+        if self.covariance is not None:
+            records = dict(zip(self.cameras, map(CameraRecord.of, self.resected or ()), strict=False))
+            wrong = wrong_parameters(records, self.covariance)
+            if wrong is not None:
+                raise InputError(
+                    f"The cameras of a model and their covariance differ: {wrong}. Fit it again."
+                )
         if len(set(self.cameras)) < len(self.cameras):
             raise InputError(
                 f"Every camera needs a name of its own, but the names are {', '.join(self.cameras)}."

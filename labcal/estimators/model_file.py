@@ -12,6 +12,8 @@ from safetensors import SafetensorError, safe_open
 from labcal.arguments import object_of
 from labcal.bounds import MOST_MM
 from labcal.cameras.record import CameraRecord
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_covariance import wrong_parameters
 from labcal.errors import InputError, OutputError
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.model import Model, TrainingBox
@@ -117,6 +119,7 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
         resected=None if model.resected is None else tuple(map(CameraRecord.of, model.resected)),
         rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
         calibration=model.calibration,
+        covariance=model.covariance,
         calibrated_on=model.calibrated_on or None,
         held_out=model.held_out or None,
     ).signed(arrays)
@@ -201,6 +204,7 @@ def load_model(path: AnyPath, method: object | None = None) -> Model:
         resected,
         rehearsed,
         header.calibration,
+        header.covariance,
         header.calibrated_on or (),
         header.held_out or (),
     )
@@ -215,6 +219,27 @@ def training_views(path: AnyPath) -> tuple[str, ...]:
         The file is no whole model.
     """
     return _content(as_path(path))[0].calibrated_on or ()
+
+
+def placing_rig(path: AnyPath) -> Rig | None:
+    """Return the rig that placed the training dots of a model of any method; as :attr:`Model.placed_by`.
+
+    Raises
+    ------
+    InputError
+        The file is no whole model, or its cameras and their covariance do not belong together.
+    """
+    path = as_path(path)
+    header, _ = _content(path)
+    if header.covariance is None or header.resected is None:
+        return None
+    records = dict(zip(header.cameras, header.resected, strict=False))
+    wrong = wrong_parameters(records, header.covariance)
+    if wrong is not None:
+        raise InputError(
+            f"The cameras of the model {path} and their covariance differ: {wrong}. Fit it again."
+        )
+    return Rig(cameras=records, calibration=header.calibration, covariance=header.covariance)
 
 
 def _content(path: Path) -> tuple[ModelHeader, dict[str, np.ndarray]]:
@@ -246,7 +271,8 @@ def _figures(rehearsed: ExpectedError) -> dict[str, float | None]:
 
 def _rehearsed(path: Path, figures: dict[str, float | None]) -> ExpectedError:
     """Return the expected error of a mapping."""
-    if figures.keys() != {field.name for field in fields(ExpectedError)}:
+    known = {field.name for field in fields(ExpectedError)}
+    if not known - {"adjustment_mm"} <= figures.keys() <= known:  # which older files do not have
         raise InputError(
             f"The model {path} has an expected error in a form that this version of labcal does not know."
         )

@@ -11,13 +11,17 @@ from pydantic import BaseModel, ConfigDict, Field
 from labcal.bounds import MOST_PICTURES, Side
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.rig_covariance import RigCovariance
 from labcal.errors import InputError
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.names import Name
 
-OLDEST, VERSION = 4, 5
-"""Of the files that are read, and of those that are written. Before 5, waves of a field had no directions."""
-"""Version of the format that this program writes, and the one that it reads."""
+OLDEST, VERSION = 4, 6
+"""Of the files that are read, and of those that are written.
+
+Before 5, waves of a field had no directions; before 6, a model did not tell the covariance of the cameras
+that placed a target held in the hand.
+"""
 
 _MOST_COLUMNS = 2000
 Value = bool | int | float | str | tuple[int, ...] | tuple[tuple[int, int], ...] | None
@@ -51,6 +55,8 @@ class ModelHeader(BaseModel):
         The figures of a `ExpectedError`, null for NaN; left out where there are none.
     calibration : CalibrationRecord, optional
         How well the resected cameras agreed on the training data; left out where that is not known.
+    covariance : RigCovariance, optional
+        Joint covariance of the resected cameras where they placed the target; left out where a stage did.
     calibrated_on : tuple of str, optional
         Names of the views that it was fitted to; left out where they are not known, as in older files.
     held_out : tuple of str, optional
@@ -75,6 +81,7 @@ class ModelHeader(BaseModel):
     resected: tuple[CameraRecord, ...] | None = None
     rehearsed: dict[str, Annotated[float, Field(ge=0)] | None] | None = None
     calibration: CalibrationRecord | None = None
+    covariance: RigCovariance | None = None
     calibrated_on: Annotated[tuple[str, ...], Field(max_length=MOST_PICTURES)] | None = None
     held_out: Annotated[tuple[str, ...], Field(max_length=MOST_PICTURES)] | None = None
 

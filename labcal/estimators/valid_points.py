@@ -3,31 +3,40 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float64
 
+from labcal.arrays import PointCovariances, Vectors3
 from labcal.bounds import MOST_MM
+from labcal.cameras.calibration_share import calibration_share
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import PointFlag, Points
 from labcal.errors import InputError, LabcalError
 from labcal.geometry.covariances import valid_or_not_stated
 
 if TYPE_CHECKING:
-    from labcal.estimators.estimator import PointEstimator  # imports scikit-learn
+    from labcal.estimators.model import Model
 
 
-def predicted(
-    estimator: "PointEstimator", matches: Matches
-) -> tuple[Float64[np.ndarray, "n outputs"], Float64[np.ndarray, "n dim dim"]]:
+def predicted(model: "Model", matches: Matches) -> tuple[Vectors3, PointCovariances]:
     """Return the points of a method that was read from a file, mm, and their covariances, mm squared.
+
+    A target that was held in the hand lay where the adjustment of its pictures placed it, which is in error
+    as the cameras of that adjustment are: a method learns places that are off. The covariances hold it.
 
     Raises
     ------
     InputError
         Its numbers are such that nothing can be computed with them.
     """
+    estimator, placed_by = model.estimator, model.placed_by
     try:
         with np.errstate(all="ignore"):
-            return estimator.predict_with_covariance(matches.X, matches.covariance)
+            outputs, covariance = estimator.predict_with_covariance(matches.X, matches.covariance)
+            point = np.ascontiguousarray(outputs[:, :3])
+            if placed_by is None or placed_by.covariance is None:
+                return point, covariance
+            cameras = [placed_by.camera(name) for name in placed_by.cameras]
+            share = calibration_share(cameras, placed_by.covariance.matrix, point, matches.covariance)
+            return point, covariance + share
     except LabcalError:
         raise
     except (ValueError, ArithmeticError, RuntimeError) as error:  # LinAlgError is a ValueError

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from labcal.arrays import Mask, Pose, Vectors3
-from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import triangulation_limit
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match
 from labcal.correspond.points import Points
 from labcal.errors import InputError
-from labcal.evaluate.aligned_budget import aligned_covariance
+from labcal.evaluate.aligned_budget import PointOrigin, aligned_covariance
+from labcal.evaluate.distance_coverage import distance_coverage
 from labcal.evaluate.scored_views import OfScoredViews, ScoredPart, ScoredViews
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
 from labcal.geometry.covariances import positive_definite
@@ -60,7 +60,8 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     coverage95: float
     """Share of points within the 95% ellipsoid that the method states; NaN where it states none.
 
-    After a rigid alignment the ellipsoids of a rig are those without the errors that move all points
+    After a rigid alignment the ellipsoids of a rig, and of a method that was fitted to a target held in the
+    hand, are those without the errors that move all points
     together, where rig and detections are given; else those of the points as they are, which are too large.
     """
     alignment: Alignment
@@ -77,6 +78,9 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     """The points that count, as they were reconstructed; not in the JSON document."""
     T_true_model: Pose = field(default_factory=lambda: np.eye(4), metadata={IN_JSON: InJson.ABSENT})
     """The rigid motion that brought the points onto the truth, mm; not in the JSON document."""
+    coverage95_distances: float = float("nan")
+    """Share of distances of two points within 95% of their truth by sigmas from the joint covariance of the
+    rig; NaN without rig and detections."""
 
     @property
     def true_points(self) -> Vectors3:
@@ -132,7 +136,7 @@ def errors_against_truth(
     detections: Detections | None,
     alignment: Alignment | None = None,
     learned: Collection[str] | None = None,
-    rig: Rig | None = None,
+    origin: PointOrigin | None = None,
 ) -> TruthErrors:
     """Compare points with the true positions of the dots.
 
@@ -151,7 +155,7 @@ def errors_against_truth(
         hand-held target, whose world is the first camera's frame.
     learned : collection of str, optional
         Names of the views that were learned from. Where left out, those to train on, if there are others.
-    rig : Rig, optional
+    origin : PointOrigin, optional
         What the points were reconstructed with. With it and the detections the coverage after an alignment
         is that of what the alignment leaves of the calibration's errors.
 
@@ -182,8 +186,8 @@ def errors_against_truth(
     if alignment == "rigid":
         T_true_model = rigid_alignment(true, predicted)
         R = T_true_model[:3, :3]
-        if rig is not None and detections is not None:
-            left = aligned_covariance(kept, rig, detections)
+        if origin is not None and detections is not None:
+            left = aligned_covariance(kept, origin, detections)
             covariance = covariance if left is None else left
         predicted, covariance = transform(T_true_model, predicted), R @ covariance @ R.T
     figures = error_statistics(predicted, true)
@@ -196,6 +200,9 @@ def errors_against_truth(
         max_mm=figures.max_mm,
         limit_mm=float("nan") if detections is None else _limit(kept, shoot, truth, places, detections),
         coverage95=coverage(predicted - true, covariance),
+        coverage95_distances=float("nan")
+        if origin is None or not origin.triangulated or detections is None
+        else distance_coverage(kept, true, origin, detections),
         alignment=alignment,
         scored=scored,
         not_scored=int((~counts).sum()),

@@ -5,6 +5,8 @@ brought onto a truth by a rigid motion, what moves all of them together is gone,
 and size is left. The full covariance of a point would then be far too large.
 """
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from jaxtyping import Int64
 
@@ -14,7 +16,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.points import Points
 from labcal.geometry.covariances import positive_definite
-from labcal.geometry.cross_matrices import cross_matrices
+from labcal.geometry.rigid_part import without_rigid_part
 from labcal.reconstruct.point_budget import Budget, PointBudget
 
 _SAME = 0.01
@@ -22,14 +24,32 @@ _SAME = 0.01
 eccentricity corrected move points a little, files are rounded."""
 
 
-def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> PointCovariances | None:
+@dataclass(frozen=True)
+class PointOrigin:
+    """The rig in whose world points are, and whose errors are in them.
+
+    Attributes
+    ----------
+    rig : Rig
+    triangulated : bool
+        True if it triangulated the points; False if it placed the target that a method was fitted to. What
+        a method adds to the errors is its own.
+    """
+
+    rig: Rig
+    triangulated: bool = True
+
+
+def aligned_covariance(
+    points: Points, origin: PointOrigin, detections: Detections
+) -> PointCovariances | None:
     """Return the covariances of points after a rigid alignment onto their true places.
 
     Parameters
     ----------
     points : Points
         All with a solution; as they were reconstructed, in the world of the rig.
-    rig : Rig
+    origin : PointOrigin
         What they were reconstructed with.
     detections : Detections
         What they come from.
@@ -37,29 +57,40 @@ def aligned_covariance(points: Points, rig: Rig, detections: Detections) -> Poin
     Returns
     -------
     ndarray, shape (n, 3, 3), or None
-        In the world of the rig, mm squared. None where the points do not have the full budget of this rig and
+        In the world of the rig, mm squared. None where the points do not have the budget of this rig and
         these dots: then their covariances stay as they are.
 
     Notes
     -----
-    With M the derivatives of all points by the six parameters of a rigid motion, and D those by the cameras,
-    ``D - M (M'M)^-1 M'D`` takes the place of D. The noise of single points loses 6 of 3 n parts, which is
-    left in.
+    Derivatives by the cameras lose their rigid part. The noise of single points loses 6 of 3 n parts, too,
+    which is left in.
     """
+    budget = full_budget(points, origin, detections)
+    if budget is None:
+        return None
+    left = without_rigid_part(budget.derivatives(np.arange(len(points))), points.point)
+    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+
+
+def full_budget(points: Points, origin: PointOrigin, detections: Detections) -> PointBudget | None:
+    """Return the budget of points; None where they do not have the full one of this rig and these dots.
+
+    Parameters
+    ----------
+    points, origin, detections
+        As of :func:`aligned_covariance`.
+    """
+    rig = origin.rig
     pixels = _pixels(points, rig, detections)
     if rig.covariance is None or pixels is None:
         return None
     budget = PointBudget.of(rig, points.point, pixels, Budget.FULL)
+    if not origin.triangulated:  # what the method adds of its own takes the place of the pixels' noise
+        own: PointCovariances = points.covariance - budget.calibration
+        return replace(budget, noise=own) if positive_definite(own).all() else None
     stated = np.trace(points.covariance, axis1=1, axis2=2)
     full = np.trace(budget.noise + budget.calibration, axis1=1, axis2=2)
-    if not (np.abs(stated - full) <= _SAME * full).all():  # of NaN, too
-        return None
-    n, by = len(points), budget.derivatives(np.arange(len(points))).reshape(3 * len(points), -1)
-    turn = -cross_matrices(points.point - points.point.mean(axis=0))
-    shift = np.broadcast_to(np.eye(3), (n, 3, 3))
-    rigid, _ = np.linalg.qr(np.concatenate([turn, shift], axis=2).reshape(3 * n, 6))
-    left = (by - rigid @ (rigid.T @ by)).reshape(n, 3, -1)
-    return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))
+    return budget if (np.abs(stated - full) <= _SAME * full).all() else None  # of NaN, too
 
 
 def _pixels(points: Points, rig: Rig, detections: Detections) -> np.ndarray | None:

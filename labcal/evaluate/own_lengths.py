@@ -57,6 +57,17 @@ class LengthErrors(OfScoredViews):
     error: Lengths = field(metadata={IN_JSON: InJson.ABSENT})
     """Measured minus nominal of each length, mm; not in the JSON document."""
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings, for people."""
+        if self.views_calibrated_on is not None:
+            return super().warnings
+        unknown = (
+            "it is not known which views the cameras were calibrated from: in these the target's own lengths "
+            "are no proof of anything. State what the points were reconstructed with: `rig`"
+        )
+        return (*super().warnings, unknown)
+
     def to_pandas(self) -> "pandas.DataFrame":
         """Return a table with a line for each length: measured minus nominal, ``error_mm``.
 

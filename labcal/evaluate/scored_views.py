@@ -124,7 +124,8 @@ def scored_warnings(n_ok: int, calibrated_on: int | None) -> tuple[str, ...]:
         warnings.append(
             "these figures are circular: by their names, all scored views are views that the "
             "cameras were calibrated from. They show the repeatability of the calibration, not its "
-            "accuracy. Score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two."
+            "accuracy. Score other views: `hold_out=2` of 'calibrate' or 'fit' keeps two, and "
+            "`parts=4` of 'evaluate' calibrates from a part of the views and measures the rest."
         )
     if n_ok == 0:
         warnings.append("none of the scored points is flagged 'ok'")

@@ -7,10 +7,7 @@ import numpy as np
 
 from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
-from labcal.cameras.triangulation import triangulation_limit
-
-_SEES_DEPTH = 2
-"""Cameras from which on there are points in space."""
+from labcal.cameras.expected_errors import expected_errors
 
 
 @dataclass(frozen=True)
@@ -56,31 +53,13 @@ def working_distance(cameras: Sequence[Camera], p: Vectors3, noise_px: Sequence[
     noise_px : sequence of float
         Standard deviation of pixels along each axis, by camera.
     """
-    seen = np.all([camera.in_picture(camera.project(p).q) for camera in cameras], axis=0)
-    p = p[seen]
-    middle = np.mean([camera.centre for camera in cameras], axis=0)
-    distance = np.linalg.norm(p - middle, axis=1)
-    if len(p) == 0:
-        nan = float("nan")
-        return WorkingDistance(nan, nan, nan, nan, nan, nan)
-    usual, nearest, farthest = (float(f(distance)) for f in (np.median, np.min, np.max))
-    if len(cameras) < _SEES_DEPTH:
-        (camera,) = cameras
-        scale = float(np.mean([camera.K[0, 0], camera.K[1, 1]]))  # of parallel rays px/mm
-        across = noise_px[0] / scale * (1.0 if camera.model.parallel else usual)
-        nan = float("nan")
-        return WorkingDistance(usual, nearest, farthest, nan, across, nan)
-    covariance = np.tile(np.eye(2), (len(p), len(cameras), 1, 1))
-    covariance *= np.square(np.maximum(noise_px, 1e-6))[:, None, None]
-    bound = triangulation_limit(cameras, p, covariance)
-    direction = (p - middle) / distance[:, None]
-    along = np.einsum("ni,nij,nj->n", direction, bound, direction)
-    total = np.trace(bound, axis1=1, axis2=2)
+    found = expected_errors(cameras, None, p, noise_px)
+    across, along = found.sideways.noise_mm, found.depth.noise_mm
     return WorkingDistance(
-        usual,
-        nearest,
-        farthest,
-        sigma_mm=float(np.sqrt(total.mean())),
-        across_mm=float(np.sqrt(0.5 * (total - along).mean())),
-        along_mm=float(np.sqrt(along.mean())),
+        found.distance_mm,
+        found.nearest_mm,
+        found.farthest_mm,
+        sigma_mm=float(np.sqrt(2.0 * across**2 + along**2)),
+        across_mm=across,
+        along_mm=along,
     )

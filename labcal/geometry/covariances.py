@@ -112,3 +112,18 @@ def covariance_root(covariance: Float64[np.ndarray, "dim dim"]) -> Float64[np.nd
     scale = np.where(sigma > 0.0, sigma, 1.0)
     spread, directions = np.linalg.eigh(covariance / scale[:, None] / scale)
     return np.asarray(scale[:, None] * directions * np.sqrt(np.maximum(spread, 0.0)))
+
+
+def inverses(covariance: Float64[np.ndarray, "*batch dim dim"]) -> Float64[np.ndarray, "*batch dim dim"]:
+    """Return the inverses of covariances; that of many equal ones, as a stated noise gives, once.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., d, d)
+        All of them can be inverted.
+    """
+    if covariance.size:
+        first = covariance.reshape(-1, *covariance.shape[-2:])[0]
+        if (covariance == first).all():
+            return np.broadcast_to(np.linalg.inv(first), covariance.shape).copy()
+    return np.asarray(np.linalg.inv(covariance))

@@ -17,9 +17,11 @@ from labcal.pipeline.acceptance import certify
 from labcal.pipeline.calibration import calibrate, fit
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
+from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
 from labcal.pipeline.reconstruction import evaluate, reconstruct
+from labcal.pipeline.rehearsal import rehearse
 from labcal.pipeline.rendering import render
 from labcal.pipeline.studies import bench, reproduce
 
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from labcal.evaluate.acceptance.certify_settings import CertifySettings
     from labcal.evaluate.acceptance.length_plan import plan_lengths
     from labcal.evaluate.comparison.compare_settings import CompareSettings
+    from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.render.shoot import RenderSettings
@@ -52,6 +55,7 @@ __all__ = [
     "HandheldSettings",
     "MeasureSettings",
     "PageOutput",
+    "RehearseSettings",
     "RenderSettings",
     "ReproduceSettings",
     "UndistortSettings",
@@ -66,6 +70,7 @@ __all__ = [
     "epipolar_rms",
     "estimators_of",
     "evaluate",
+    "evaluate_held_out",
     "fit",
     "fit_methods",
     "inspect",
@@ -74,6 +79,7 @@ __all__ = [
     "open_pictures",
     "plan_lengths",
     "reconstruct",
+    "rehearse",
     "render",
     "reproduce",
     "training_of",
@@ -91,6 +97,7 @@ _HOMES = {
     "HandheldSettings": "labcal.calibrate.handheld",
     "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",
+    "RehearseSettings": "labcal.guide.rehearsal.settings",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "UndistortSettings": "labcal.correspond.undistortion",

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from labcal.arguments import one_text, settings_of
 from labcal.correspond.detections import Detections
-from labcal.correspond.view_roles import HoldOut, checked_hold_out, held_out_views
+from labcal.correspond.view_roles import HoldOut, checked_hold_out, held_out_views, holds_none
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
@@ -45,7 +45,8 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
         left out, that of the rig to start from, or ``brown5``.
     settings : HandheldSettings, optional
     hold_out : int, str or sequence of str
-        Views that do not enter, so that the result can be scored on them: how many, or which.
+        Views that do not enter, so that the result can be scored on them: how many, or which; ``"none"``: the
+        test views of a shoot enter, too.
     progress : Progress, optional
     page : path, optional
         A page to write, ``.html``: a verdict in one sentence, figures and a 3-D view.
@@ -78,7 +79,7 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     shown = shown_by(source)
     dots = dots_of(detections, shown, progress)
     target, kept_back = shown.target if isinstance(shown, Shoot) else shown, hold_out
-    if isinstance(shown, Shoot):
+    if isinstance(shown, Shoot) and not holds_none(hold_out, dots.views):
         tested = {view.name for view in shown.views(Role.TEST)}
         rest = [view for view in dots.views if view not in tested]
         kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]

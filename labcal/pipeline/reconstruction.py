@@ -26,6 +26,7 @@ from labcal.targets.target import Target
 
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
+    from labcal.evaluate.aligned_budget import PointOrigin
     from labcal.evaluate.own_lengths import LengthErrors
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.reconstruct.named_reconstruction import NamedReconstruction
@@ -166,14 +167,20 @@ def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPl
     return shown_by(source)
 
 
-def _rig_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Rig | None:
-    """Return the rig, read where a path of one was given; None of anything else."""
+def _origin_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> "PointOrigin | None":
+    """Return the rig in whose world points are, read where a path was given; None of anything else."""
     from labcal.cameras.rig import read_rig
-    from labcal.estimators.model_file import ModelKind, model_kind
+    from labcal.estimators.model_file import ModelKind, model_kind, placing_rig
+    from labcal.evaluate.aligned_budget import PointOrigin
 
     if isinstance(rig, str | os.PathLike):
-        return read_rig(as_path(rig)) if model_kind(as_path(rig)) is ModelKind.RIG else None
-    return rig if isinstance(rig, Rig) else None
+        path = as_path(rig)
+        triangulated = model_kind(path) is ModelKind.RIG
+        found = read_rig(path) if triangulated else placing_rig(path)
+    else:
+        triangulated = isinstance(rig, Rig)
+        found = rig if isinstance(rig, Rig) else rig.placed_by if isinstance(rig, Model) else None
+    return None if found is None else PointOrigin(found, triangulated)
 
 
 def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> Collection[str] | None:
@@ -287,13 +294,13 @@ def _errors(
     from labcal.evaluate.scored_views import ScoredViews
     from labcal.shoot.truth import has_truth
 
-    known = _rig_of(rig)
-    learned = _calibration_views_of(rig if known is None else known)
+    origin = _origin_of(rig)
+    learned = _calibration_views_of(origin.rig if origin is not None and origin.triangulated else rig)
     if not isinstance(shown, Shoot):
         return errors_of_lengths(found, shown, learned)
     if has_truth(shown.folder):
         dots = None if detections is None else dots_of(detections, None)
-        return errors_against_truth(found, shown, dots, alignment, learned, known)
+        return errors_against_truth(found, shown, dots, alignment, learned, origin)
     if learned is None:
         found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
     return errors_of_lengths(found, shown.target, learned)

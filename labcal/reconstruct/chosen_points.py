@@ -9,10 +9,12 @@ from jaxtyping import Float64, Int64
 from labcal.arrays import AnyArray
 from labcal.errors import InputError
 from labcal.reconstruct.chosen_lines import OnePoint, line_of, lines_of
+from labcal.reconstruct.frames.framed_budget import FramedBudget
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
-from labcal.reconstruct.point_budget import Budget
+from labcal.reconstruct.point_budget import Budget, PointBudget
 from labcal.reconstruct.point_errors import PointErrors
 from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.scale.scaled_budget import ScaledBudget
 
 AnyReconstruction = Reconstruction | NamedReconstruction
 """Points of dots or of named pixels."""
@@ -80,17 +82,13 @@ class ChosenPoints:
     def _of_lines(
         cls, found: AnyReconstruction, numbers: Int64[np.ndarray, " k"], name: str
     ) -> "ChosenPoints":
-        if found.budget is None:
-            raise InputError(
-                "These points come from a fitted method, which states no joint covariance. Reconstruct them "
-                "with a rig, as 'labcal calibrate' makes one."
-            )
+        budget = budget_of(found)
         _refuse_repeated(numbers, name)
         point = found.points.point[numbers]
         lost = numbers[~np.isfinite(point).all(axis=1)]
         if len(lost):
             raise InputError(f"Point {lost[0]} of `{name}` has no solution. Leave it out.")
-        return cls(numbers, point, found.budget.errors(numbers), found.budget.kind)
+        return cls(numbers, point, budget.errors(numbers), budget.kind)
 
     def and_others(self, others: "ChosenPoints", names: str) -> "ChosenPoints":
         """Return these points and others of the same reconstruction, in this order.
@@ -120,6 +118,22 @@ class ChosenPoints:
             by_stated @ errors.shared[stated] @ by_stated.T,
             self.budget,
         )
+
+
+def budget_of(found: AnyReconstruction) -> PointBudget | FramedBudget | ScaledBudget:
+    """Return the error budget of points.
+
+    Raises
+    ------
+    InputError
+        They are not those of a rig.
+    """
+    if found.budget is None:
+        raise InputError(
+            "These points come from a fitted method, which states no joint covariance. Reconstruct them "
+            "with a rig, as 'labcal calibrate' makes one."
+        )
+    return found.budget
 
 
 def _refuse_repeated(lines: Int64[np.ndarray, " k"], name: str) -> None:

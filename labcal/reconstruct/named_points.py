@@ -160,8 +160,8 @@ def _by_method(model: Model, rows: Int64[np.ndarray, " rows"], scatter_px: float
     if model.resected is not None:
         refuse_exchanged_by_rays(model.resected, matches)
         solved.judge(rows, TriangulationResiduals.of(model.resected, _scattered(matches, scatter_px)))
-    outputs, covariance = predicted(model.estimator, matches)
-    solved.point[rows], solved.covariance[rows], solved.tried[rows] = outputs[:, :3], covariance, True
+    solved.point[rows], solved.covariance[rows] = predicted(model, matches)
+    solved.tried[rows] = True
 
 
 def _scattered(matches: Matches, scatter_px: float) -> Matches:

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import AnyArray, PointCovariances, Vectors3, lines_array
+from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
-from labcal.cameras.derivatives import RUN
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import KnownCamera, noise_covariance
 from labcal.cameras.triangulation_derivatives import parameter_count, triangulation_derivatives
@@ -107,13 +107,7 @@ class PointBudget:
         """The share of the calibration in the covariance of each point, (n, 3, 3), mm squared."""
         if self.kind is Budget.NOISE:
             return np.zeros_like(self.noise)
-        share = np.empty_like(self.noise)
-        for first in range(0, len(self), RUN):
-            rows = slice(first, first + RUN)
-            by = triangulation_derivatives(self.cameras, self.point[rows], self.pixels[rows])
-            carried = (by.reshape(-1, by.shape[2]) @ self.parameters).reshape(by.shape)
-            share[rows] = carried @ by.transpose(0, 2, 1)
-        return share
+        return calibration_share(self.cameras, self.parameters, self.point, self.pixels)
 
     def joint(self, lines: AnyArray) -> Float64[np.ndarray, "coordinates coordinates"]:
         """Return the joint covariance of some points, (3 k, 3 k), mm squared: x, y, z point by point.

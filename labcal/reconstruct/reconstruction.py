@@ -9,6 +9,7 @@ import numpy as np
 
 from labcal.calibrate.agreement.exchange.by_rays import refuse_exchanged_by_rays
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred, eccentricities_of_matches
+from labcal.calibrate.systematic_residual import SystematicResidual, systematic_residual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
@@ -23,6 +24,7 @@ from labcal.estimators.valid_points import predicted, within_sense
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.reconstruct.point_budget import Budget, PointBudget, budget_of_a_method
+from labcal.reconstruct.target_scale import TargetScale, target_scale
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
@@ -89,6 +91,11 @@ class Reconstruction(PublicObject):
     """Warnings in words."""
     budget: PointBudget | None = None
     """The shares of noise and calibration in the covariances, line by line; None if the model has no rig."""
+    systematic: SystematicResidual | None = None
+    """What changes of whole pictures explain of the triangulation residuals; None where the target or the
+    rig's covariance is not known."""
+    scale: TargetScale | None = None
+    """Size of the reconstructed target; None where either is not known."""
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
         """Write the points as ``points.csv``, which :meth:`Points.load` reads.
@@ -198,7 +205,12 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | 
     found = triangulate(cameras, matches.q, matches.covariance)
     residuals = TriangulationResiduals.at(cameras, matches, found)
     check = TriangulationCheck.of(residuals, matches, rig.calibration)
-    doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration)
+    systematic = None
+    if rig.covariance is not None and corrected is not None:
+        record = rig.calibration or CalibrationRecord()
+        systematic = systematic_residual(cameras, matches, found.point, rig.covariance.matrix, record)
+    changed = systematic is not None and systematic.beyond_chance
+    doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration) | changed
     flag = np.where(residuals.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(found.ok, flag, PointFlag.NO_SOLUTION.value)
     budget = PointBudget.of(rig, found.point, matches.covariance, wanted)
@@ -211,6 +223,10 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | 
         residuals.typical_px,
         check,
         budget=budget,
+        systematic=systematic,
+        scale=None
+        if target is None
+        else target_scale(rig, matches, budget, target, found.ok & ~residuals.outlying),
     )
 
 
@@ -226,8 +242,7 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
         residuals = TriangulationResiduals.of(model.resected, matches)
         check = TriangulationCheck.of(residuals, matches, model.calibration)
         outlying, typical_px = residuals.outlying | np.isin(matches.view, check.views), residuals.typical_px
-    outputs, covariance = predicted(model.estimator, matches)
-    point = np.ascontiguousarray(outputs[:, :3])
+    point, covariance = predicted(model, matches)
     misfit = model.misfit or _inconsistent(model.calibration)
     flag = np.where(outlying | misfit, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)
     flag = np.where(model.box.holds(point), flag, PointFlag.EXTRAPOLATED.value)

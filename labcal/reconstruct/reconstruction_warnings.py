@@ -1,11 +1,13 @@
 """Warnings of a reconstruction."""
 
+from labcal.calibrate.systematic_residual import SystematicResidual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import PointFlag
 from labcal.estimators.model import Model
 from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.target_scale import TargetScale
 from labcal.wording import counted, listed
 
 
@@ -46,7 +48,8 @@ def reconstruction_warnings(
             "Calibrate again."
         )
     if found.check is not None:
-        warnings += _residual_warnings(found.check)
+        warnings += _residual_warnings(found.check) or _systematic_warnings(found.systematic)
+        warnings += _size_warnings(found.scale)
     measured = set(found.points.view.tolist())
     without = [view for view in detections.views if view not in measured]
     if without:
@@ -55,6 +58,34 @@ def reconstruction_warnings(
     if not (found.points.flag == PointFlag.OK.value).any():
         warnings.append("none of the points is flagged 'ok': see their flags before you use them")
     return tuple(warnings)
+
+
+def _systematic_warnings(part: SystematicResidual | None) -> list[str]:
+    """Return the warning about what residuals have in common, in words."""
+    if part is not None and part.beyond_chance:
+        warning = (
+            f"{part.rms_px:.3g} px of the triangulation residuals are alike all over the pictures, but "
+            f"{part.expected_px:.3g} px are expected from the noise of the dots and the calibration's own "
+            f"errors (probability {part.p_value:.0e}): a camera has moved or was refocused, its pictures are "
+            "shifted, or the lens model of the calibration does not suit. All points are flagged "
+            "'model-misfit'. Calibrate again."
+        )
+        return [warning]
+    return []
+
+
+def _size_warnings(scale: TargetScale | None) -> list[str]:
+    """Return the warning about the size of the reconstructed target, in words."""
+    if scale is not None and scale.beyond_chance:
+        size = "large" if scale.ppm > 0.0 else "small"
+        warning = (
+            f"the target is {abs(scale.ppm):.0f} ppm too {size}, but {scale.sigma_ppm:.0f} ppm (1 sigma) are "
+            "explained by noise, print and calibration: a camera has moved or was refocused, pictures are "
+            "shifted along the line between the cameras, or this is another print than that of the "
+            "calibration"
+        )
+        return [warning]
+    return []
 
 
 def _residual_warnings(check: TriangulationCheck) -> list[str]:

@@ -7,16 +7,19 @@ from rich.table import Table
 from rich.text import Text
 
 from labcal.calibrate.calibration import Calibration
+from labcal.calibrate.dot_treatment import DotDecision
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.epipolar_residual import epipolar_rms
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_choice import LensChoice
-from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.outlying_dots import OutlyingDots
+from labcal.cameras.camera_pair import CameraPair
 from labcal.correspond.detections import Detections
 from labcal.evaluate.print_shape import PrintShape, agreement, print_shape
+from labcal.report.camera_result import CameraResult, camera_tables
 from labcal.report.columns import name_column
+from labcal.report.expectation_result import ExpectedErrorsResult, expectation_table, pair_lines
 from labcal.report.inconsistent_result import InconsistentResult, inconsistent_result
 from labcal.report.lens_table import lens_table
 from labcal.report.print_words import print_words
@@ -26,45 +29,6 @@ MOST_OUTLIERS = 200
 """Outliers that the document lists, the worst ones."""
 _SHOWN_OUTLIERS = 10
 """Those that people are shown."""
-
-
-@dataclass(frozen=True)
-class SigmaResult:
-    """Standard deviations of a camera's numbers in the rig; null where the views leave one open."""
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    dist: list[float]
-    rotation_rad: list[float]
-    translation_mm: list[float]
-
-
-@dataclass(frozen=True)
-class CameraResult:
-    """One camera in the JSON document of ``labcal calibrate``."""
-
-    rms_px: float
-    """Of this camera calibrated alone."""
-    rms_in_rig_px: float
-    K: list[list[float]]
-    lens: str
-    dist: list[float]
-    views: int
-    dots: int
-    sigma: SigmaResult
-    scatter_px: float
-    """Of this camera alone: what dots scatter along each axis beyond their covariances."""
-    undetermined: list[str]
-    """Lens coefficients that the views leave open."""
-    open_lens: bool
-    """True if the dots do not determine the lens towards the picture's border, where a prior decides."""
-    share_without_rays: float
-    """Of the picture, where the lens folds."""
-    two_lenses: TwoLenses | None
-    """Groups of views that were taken through different lenses, so that the numbers are of neither; null
-    where one lens explains all."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +66,10 @@ class CalibrateResult:
     """The worst ones, at most as many as :data:`MOST_OUTLIERS`."""
     centre_bias_px: CorrectedEccentricity
     stop_reason: str
+    dot_places: DotDecision
+    """The treatment of the dots on the print, and the reason."""
     free_dots: FreeDotsResult | None
+    """The print, where its dots were freed."""
     lens_choice: LensChoice | None
     """Of ``--lens auto``."""
     held_out: list[str]
@@ -115,6 +82,10 @@ class CalibrateResult:
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
     warnings: list[str]
     """Doubts about the result, and what was not tested."""
+    pairs: list[CameraPair]
+    """Baseline of every two cameras and the angle between their axes, with their standard deviations."""
+    expected_errors: ExpectedErrorsResult
+    """Of points, where the target was."""
 
     @property
     def doubtful(self) -> bool:
@@ -129,7 +100,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
     known = target if found.disagreement is None else None  # else points may be nowhere near a target
     epipolar_rms_px = epipolar_rms(found.rig, found.entering(detections), known)
     return CalibrateResult(
-        cameras={name: _camera(found, name) for name in found.rig.cameras},
+        cameras={name: CameraResult.of(found, name) for name in found.rig.cameras},
         rms_px=found.rms_px,
         epipolar_rms_px=epipolar_rms_px,
         skipped=list(found.skipped),
@@ -137,6 +108,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         outliers=_outliers(found.outliers),
         centre_bias_px=found.eccentricity,
         stop_reason=found.reason.value,
+        dot_places=found.dot_decision,
         free_dots=None if found.freed is None else _free_dots(found.freed, found),
         lens_choice=made.choice,
         held_out=list(made.held_out),
@@ -146,32 +118,9 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         else found.rig.calibration.triangulation_rms_px,
         inconsistent=inconsistent_result(found),
         warnings=list(made.warnings),
+        pairs=list(found.pairs()),
+        expected_errors=ExpectedErrorsResult.of(found.expected_errors()),
     )
-
-
-def _camera(found: HandheldCalibration, name: str) -> CameraResult:
-    record, fit = found.rig.cameras[name], found.fits[name]
-    fx, fy, cx, cy = fit.sigma.intrinsics.tolist()
-    return CameraResult(
-        rms_px=fit.rms_px,
-        rms_in_rig_px=fit.rms_in_rig_px,
-        K=[list(row) for row in record.K],
-        lens=record.lens,
-        dist=list(record.dist),
-        views=len(fit.views),
-        dots=fit.dots,
-        sigma=SigmaResult(
-            fx, fy, cx, cy,
-            dist=fit.sigma.dist.tolist(),
-            rotation_rad=fit.sigma.rotation_rad.tolist(),
-            translation_mm=fit.sigma.translation_mm.tolist(),
-        ),
-        scatter_px=fit.scatter_px,
-        undetermined=list(fit.undetermined),
-        open_lens=fit.open_lens,
-        share_without_rays=found.rig.camera(name).share_without_rays,
-        two_lenses=fit.two_lenses,
-    )  # fmt: skip
 
 
 def _outliers(outliers: OutlyingDots) -> list[OutlierResult]:
@@ -194,22 +143,13 @@ def calibrate_table(result: CalibrateResult) -> object:
         caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
     bias = result.centre_bias_px
     caption += f"\ncorrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
-    columns = ("RMS alone, in rig [px]", "fx, fy [px]", "cx, cy [px]", "lens", "views", "dots")
-    table = Table(name_column("camera"), *columns)
-    table.caption = caption
-    for name, camera in result.cameras.items():
-        (fx, _, cx), (_, fy, cy), _ = camera.K
-        sigma = camera.sigma
-        lens = f"{camera.lens} " + " ".join(f"{k:.5g}" for k in camera.dist)
-        rms = f"{camera.rms_px:.4f}, {camera.rms_in_rig_px:.4f}"
-        focal = f"{fx:.2f} ± {sigma.fx:.2f}, {fy:.2f} ± {sigma.fy:.2f}"
-        middle = f"{cx:.2f} ± {sigma.cx:.2f}, {cy:.2f} ± {sigma.cy:.2f}"
-        table.add_row(name, rms, focal, middle, lens, str(camera.views), str(camera.dots))
-    parts: list[Table | Text] = [table]
+    parts: list[Table | Text | Group | str] = [*camera_tables(result.cameras), Text(caption)]
+    parts += [Text("\n".join(pair_lines(result.pairs))), expectation_table(result.expected_errors)]
     if result.lens_choice is not None:
         parts.append(lens_table(result.lens_choice))
     if result.outliers:
         parts.append(_outlier_table(result))
+    parts.append(f"dots {result.dot_places.why}")
     if result.free_dots is not None:
         words = print_words(result.free_dots.shape)
         if result.free_dots.agreement is not None:

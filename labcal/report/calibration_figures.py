@@ -5,11 +5,12 @@ import numpy as np
 from labcal.calibrate.displacement_figure import displacement_figure
 from labcal.calibrate.freed_dots import FreedDots
 from labcal.report.calibrate_result import CalibrateResult
+from labcal.report.expectation_result import expectation_rows, expectation_words, plus_minus
 from labcal.report.inline_svg import inline_svg, page_style
 from labcal.report.page.chart import Chart
 from labcal.report.page.download import Download, table_download
 from labcal.report.page.part import Part
-from labcal.report.page.prose import Terms
+from labcal.report.page.prose import Prose, Terms
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 from labcal.report.print_words import print_words
 from labcal.run.tables import table_text
@@ -47,6 +48,34 @@ def camera_table(result: CalibrateResult) -> PageTable:
             ]
         )  # fmt: skip
     return PageTable("cameras-table", "Cameras; ± is one standard deviation.", columns, rows)
+
+
+def expectation_parts(result: CalibrateResult) -> list[Part]:
+    """Return baseline, angle and the errors to expect where the target was, by their sources."""
+    parts: list[Part] = []
+    if result.pairs:
+        rows = [
+            [f"{one.first}, {one.second}", *(plus_minus(value, sigma) for value, sigma in figures)]
+            for one in result.pairs
+            for figures in [
+                ((one.baseline_mm, one.baseline_sigma_mm), (one.angle_deg, one.angle_sigma_deg)),
+            ]
+        ]
+        columns = [Column("cameras", Side.LEFT), Column("baseline, mm"), Column("angle, degrees")]
+        caption = "Distance of the cameras and angle between their axes; ± is one standard deviation."
+        parts.append(PageTable("pairs", caption, columns, rows))
+    words = expectation_words(result.expected_errors) + "."
+    rows = expectation_rows(result.expected_errors)
+    if not rows:
+        return [*parts, Prose((words,))]
+    columns = [
+        Column("1 sigma", Side.LEFT),
+        Column("by noise, mm"),
+        Column("by the calibration, mm"),
+        Column("its print alone, mm", meaning="The part by dots that are off on the print"),
+        Column("together, mm"),
+    ]
+    return [*parts, PageTable("expected", words[0].upper() + words[1:], columns, rows)]
 
 
 def _print_chart(dots: FreedDots) -> Chart:

@@ -9,11 +9,11 @@ from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.errors import InputError
-from labcal.evaluate.verdict.calibration_evidence import calibration_evidence, target_places
+from labcal.evaluate.verdict.calibration_evidence import calibration_evidence
 from labcal.evaluate.verdict.of_calibration import calibration_verdict
 from labcal.geometry.poses import transform
 from labcal.report.calibrate_result import calibrate_result
-from labcal.report.calibration_figures import camera_table, further_parts
+from labcal.report.calibration_figures import camera_table, expectation_parts, further_parts
 from labcal.report.calibration_residuals import residual_parts, worst_pictures
 from labcal.report.error_map import error_map
 from labcal.report.page.beside import Beside
@@ -45,12 +45,13 @@ def calibration_page(made: Calibration, detections: Detections, target: AnyTarge
     """
     found = made.found
     result = calibrate_result(made, detections, target)
-    verdict = calibration_verdict(calibration_evidence(made, target))
+    verdict = calibration_verdict(calibration_evidence(made))
     names = list(found.rig.cameras)
     space = _space(found, detections, target)
     sections = [
         Section("In space", [SpaceView("space", space, _IN_SPACE), *_volume_parts(space)]),
         Section("Residuals", [Prose((_RESIDUALS,)), Beside(tuple(residual_parts(found)))]),
+        Section("Errors to expect", expectation_parts(result)),
         Section("Cameras", [camera_table(result)]),
         Section("Pictures", [Prose((_PICTURES,)), Beside(tuple(worst_pictures(found, detections)))]),
     ]
@@ -60,7 +61,8 @@ def calibration_page(made: Calibration, detections: Detections, target: AnyTarge
     return Page(
         title=f"Calibration of {', '.join(names)}",
         heading=f"Calibration of {', '.join(names)}",
-        lead=f"{counted(len(found.views), 'view')} of {target.name}, held in the hand; lens {made.lens}.",
+        lead=f"{counted(len(found.views), 'view')} of {target.name}, held in the hand; lens {made.lens}; "
+        f"dots {maker.phrase(found.dot_decision.why)}.",
         sections=sections,
         provenance=maker.provenance,
         opening=[Statement(verdict, maker.phrase), *maker.notes(made.warnings)],
@@ -98,7 +100,7 @@ def _space(found: HandheldCalibration, detections: Detections, target: AnyTarget
     outline = target_outline(target)
     outlines = [transform(T, outline) for T in found.T_world_target]
     if len(cameras) < _PAIR:
-        return Space(cameras, outlines, target_places(found, target))
+        return Space(cameras, outlines, found.places)
     matches = match(found.entering(detections), tuple(cameras))
     if found.disagreement is None and len(matches):
         try:
@@ -106,12 +108,11 @@ def _space(found: HandheldCalibration, detections: Detections, target: AnyTarget
         except InputError:  # points are nowhere near a target
             matches = matches.where(np.zeros(len(matches), dtype=bool))
     met = triangulate(list(cameras.values()), matches.q, matches.covariance)
-    dots = target.points() if found.freed is None else found.freed.place
     of_view = dict(zip(found.views, found.T_world_target, strict=True))
     numbers = matches.index[:, 1] * target.cols + matches.index[:, 0]
     placed = np.array(
         [
-            transform(of_view[view], dots[i])
+            transform(of_view[view], found.dots[i])
             for view, i in zip(matches.view.tolist(), numbers.tolist(), strict=True)
         ]
     ).reshape(-1, 3)

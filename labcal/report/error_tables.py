@@ -5,9 +5,10 @@ from math import isnan
 from rich.table import Table
 
 from labcal.evaluate.against_truth import TruthErrors
+from labcal.evaluate.held_out_lengths import HeldOutLengths
 from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.scored_views import scored_description
-from labcal.wording import counted
+from labcal.wording import counted, listed
 
 
 def error_table(errors: TruthErrors | LengthErrors) -> Table:
@@ -35,6 +36,10 @@ def _against_truth(errors: TruthErrors) -> Table:
             table.add_row(name, f"{value:.4f}")
     if not isnan(errors.coverage95):
         table.add_row("within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f} %")
+    if not isnan(errors.coverage95_distances):
+        table.add_row(
+            "distances within 95% by their own sigmas", f"{100 * errors.coverage95_distances:.1f} %"
+        )
     return table
 
 
@@ -45,4 +50,11 @@ def _of_lengths(errors: LengthErrors) -> Table:
     table.add_row("maximum", f"{errors.length_error_mm.max:.4f} mm")
     table.add_row("RMS", f"{errors.length_error_mm.rms:.4f} mm")
     table.add_row("scale", f"{errors.scale_ppm:+.1f} ppm")
+    if isinstance(errors, HeldOutLengths):
+        table.add_section()
+        for part in errors.parts:
+            table.add_row(
+                f"{listed(part.views)}, by {counted(part.calibrated_on, 'other')}",
+                f"RMS {part.rms_mm:.4f} mm, scale {part.scale_ppm:+.1f} ppm",
+            )
     return table

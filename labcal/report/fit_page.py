@@ -148,6 +148,7 @@ def _method_table(methods: Sequence[MethodResult]) -> PageTable:
         remarks = ["model-misfit"] if one.misfit else []
         remarks += [] if one.stop_reason is None else [one.stop_reason]
         remarks += [] if one.lenses is None else [f"lenses {', '.join(one.lenses)}"]
+        remarks += [note.removeprefix(f"{one.method}: ") for note in one.notes]
         epochs = MISSING if one.epochs is None else str(one.epochs)
         rows.append(
             [one.method, str(one.n), f"{one.training_rmse_mm:.4f}", *figures, epochs, "; ".join(remarks)]

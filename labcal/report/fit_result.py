@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 from rich.table import Table
 
@@ -38,6 +39,10 @@ class MethodResult:
     misfit: bool
     """True if points will carry the flag ``model-misfit``."""
     error: str | None
+    field_px: tuple[float, ...] | None = None
+    """RMS length of the residual field by camera, 0 where none was used; null of methods without one."""
+    notes: tuple[str, ...] = ()
+    """Notes, for people."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +123,8 @@ def _fitted(model: Model, data: TrainingData, file: AnyPath) -> MethodResult:
         expected=model.rehearsed,
         misfit=model.misfit,
         error=None,
+        field_px=model.field_px,
+        notes=() if model.field_note is None else (model.field_note,),
     )
 
 
@@ -139,7 +146,7 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
             f"{min(limits):.4f} mm"
         )
         if result.handheld is not None:
-            captions.append("the expected error does not include errors of the target's estimated poses")
+            captions.append(_adjustment_words(result))
     elif not rehearsed:
         captions.append("no expected error: surrogate validation was left out")
     else:
@@ -151,6 +158,7 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
         captions.append(f"corrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
     if result.handheld is not None:
         captions.append(result.handheld.words())
+    captions += [note for model in result.models for note in model.notes]
     table = Table(
         "method",
         "dots",
@@ -176,6 +184,17 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
             str(model.file),
         )
     return table
+
+
+def _adjustment_words(result: FitResult) -> str:
+    """Return what the adjustment that placed a hand-held target adds to the expected error."""
+    added = next(model.expected.adjustment_mm for model in result.models if model.expected is not None)
+    if not isfinite(added):
+        return "the expected error does not include errors of the adjustment that placed the target"
+    return (
+        f"the adjustment that placed the target adds an RMS error of {added:.4f} mm, which points share; "
+        "their covariances hold it"
+    )
 
 
 def _expectation(model: MethodResult) -> str:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from labcal.calibrate.dot_treatment import DotDecision
 from labcal.estimators.fitting import Training
 from labcal.report.inconsistent_result import InconsistentResult, inconsistent_result
 from labcal.wording import counted
@@ -20,6 +21,8 @@ class HandheldResult:
     outlier_count: int
     free_dots: bool
     """True if the places of the dots on the print were estimated."""
+    dot_places: DotDecision
+    """The treatment of the dots, and the reason."""
     inconsistent: InconsistentResult | None
     """Causes of contradictions between the cameras' poses of the target; null if there are none."""
 
@@ -30,12 +33,11 @@ class HandheldResult:
 
     def words(self) -> str:
         """Return it for people."""
-        freed = "with" if self.free_dots else "without"
         views, left_out = counted(self.views, "view"), counted(len(self.left_out), "picture")
         return (
             f"hand-held target: bundle adjustment of {views} ({left_out} left out), lens {self.lens}, "
-            f"{freed} free dots: RMS {self.rms_px:.4f} px, {counted(self.outlier_count, 'outlier')}; "
-            "the first camera is the world"
+            f"RMS {self.rms_px:.4f} px, {counted(self.outlier_count, 'outlier')}; the first camera is the "
+            f"world; dots {self.dot_places.why}"
         )
 
 
@@ -51,5 +53,6 @@ def handheld_result(training: Training) -> HandheldResult | None:
         rms_px=held.found.rms_px,
         outlier_count=len(held.found.outliers),
         free_dots=held.found.freed is not None,
+        dot_places=held.found.dots,
         inconsistent=inconsistent_result(held.found),
     )

@@ -9,10 +9,16 @@ import numpy as np
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
+from labcal.reconstruct.displacements import Displacements, displacement_warnings
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
 from labcal.reconstruct.scale.fitted_scale import FittedScale
 from labcal.report.budget_shares import BudgetShares, budget_shares, budget_words
+from labcal.report.displacements_result import (
+    DisplacementsResult,
+    displacements_result,
+    displacements_words,
+)
 from labcal.report.reconstruct_result import InconsistentPoints, inconsistent_points, residual_words
 from labcal.wording import counted
 
@@ -68,12 +74,19 @@ class MeasureResult:
     """The frame of the points; null if it is that of the model."""
     scale_bars: FittedScale | None
     """The scale that scale bars gave, and their residuals; null without."""
+    displacements: DisplacementsResult | None
+    """Displacements since a view; null without ``--displacements``."""
     warnings: list[str]
     """Warnings, for people."""
 
 
-def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction) -> MeasureResult:
-    """Return the JSON document; `file` is where the points are."""
+def measure_result(
+    file: AnyPath,
+    model: Model | Rig,
+    found: NamedReconstruction,
+    moved: tuple[AnyPath, Displacements] | None = None,
+) -> MeasureResult:
+    """Return the JSON document; `file` is where the points are, `moved` their displacements and where."""
     check = found.check
     return MeasureResult(
         file=str(file),
@@ -87,7 +100,8 @@ def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction
         budget=None if found.budget is None else budget_shares(found.budget),
         frame=None if found.frame is None else _frame(found.frame),
         scale_bars=found.scale,
-        warnings=list(found.warnings),
+        displacements=None if moved is None else displacements_result(*moved),
+        warnings=[*found.warnings, *(() if moved is None else displacement_warnings(moved[1]))],
     )
 
 
@@ -112,6 +126,8 @@ def measure_words(result: MeasureResult) -> str:
             words += f", residuals RMS {result.frame.rms_mm:.3g} mm"
         if result.frame.sigma0 is not None:
             words += f" ({result.frame.sigma0:.2g} times what their covariances explain)"
+    if result.displacements is not None:
+        words += displacements_words(result.displacements)
     return f"{result.file}: {words}."
 
 

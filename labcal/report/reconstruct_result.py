@@ -5,12 +5,16 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from labcal.calibrate.eccentricity import CorrectedEccentricity
+from labcal.calibrate.systematic_residual import SystematicResidual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
 from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.target_scale import TargetScale
 from labcal.report.budget_shares import BudgetShares, budget_shares, budget_words
 
 
@@ -47,6 +51,13 @@ class ReconstructResult:
     """Warnings, for people."""
     budget: BudgetShares | None
     """Sources of errors in the covariances; null of a fitted method, which states its own."""
+    residual_ratio: float | None
+    """RMS triangulation residual over its expectation; null if the model has no cameras."""
+    systematic: SystematicResidual | None
+    """What shifts, rotations and changes of scale of whole pictures explain of the residuals, with its test;
+    null where the target or the rig's covariance is not known."""
+    target_scale: TargetScale | None
+    """Size of the reconstructed target over the declared one, with its test; null likewise."""
 
 
 def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction) -> ReconstructResult:
@@ -61,15 +72,26 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,
         expected_assumed=None if check is None else check.assumed,
-        inconsistent=inconsistent_points(model, check),
+        inconsistent=_inconsistent(model, found),
         warnings=list(found.warnings),
         budget=None if found.budget is None else budget_shares(found.budget),
+        residual_ratio=None if check is None else check.rms_px / check.expected_px,
+        systematic=found.systematic,
+        target_scale=found.scale,
     )
 
 
 def reconstruct_words(result: ReconstructResult) -> str:
     """Return the document for people."""
     words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
+    if result.systematic is not None:
+        words += (
+            f", of which {result.systematic.rms_px:.4f} px alike all over the pictures (expected "
+            f"{result.systematic.expected_px:.4f} px)"
+        )
+    if result.target_scale is not None:
+        scale = result.target_scale
+        words += f"; scale of the target {scale.ppm:+.0f} ± {scale.sigma_ppm:.0f} ppm"
     if result.centre_bias_px is not None:
         words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
     words += budget_words(result.budget)
@@ -100,9 +122,19 @@ def residual_words(result: ResidualFigures) -> str:
     words = f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
     words += "at most some" if result.expected_assumed else "expected"
     words += f" {result.expected_px:.4f} px"
+    if result.expected_px:
+        words += f" ({result.triangulation_rms_px / result.expected_px:.2f} times)"
     if result.expected_assumed:
         words += " by assumption, since these cameras do not state their calibration's residuals"
     return words
+
+
+def _inconsistent(model: Model | Rig, found: Reconstruction) -> InconsistentPoints | None:
+    """Return what speaks against the points of dots; of a camera that has changed, all views do."""
+    known = inconsistent_points(model, found.check)
+    if found.systematic is None or not found.systematic.beyond_chance:
+        return known
+    return InconsistentPoints([] if known is None else known.causes, np.unique(found.points.view).tolist())
 
 
 def inconsistent_points(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:

@@ -18,8 +18,8 @@ MOST_LINES = 2_000_000
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 """The beginning of a text that a spreadsheet would take for a formula, after any apostrophes."""
-_QUOTED = re.compile(r"""[^\w.:;/+()'\-]""")
-"""Letters for which the writer of CSV files might put a cell into quotation marks; a few more do no harm."""
+_UNUSUAL = re.compile(r"""[^\w.:;/+()'\-\n]""")
+"""Letters for which a cell might need quotation marks or an apostrophe; a few more do no harm."""
 _MOST_IN_A_LINE = 200
 LONGEST_LINE = 2**17
 """Letters."""
@@ -53,23 +53,33 @@ def columns_text(header: Sequence[str], parts: Iterable[Sequence[Sequence[object
     writer.writerow(header)
     for columns in parts:
         texts = [bool(column) and isinstance(column[0], str) for column in columns]
+        if all(_is_bare(column) for column, of_text in zip(columns, texts, strict=True) if of_text):
+            written = [
+                column if of_text else map(repr, column)
+                for column, of_text in zip(columns, texts, strict=True)
+            ]
+            text.writelines(
+                ("\n".join(map(",".join, zip(*written, strict=True))), "\n" if columns[0] else "")
+            )
+            continue
         cells = [
             list(map(_cell, column)) if of_text else column
             for column, of_text in zip(columns, texts, strict=True)
         ]
-        if any(_is_quoted(column) for column, of_text in zip(cells, texts, strict=True) if of_text):
-            writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
-            continue
-        written = [
-            column if of_text else map(repr, column) for column, of_text in zip(cells, texts, strict=True)
-        ]
-        text.writelines(line + "\n" for line in map(",".join, zip(*written, strict=True)))
+        writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
     return text.getvalue()
 
 
-def _is_quoted(column: Sequence[object]) -> bool:
-    """Tell whether a text of a column may have to stand in quotation marks, or is empty."""
-    return "" in column or _QUOTED.search("".join(map(str, column))) is not None
+def _is_bare(column: Sequence[object]) -> bool:
+    """Tell whether the texts of a column are cells as they are, without apostrophes and quotation marks."""
+    together = "\n".join(map(str, column))
+    lines = together.count("\n") + 1
+    return (
+        lines == len(column)
+        and _UNUSUAL.search(together) is None
+        and "\n\n" not in f"\n{together}\n"
+        and not any(f"\n{mark}" in f"\n{together}" for mark in "'+-")
+    )
 
 
 def _cell(value: object) -> object:

@@ -43,6 +43,11 @@ class DotPlace(BaseModel):
     """True if the place was estimated; else it is the declared one, with a covariance of 0."""
 
 
+_MOST_DIRECTIONS = 100
+Direction = tuple[Millimetres, ...]
+"""An error of all dots: x, y, z of each in turn, mm."""
+
+
 class DotPlaces(BaseModel):
     """Every dot of a target, row by row. The mean scale is that of the declared pitch."""
 
@@ -59,9 +64,16 @@ class DotPlaces(BaseModel):
     calibrated_on: tuple[str, ...] = ()
     """Names of the views that determine the places: lengths in these are no check of it."""
 
+    shared: Annotated[tuple[Direction, ...], Field(max_length=_MOST_DIRECTIONS)] = ()
+    """Errors that dots have in common, independent of each other, one standard deviation each: x, y, z of
+    every dot in turn, mm. The covariances of the dots contain them."""
+    datum: Annotated[tuple[Direction, ...], Field(max_length=_MOST_DIRECTIONS)] = ()
+    """The same of what no picture tells, above all the mean scale: the covariances do not contain it."""
+
     @model_serializer(mode="wrap")
     def _without_what_is_not_there(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
-        return {key: value for key, value in dump(self).items() if key != "calibrated_on" or value}
+        optional = ("calibrated_on", "shared", "datum")
+        return {key: value for key, value in dump(self).items() if key not in optional or value}
 
     @model_validator(mode="after")
     def _every_dot_once(self) -> "DotPlaces":
@@ -69,6 +81,8 @@ class DotPlaces(BaseModel):
             raise ValueError("the dots must be those of the target, each once, row by row")
         if not valid_or_not_stated(self.covariances(), MOST_MM**2).all():
             raise ValueError("a covariance has a negative variance, or one beyond any sense")
+        if any(len(direction) != 3 * len(self.dots) for direction in (*self.shared, *self.datum)):
+            raise ValueError("an error in 'shared' or 'datum' has not x, y, z of every dot")
         return self
 
     @classmethod
@@ -114,6 +128,17 @@ class DotPlaces(BaseModel):
             [dot.cov_xx, dot.cov_xy, dot.cov_xz, dot.cov_yy, dot.cov_yz, dot.cov_zz] for dot in self.dots
         ]
         return np.array(upper, dtype=np.float64).reshape(-1, 6)[:, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]]
+
+    def independent_covariances(self) -> Float64[np.ndarray, "dots 3 3"]:
+        """Return the parts of the covariances that dots do not have in common, mm squared."""
+        common = np.array(self.shared).reshape(-1, len(self.dots), 3)
+        left = self.covariances() - np.einsum("kia,kib->iab", common, common)
+        size, axes = np.linalg.eigh(left)  # rounding may leave a variance below nothing
+        return np.asarray((axes * np.maximum(size, 0.0)[:, None]) @ axes.transpose(0, 2, 1))
+
+    def common_errors(self) -> Float64[np.ndarray, "coordinates directions"]:
+        """Return the errors that all dots have in common, one standard deviation each, mm."""
+        return np.array([*self.shared, *self.datum]).reshape(-1, 3 * len(self.dots)).T
 
     def freed(self) -> Bool[np.ndarray, " dots"]:
         """Return which places were estimated, in the order of the target's indices."""

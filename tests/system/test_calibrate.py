@@ -61,6 +61,21 @@ def test_free_dots_are_told_written_and_drawn(labcal: Run, folder: Path, tmp_pat
     assert refused.status == 2
 
 
+def test_the_treatment_of_the_dots_is_told(labcal: Run, folder: Path, tmp_path: Path) -> None:
+    by_itself, kept = tmp_path / "rig.json", tmp_path / "kept.json"
+    told = labcal(*words(folder, "--lens", "brown-k1k2", "-o", by_itself))
+    found = told.document["dot_places"]
+    assert (found["asked"], found["treatment"]) == ("auto", "declared")
+    assert found["why"] == "as declared: the residuals show no uneven print"
+    assert not (tmp_path / "rig-dots.json").exists()
+    told = labcal(*words(folder, "--lens", "brown-k1k2", "--keep-dots", "-o", kept))
+    assert told.document["dot_places"]["asked"] == "declared"
+    assert kept.read_bytes() == by_itself.read_bytes()
+    refused = labcal(*words(folder, "--keep-dots", "--free-dots", "-o", tmp_path / "both.json"))
+    assert refused.status == 2
+    assert "not allowed with argument" in refused.said
+
+
 def test_a_rig_is_started_from_and_kept(labcal: Run, folder: Path, tmp_path: Path) -> None:
     first, second, third = (tmp_path / f"{name}.json" for name in ("first", "second", "third"))
     assert labcal(*words(folder, "--lens", "brown-k1k2", "-o", first)).status == 0
@@ -96,7 +111,7 @@ def test_wrong_use_is_told_before_anything_is_done(labcal: Run, folder: Path, tm
     rig = tmp_path / "rig.json"
     for more, hint in (
         (("--fix-intrinsics",), "--start rig.json"),
-        (("--overlay", tmp_path / "a.png"), "--free-dots"),
+        (("--overlay", tmp_path / "a.png", "--keep-dots"), "these dots are kept"),
         (("--lens", "prescription"), "nothing in it to calibrate"),
         (("--lens", "brown6"), "brown5"),
         (("--start", tmp_path / "none.json"), "cannot be read"),

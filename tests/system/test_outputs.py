@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
+from labcal import examples
 from labcal.report.bench import at_most
 from labcal.run.begun import COMMAND
 from labcal.run.json_text import to_json
@@ -78,6 +79,7 @@ VERBS = {
     ),
     "undistort": Verb(("undistort", "rig.json", "held"), ("rig.json", "held/shoot.json")),
     "target export": Verb(("target", "export", "square.yaml"), ("square.yaml",), ".svg"),
+    "rehearse": Verb(("rehearse", "plan.yaml"), ("plan.yaml",)),
     "reproduce": Verb(("reproduce", "13", "--quick", "--workers", 1)),
     "bench render": Verb(("bench", "render", "--quick")),
     "bench detect": Verb(("bench", "detect", "--only", "real", "--quick")),
@@ -98,6 +100,7 @@ def originals(labcal: Run, stage: Path, handheld: Path, stage_dots: Path, handhe
         (home / "photos" / f"{name}.jpg").unlink()
     shutil.copy(stage_dots, home / "dots.csv")
     shutil.copy(handheld_dots, home / "held.csv")
+    (home / "plan.yaml").write_text(to_json(examples.rig_plan().model_dump(mode="json", exclude_none=True)))
     target = labcal("target", "show", "rings-14x10").document
     (home / "square.yaml").write_text(to_json(target))
     rig = ("calibrate", handheld_dots, "--target", "paper-13x10", "--lens", "brown-k1k2")
@@ -406,7 +409,15 @@ def cheap(monkeypatch: pytest.MonkeyPatch, lab: Path) -> None:
     monkeypatch.setattr(bench_render, "_even_light", lambda seed: None)  # noqa: ARG005
 
 
-LONG = {"render", "detect --overlay", "calibrate", "calibrate --overlay", "calibrate --start", "reproduce"}
+LONG = {
+    "render",
+    "detect --overlay",
+    "calibrate",
+    "calibrate --overlay",
+    "calibrate --start",
+    "rehearse",
+    "reproduce",
+}
 
 
 @pytest.mark.parametrize("name", slow_unless(VERBS.keys() - LONG, VERBS))

@@ -12,7 +12,8 @@ from labcal import examples, pipeline
 from labcal.cameras.rig import read_rig
 from labcal.correspond.detections_csv import detections_csv
 from labcal.errors import InputError, OutputError
-from labcal.run.json_text import plain_data
+from labcal.report.rehearsal_result import rehearse_result
+from labcal.run.json_text import plain_data, to_json
 from labcal.shoot.pictures import read_picture
 
 Run = Callable[..., Any]
@@ -133,6 +134,18 @@ def test_undistort(labcal: Run, handheld: Path, handheld_dots: Path, tmp_path: P
     assert told.status == 0
     assert told.document == {**plain_data(made), "folder": str(tmp_path / "command")}
     assert len(same_files(tmp_path / "python", tmp_path / "command")) == len(made.images) + 3
+
+
+def test_rehearse(labcal: Run, tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(to_json(examples.rig_plan().model_dump(mode="json", exclude_none=True)))
+    made = pipeline.rehearse(plan, tmp_path / "python", pipeline.RehearseSettings(seed=3))
+    told = labcal("rehearse", plan, "-o", tmp_path / "command", "--seed", 3)
+    assert told.status == 0
+    assert told.document == plain_data(rehearse_result(tmp_path / "command", made))
+    assert set(same_files(tmp_path / "python", tmp_path / "command")) == {
+        "index.html", "map.csv", "poses.csv", "rehearsal.json", "rig.json",
+    }  # fmt: skip
 
 
 def test_reproduce(labcal: Run, tmp_path: Path) -> None:

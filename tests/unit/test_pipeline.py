@@ -89,6 +89,10 @@ def test_a_calibration_leaves_test_views_out_and_evaluation_scores_them(
     made = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES)
     assert made.held_out == TESTED
     assert made.rig.calibrated_on == tuple(view for view in dots.views if view not in TESTED)
+    every = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES, hold_out="none")
+    assert every.held_out == ()
+    assert set(TESTED) <= set(every.calibrated_on)
+    assert not any("keeps to test on" in warning for warning in every.warnings)
     more = pipeline.calibrate(shoot, dots, "brown-k1k2", CENTRES, hold_out=1)
     assert more.held_out == ("pose-3", *TESTED)
     points = pipeline.reconstruct(made.rig, dots).points

@@ -4,6 +4,7 @@ That two cameras find the same displacements, each alone, is the check that need
 """
 
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.lens_candidates import DEFAULT_LENS
 from labcal.correspond.detections import Detections
 from labcal.evaluate.print_shape import agreement
 from labcal.report.bench import Check, at_most
@@ -46,14 +47,16 @@ def photo_checks(name: str, detections: Detections, target: AnyTarget) -> list[C
         Of two cameras.
     target : AnyTarget
     """
-    flat = calibrate_handheld(detections, target, LENS)
-    freed = calibrate_handheld(detections, target, LENS, HandheldSettings(free_dots=True))
+    flat = calibrate_handheld(detections, target, LENS, HandheldSettings(dot_places="declared"))
+    freed = calibrate_handheld(detections, target, LENS, HandheldSettings(dot_places="freed"))
+    by_default = calibrate_handheld(detections, target, DEFAULT_LENS)
     checks = []
     for camera, fit in flat.fits.items():
         what = f"{name}: RMS of camera {camera} alone"
         checks += [
             at_most(f"{what}, perfect print, px", fit.rms_px, FLAT_LIMIT_PX),
             at_most(f"{what}, freed dots, px", freed.fits[camera].rms_px, FREED_LIMIT_PX),
+            at_most(f"{what}, by default, px", by_default.fits[camera].rms_px, FREED_LIMIT_PX),
         ]
     alone = [fit.freed for fit in freed.fits.values() if fit.freed is not None]
     for axis, correlation in zip("xy", agreement(alone), strict=True):

@@ -12,6 +12,7 @@ from labcal.bench.solve.limits import limit_findings
 from labcal.bench.solve.mistakes import mistake_findings
 from labcal.bench.solve.mrcal import mrcal_findings
 from labcal.bench.solve.real import real_findings
+from labcal.bench.solve.rehearsal import rehearsal_findings
 from labcal.bench.solve.training import training_findings
 from labcal.errors import InputError
 from labcal.estimators.method_choice import estimator_of
@@ -20,7 +21,7 @@ from labcal.run.progress import Progress
 from labcal.wording import listed
 
 _OF_METHODS = "limits"
-_OF_CASES = frozenset((_OF_METHODS, "mistakes", "budget", "certify", "compare"))
+_OF_CASES = frozenset((_OF_METHODS, "mistakes", "budget", "certify", "compare", "rehearse"))
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,
@@ -30,6 +31,7 @@ GROUPS: Groups = {
     "budget": budget_findings,
     "certify": certify_findings,
     "compare": compare_findings,
+    "rehearse": rehearsal_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }

@@ -9,19 +9,21 @@ from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Vectors3
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
-from labcal.cameras.triangulation import triangulate
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.points import Points
+from labcal.correspond.named_pixels import NamedPixels
 from labcal.distributions import chi2_quantile
 from labcal.errors import InputError
 from labcal.evaluate.statistics import coverage
 from labcal.geometry.poses import pose, rotation_vector
 from labcal.reconstruct.distance import distance
+from labcal.reconstruct.named_points import reconstruct_named
+from labcal.reconstruct.named_reconstruction import NamedReconstruction
 from labcal.reconstruct.plane import plane
-from labcal.reconstruct.point_budget import PointBudget
-from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.reconstruct.point_budget import Budget
 from labcal.reconstruct.rigid_motion import rigid_motion
 from labcal.report.values import Measured
 from labcal.rng import generator
@@ -76,38 +78,53 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
     """Simulate, calibrate, reconstruct other points, and compare with the truth."""
     kind = KINDS[case.kind]
     random = generator(case.seed, "bench solve", "budget", case.kind, case.surface, str(case.views))
-    settings = HandheldSettings(eccentricity_rounds=0, free_dots=case.surface == PRINTS[2])
-    found = calibrate_handheld(simulated_detections(kind, case, random), kind.target(), case.lens, settings)
+    places = DotTreatment.FREED if case.surface == PRINTS[2] else DotTreatment.DECLARED
+    settings = HandheldSettings(eccentricity_rounds=0, dot_places=places)
+    found = calibrate_handheld(simulated_dots(kind, case, random), kind.target(), case.lens, settings)
     rig = found.rig
     if rig.covariance is None:
         raise InputError("A calibration with free lenses states no covariance.")
     true = kind.points(POINTS, random)
     members = random.permutation(POINTS)[: BODIES * _OF_BODY].reshape(BODIES, _OF_BODY)
     everything = np.concatenate([true, _moved(true, members, random), _flattened(true, members)])
-    clean = np.stack([camera.project(everything).q for camera in kind.cameras()], axis=1)
-    q = clean + NOISE_PX * random.standard_normal(clean.shape)
-    pixels = np.tile(NOISE_PX**2 * np.eye(2), (len(q), 2, 1, 1))
+    pixels = _named(kind, everything, random)
+    reconstruction = reconstruct_named(rig, pixels)
+    alone = reconstruct_named(rig, pixels, Budget.NOISE)
+    # A pixel that noise or motion took out of its picture is not used: its point, and its body, do not count.
+    placed = np.isfinite(reconstruction.points.point).all(axis=1)
+    one = placed[:POINTS]
+    error = (reconstruction.points.point - everything)[:POINTS][one]
     cameras = [rig.camera(name) for name in rig.cameras]
-    points = triangulate(cameras, q, pixels)
-    budget = PointBudget.of(rig, points.point, pixels, None)
-    n = len(q)
-    table = Points(
-        ["a"] * n, np.zeros((n, 2), np.int64), points.point, budget.noise + budget.calibration, ["ok"] * n
-    )
-    reconstruction = Reconstruction(table, None, None, None, budget=budget)
-    error = (points.point - everything)[:POINTS]
     return BudgetFigures(
-        points=coverage(error, table.covariance[:POINTS]),
-        noise_alone=coverage(error, points.covariance[:POINTS]),
-        distances=_distances(reconstruction, true),
-        planes=_planes(reconstruction, everything, members),
-        motions=_motions(reconstruction, everything, members),
+        points=coverage(error, reconstruction.points.covariance[:POINTS][one]),
+        noise_alone=coverage(error, alone.points.covariance[:POINTS][one]),
+        distances=_distances(reconstruction, true, one),
+        planes=_planes(reconstruction, everything, members[placed[members + 2 * POINTS].all(axis=1)]),
+        motions=_motions(
+            reconstruction, everything, members[(placed[members] & placed[members + POINTS]).all(axis=1)]
+        ),
         parameters=_per_parameter(cameras, kind.cameras(), rig.covariance.matrix),
         warned=found.sources.views.is_beyond_chance,
     )
 
 
-def simulated_detections(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
+def calibrated(kind: PairKind, random: np.random.Generator) -> Rig:
+    """Return the rig of a set with an even print and 12 views, with the covariance that it states."""
+    case = BudgetSet("", PRINTS[0], 12, "brown5", 0)
+    settings = HandheldSettings(eccentricity_rounds=0)
+    return calibrate_handheld(simulated_dots(kind, case, random), kind.target(), case.lens, settings).rig
+
+
+def _named(kind: PairKind, places: Vectors3, random: np.random.Generator) -> NamedPixels:
+    """Return the pixels of places, with noise, as another program would give them: by names."""
+    clean = np.stack([camera.project(places).q for camera in kind.cameras()], axis=1)
+    q = (clean + NOISE_PX * random.standard_normal(clean.shape)).swapaxes(0, 1).reshape(-1, 2)
+    names = [f"p{number}" for number in range(len(places))]
+    known = np.tile(NOISE_PX**2 * np.eye(2), (len(q), 1, 1))
+    return NamedPixels(["all"] * len(q), np.repeat(CAMERAS, len(places)), names * len(CAMERAS), q, known)
+
+
+def simulated_dots(kind: PairKind, case: BudgetSet, random: np.random.Generator) -> Detections:
     """Return images of centres with noise, of a print that is as the case says."""
     target = kind.target()
     dots = target.points()
@@ -151,17 +168,19 @@ def _flattened(true: Vectors3, members: np.ndarray) -> Vectors3:
     return flat
 
 
-def _distances(found: Reconstruction, true: Vectors3) -> float:
+def _distances(found: NamedReconstruction, true: Vectors3, placed: np.ndarray) -> float:
     """Return the share of distances of neighbours in the list within 95% of their truth."""
     inside = []
     for one in range(0, len(true), 2):
+        if not placed[one : one + 2].all():
+            continue
         length = distance(found, one, one + 1)
         off = length.value - float(np.linalg.norm(true[one] - true[one + 1]))
         inside.append(off**2 <= chi2_quantile(CONFIDENCE, 1) * length.sigma**2)
     return float(np.mean(inside))
 
 
-def _planes(found: Reconstruction, everything: Vectors3, members: np.ndarray) -> float:
+def _planes(found: NamedReconstruction, everything: Vectors3, members: np.ndarray) -> float:
     """Return the share of planes through flat bodies within the 95% regions of height and slopes."""
     inside = []
     for body in members + 2 * POINTS:
@@ -174,7 +193,7 @@ def _planes(found: Reconstruction, everything: Vectors3, members: np.ndarray) ->
     return float(np.mean(inside))
 
 
-def _motions(found: Reconstruction, everything: Vectors3, members: np.ndarray) -> float:
+def _motions(found: NamedReconstruction, everything: Vectors3, members: np.ndarray) -> float:
     """Return the share of rigid motions of bodies within 95% of their truth."""
     inside = []
     for body in members:

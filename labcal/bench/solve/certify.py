@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
-from labcal.bench.solve.budget_set import CAMERAS, NOISE_PX, PRINTS, BudgetSet, simulated_detections
+from labcal.bench.solve.budget_set import CAMERAS, NOISE_PX, PRINTS, BudgetSet, simulated_dots
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
@@ -109,7 +109,7 @@ def certified_case(case: CertifyCase) -> CertifyFigures:
     kind = KINDS[case.kind]
     random = generator(case.seed, "bench solve", "certify", case.kind)
     set_ = BudgetSet(case.kind, PRINTS[0], VIEWS, "brown5", case.seed)
-    dots, settings = simulated_detections(kind, set_, random), HandheldSettings(eccentricity_rounds=0)
+    dots, settings = simulated_dots(kind, set_, random), HandheldSettings(eccentricity_rounds=0)
     rig = calibrate_handheld(dots, kind.target(), "brown5", settings).rig
     cameras = [rig.camera(name) for name in CAMERAS]
     sides = np.array(_SIDES) * [2.0 * kind.reach_mm, 2.0 * kind.reach_mm, kind.distance_mm]

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict
 
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.solve.budget_rigs import KINDS
-from labcal.bench.solve.budget_set import CAMERAS, PRINTS, BudgetSet, simulated_detections
+from labcal.bench.solve.budget_set import CAMERAS, PRINTS, BudgetSet, simulated_dots
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
@@ -89,7 +89,7 @@ def compared_case(case: CompareCase) -> CompareFigures:
     kind, rigs = KINDS[case.kind], list[Rig]()
     for half in ("first", "second"):
         random = generator(case.seed, "bench solve", "compare", case.kind, half)
-        dots = simulated_detections(kind, BudgetSet(case.kind, PRINTS[0], VIEWS, "brown5", case.seed), random)
+        dots = simulated_dots(kind, BudgetSet(case.kind, PRINTS[0], VIEWS, "brown5", case.seed), random)
         settings = HandheldSettings(eccentricity_rounds=0)
         rigs.append(calibrate_handheld(dots, kind.target(), "brown5", settings).rig)
     one, other = rigs

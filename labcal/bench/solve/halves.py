@@ -48,6 +48,36 @@ def disagreement(one: HandheldCalibration, other: HandheldCalibration) -> Float6
     return np.concatenate(ratios)
 
 
+def squared_differences(one: HandheldCalibration, other: HandheldCalibration) -> tuple[float, int]:
+    """Return the squared differences of two calibrations of one rig in units of their joint covariances.
+
+    Returns
+    -------
+    float, int
+        The sum, which follows chi-square where both budgets hold, and its degrees of freedom.
+
+    Raises
+    ------
+    InputError
+        A calibration states no covariance.
+    """
+    if one.rig.covariance is None or other.rig.covariance is None:
+        raise InputError("A calibration states no covariance. Calibrate with free lenses.")
+    off: list[float] = []
+    for number, name in enumerate(one.rig.cameras):
+        first, second = one.rig.camera(name), other.rig.camera(name)
+        off += np.subtract(first.intrinsics, second.intrinsics).tolist()
+        off += (first.dist - second.dist)[: first.model.coefficients].tolist()
+        if number:
+            turn = first.T_cam_world[:3, :3] @ second.T_cam_world[:3, :3].T
+            off += Rotation.from_matrix(turn).as_rotvec().tolist()
+            off += (first.T_cam_world[:3, 3] - second.T_cam_world[:3, 3]).tolist()
+    both = one.rig.covariance.matrix + other.rig.covariance.matrix
+    scale = np.sqrt(np.diagonal(both))
+    ratios = np.array(off) / scale
+    return float(ratios @ np.linalg.solve(both / np.outer(scale, scale), ratios)), len(off)
+
+
 def print_and_rig(learned: Detections, target: AnyTarget, lens: str) -> tuple[HandheldCalibration, DotPlaces]:
     """Return a rig and the places of the dots on the print, both of the same views.
 
@@ -56,7 +86,7 @@ def print_and_rig(learned: Detections, target: AnyTarget, lens: str) -> tuple[Ha
     InputError
         The views determine no rig.
     """
-    found = calibrate_handheld(learned, target, lens, HandheldSettings(free_dots=True))
+    found = calibrate_handheld(learned, target, lens, HandheldSettings(dot_places="freed"))
     if found.freed is None:
         raise InputError("A calibration with free dots returned none.")
     return found, found.freed.places()

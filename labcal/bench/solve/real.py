@@ -7,17 +7,27 @@ import numpy as np
 
 from labcal.bench.detect.real import PAIR, VARIABLE
 from labcal.bench.groups import Bench, Findings
-from labcal.bench.solve.halves import disagreement, halves, lengths_elsewhere, print_and_rig
-from labcal.calibrate.handheld import calibrate_handheld
+from labcal.bench.solve.halves import (
+    disagreement,
+    halves,
+    lengths_elsewhere,
+    print_and_rig,
+    squared_differences,
+)
+from labcal.calibrate.dot_treatment import DotTreatment
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.lens_candidates import DEFAULT_LENS
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import find_sources
+from labcal.distributions import chi2_quantile
 from labcal.estimators.fitting import fit_method
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.model import Model
 from labcal.estimators.registry import make_estimator
-from labcal.report.bench import Figure, at_most
+from labcal.report.bench import Check, Figure, at_most
 from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget, load_target
 
@@ -29,6 +39,8 @@ METHODS_COMPARED = ("hybrid", "mlp", "mlp-bayes", "ray-net")
 AGREE_LIMIT = 3.0
 """Standard deviations."""
 LENGTH_LIMIT_MM = 0.010
+CONFIDENCE = 0.995
+"""Upper end of the interval that holds 99% of chi-square."""
 
 
 def real_findings(bench: Bench) -> Findings:
@@ -55,6 +67,7 @@ def real_findings(bench: Bench) -> Findings:
             value=float(np.sqrt((apart**2).mean())),
         )
     ]
+    checks.append(_of_chance(RENDERED, one, other))
     target = load_target(PHOTO_TARGET)
     dots = _measured(Path(home) / PHOTOS, target, bench.progress)
     for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
@@ -67,7 +80,17 @@ def real_findings(bench: Bench) -> Findings:
             what = f"{PHOTOS}: lengths in other views, freed dots and {name} of the {which} ones"
             checks.append(at_most(f"{what}, RMS, mm", lengths.rms, LENGTH_LIMIT_MM))
             references.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
+    freed = HandheldSettings(dot_places=DotTreatment.FREED)
+    of_photos = [calibrate_handheld(half, target, DEFAULT_LENS, freed) for half in halves(dots)]
+    checks.append(_of_chance(f"{PHOTOS}, freed dots", of_photos[0], of_photos[1]))
     return Findings(checks, references)
+
+
+def _of_chance(name: str, one: HandheldCalibration, other: HandheldCalibration) -> Check:
+    """Return the check that two halves of the views differ by no more than their budgets explain."""
+    squares, freedom = squared_differences(one, other)
+    what = f"{name}: squared differences of two halves of the views, per degree of freedom"
+    return at_most(what, squares / freedom, chi2_quantile(CONFIDENCE, freedom) / freedom)
 
 
 def _measured(folder: Path, target: AnyTarget, progress: Progress) -> Detections:

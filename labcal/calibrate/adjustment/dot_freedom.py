@@ -69,7 +69,7 @@ def dot_freedom(
     if count > MOST_DOTS:
         raise InputError(
             f"{count} dots would be free at once, but their covariance is computed for up to {MOST_DOTS}. "
-            "Use a target with fewer dots, or leave `free_dots` out."
+            "Use a target with fewer dots, or keep them as declared: `dot_places='declared'`."
         )
     along = 2 if Constrained.HEIGHTS in hold.parts else 3
     x, y, z = (dots[movable] - dots[movable].mean(axis=0)).T

@@ -65,17 +65,19 @@ def adjust_dots(
     if target.symmetric_indices(target.indices()[:1]):
         raise InputError(
             f"The target '{target.name}' looks the same when turned, so views may number its dots "
-            "differently. Free the dots of a target with rings, or leave `free_dots` out."
+            "differently. Free the dots of a target with rings, or keep these as declared: "
+            "`dot_places='declared'`."
         )
     pictures = np.bincount(observations.dot, minlength=target.count)
     movable = pictures >= MIN_PICTURES
     if movable.sum() < _FEWEST_DOTS:
         raise InputError(
             f"Only {counted(int(movable.sum()), 'dot')} measured in at least {MIN_PICTURES} pictures, too "
-            "few to free them. Take more pictures that show the same dots, or leave `free_dots` out."
+            "few to free them. Take more pictures that show the same dots, or keep them as declared: "
+            "`dot_places='declared'`."
         )
     entering = observations.where(movable[observations.dot])
-    hold = _datum_constraint(flat, entering, movable, lenses)
+    hold = datum_constraint(flat, entering, movable, lenses)
     basis = dot_freedom(flat.state.dots, movable, hold)
     radii = 0.5 * target.outer_diameters_mm()
     adjusted = adjust_in_rounds(flat.state, entering, Freedom(lenses, basis), radii, eccentricity_rounds)
@@ -92,7 +94,7 @@ def adjust_dots(
     return DotsAdjusted(adjusted, entering, dots)
 
 
-def _datum_constraint(
+def datum_constraint(
     flat: Adjusted, observations: Observations, movable: np.ndarray, lenses: Lenses
 ) -> DatumConstraint:
     """Return the datum constraint, by normal equations with all dots free."""

@@ -86,6 +86,7 @@ def adjust_in_rounds(
     freedom: Freedom,
     radii: Float64[np.ndarray, " dots"],
     eccentricity_rounds: int,
+    stopping: Stopping = STOPPING,
 ) -> Adjusted:
     """Adjust, and repeat with eccentricity, variance component and outliers of the previous round.
 
@@ -103,6 +104,8 @@ def adjust_in_rounds(
     eccentricity_rounds : int
         Number of times that the eccentricity is predicted and subtracted; 0 takes the pixels for images of
         centres.
+    stopping : Stopping, optional
+        Of every adjustment.
 
     Raises
     ------
@@ -114,7 +117,7 @@ def adjust_in_rounds(
             "Where the adjustment would begin, a camera cannot image all of its dots. Check that the target "
             "is the one in the pictures, choose a lens model that suits the lens, or give a rig with `start`."
         )
-    rounds = _Rounds(start, observations, freedom, radii, eccentricity_rounds)
+    rounds = _Rounds(start, observations, freedom, radii, eccentricity_rounds, stopping)
     wide = rounds.adjusted(PriorWidth.WIDE)
     if freedom.lenses is Lenses.FIXED or not any(found.is_open for found in wide.lenses):
         return wide
@@ -132,6 +135,7 @@ class _Rounds:
     freedom: Freedom
     radii: Float64[np.ndarray, " dots"]
     eccentricity_rounds: int
+    stopping: Stopping
 
     def adjusted(self, width: PriorWidth) -> Adjusted:
         """Adjust in rounds with a prior of the lenses' coefficients."""
@@ -147,7 +151,7 @@ class _Rounds:
                 now = now.recentred(predicted_eccentricities(now.state, observations, self.radii))
             dots = now.measured.where(entering).scattered(now.extra)
             problem = AdjustmentProblem(dots, freedom, loss, prior)
-            solution = minimize(problem, now.state, STOPPING, DAMPING)
+            solution = minimize(problem, now.state, self.stopping, DAMPING)
             now = _Standing.of(solution.parameters, observations, now.eccentricity, freedom)
             settled = bool((entering == ~now.aside).all())
             entering, loss = ~now.aside, SQUARES

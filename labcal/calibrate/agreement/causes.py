@@ -132,7 +132,7 @@ def _target_moved(pair: PairAgreement, telling: tuple[str, ...], *, in_no_order:
 
 def _lens_misfit(found: Calibrated, pair: PairAgreement, telling: tuple[str, ...]) -> Cause:
     """Return the cause that the calibration models do not fit the cameras."""
-    advice = "Try `lens='auto'`." if found.free_dots else "Try `lens='auto'` or `free_dots=True`."
+    advice = "Try `lens='auto'`." if found.free_dots else "Try `lens='auto'` or `dot_places='freed'`."
     return Cause(
         CauseName.LENS_MISFIT,
         f"the lens model or the flat board does not suit, which each camera alone shows, too. {advice}",

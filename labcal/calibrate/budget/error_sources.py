@@ -1,6 +1,7 @@
 """The sources of a calibration's errors, found from its residuals, and the covariance that they make."""
 
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 from jaxtyping import Float64
@@ -12,6 +13,7 @@ from labcal.calibrate.budget.entered import Entered
 from labcal.calibrate.budget.print_share import PrintShare
 from labcal.calibrate.budget.view_dispersion import ViewDispersion
 from labcal.calibrate.freed_dots import FreedDots
+from labcal.targets.places import DotPlaces
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,13 @@ class ErrorSources:
     prior: Float64[np.ndarray, " cameras"]
 
     @classmethod
-    def of(cls, adjusted: Adjusted, observations: Observations, freed: FreedDots | None) -> "ErrorSources":
+    def of(
+        cls,
+        adjusted: Adjusted,
+        observations: Observations,
+        freed: FreedDots | None,
+        known: DotPlaces | None = None,
+    ) -> "ErrorSources":
         """Return the sources of the errors of an adjustment.
 
         Parameters
@@ -43,12 +51,17 @@ class ErrorSources:
             Centroids as measured; all that the adjustment was given.
         freed : FreedDots or None
             The dots where they were freed.
+        known : DotPlaces or None
+            The dots where they were measured before, and kept there.
         """
         entered = Entered.of(adjusted, observations)
         fixed = adjusted.layout.freedom.lenses is Lenses.FIXED
         if fixed or entered.with_fixed_dots().reduced is None:
             return cls(ViewDispersion(1.0, 0.0), None, np.zeros(entered.cameras))
-        share = PrintShare.of_declared(entered) if freed is None else PrintShare.of_freed(entered, freed)
+        if freed is None:
+            share = PrintShare.of_declared(entered, known)
+        else:
+            share = PrintShare.of_freed(entered, freed)
         return cls(ViewDispersion.of(entered, share.residual), share, entered.prior_by_parameter())
 
     @property
@@ -59,7 +72,8 @@ class ErrorSources:
     @property
     def print_sigma_mm(self) -> float:
         """Standard deviation of dots on the print along each direction of its plane, mm."""
-        return 0.0 if self.print_share is None else self.print_share.sigma_mm
+        share = self.print_share
+        return 0.0 if share is None else hypot(share.sigma_mm, share.measured_sigma_mm)
 
     def total(
         self, cameras: Float64[np.ndarray, "cameras cameras"]

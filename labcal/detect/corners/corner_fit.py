@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.corners.corner_model import PARAMETERS, CornerPixels, LinearisedCorner, linearise
+from labcal.detect.corners.edge_waves import edge_powers
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -51,6 +52,11 @@ class CornerFit:
         Root mean square residual over the step from black to white.
     sums : ndarray, shape (LAGS, SUMS)
         Sums of the residuals over the noise, see :func:`labcal.detect.edges.noise.noise_factor`.
+    powers : ndarray, shape (WAVES, 2)
+        Power of the residuals along the edges by wave, and that of the noise which the covariance counts
+        with, see :func:`labcal.detect.corners.edge_waves.edge_powers`.
+    reach : float
+        The greatest distance of a pixel of the fit from the corner, px.
     """
 
     centre: np.ndarray
@@ -58,6 +64,8 @@ class CornerFit:
     step: float
     roughness: float
     sums: np.ndarray
+    powers: np.ndarray
+    reach: float
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> CornerFit | None:
@@ -195,12 +203,15 @@ def judge(
     except np.linalg.LinAlgError:
         return None
     variance = _variance(noise, linear.board, settings.min_variance_share) * len(noise) / freedom
+    offset = window.offset - state[:2, None]
     return CornerFit(
         centre=centre + state[:2],
         covariance=(gain * variance) @ gain.T,
         step=2 * float(state[7]),
         roughness=float(np.sqrt((linear.residual**2).mean())) / (2 * float(state[7])),
         sums=_sums(linear, window, settings.flat_blurs),
+        powers=edge_powers(linear, offset, gain, variance),
+        reach=float(np.hypot(offset[0], offset[1]).max()),
     )
 
 

@@ -53,6 +53,21 @@ def outline_factor(
     powers = own_powers(sums, (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE]))
     number = harmonics.first + harmonics.stride * np.arange(harmonics.terms)
     ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / number, settings)
+    return beside_flat_parts(ratio, error, flat, settings)
+
+
+def beside_flat_parts(ratio: float, error: float, flat: float, settings: EdgeSettings) -> float:
+    """Return a picture's factor from what its edges and the flat parts beside them say.
+
+    Parameters
+    ----------
+    ratio, error : float
+        Of edges, and the standard deviation of its logarithm; infinite where there is nothing to estimate it
+        from.
+    flat : float
+        Of the flat parts.
+    settings : EdgeSettings
+    """
     if not error < inf:
         return flat
     if flat == 1.0 and abs(log(ratio)) < settings.noise_chance_sigma * error:
@@ -130,15 +145,65 @@ def long_wave_ratio(
     error : float
         Standard deviation of its logarithm.
     """
+    usual = _usual_powers(powers, settings)
+    if usual is None:
+        return float("nan"), inf
+    ratio, weight = usual
+    return _at_long_waves(ratio, weight, 1.0 / wavelengths**2, settings)
+
+
+def smooth_wave_ratio(
+    powers: Float64[np.ndarray, "n k 2"], wavelengths: Float64[np.ndarray, " k"], settings: EdgeSettings
+) -> tuple[float, float]:
+    """Return the same as :func:`long_wave_ratio`, with all that long waves hold, a ragged print's edges, too.
+
+    Waves are alike where chance explains that they are not.
+
+    Parameters
+    ----------
+    powers : ndarray, shape (n, k, 2)
+        Seen and expected.
+    wavelengths : ndarray, shape (k,)
+        Px.
+    settings : EdgeSettings
+
+    Returns
+    -------
+    ratio, error : float
+    """
+    usual = _usual_powers(powers, settings)
+    if usual is None:
+        return float("nan"), inf
+    ratio, weight = usual
+    square = 1.0 / wavelengths**2
+    X = np.stack([np.ones_like(square), square], axis=1)
+    if len(ratio) > 1:
+        (_, slope), covariance = _gamma_regression(X, ratio, weight)
+        if abs(slope) > settings.noise_chance_sigma * sqrt(covariance[1, 1]):
+            slope = float(np.clip(slope, -steepest_slope(settings), steepest_slope(settings)))
+            level = float(np.average(ratio * np.exp(-slope * square), weights=weight))
+            return level, sqrt(covariance[0, 0])
+    return float(np.average(ratio, weights=weight)), 1.0 / sqrt(float(weight.sum()))
+
+
+def _usual_powers(
+    powers: Float64[np.ndarray, "n k 2"], settings: EdgeSettings
+) -> tuple[Float64[np.ndarray, " k"], Float64[np.ndarray, " k"]] | None:
+    """Return the ratio of each wave, seen over expected, and its weight, of all that fit as others do."""
     powers = powers[powers[:, :, 1].sum(axis=1) > _LEAST]
     if len(powers) == 0:
-        return float("nan"), float("inf")
+        return None
     each = powers[..., 0].sum(axis=1) / powers[..., 1].sum(axis=1)
     powers = powers[each <= settings.noise_outlier_factor * np.median(each)]
     seen, weight = powers.sum(axis=0).T
     if not (seen > 0.0).all() or not (weight > _LEAST).all():
-        return float("nan"), float("inf")
-    return _at_long_waves(seen / weight, weight, 1.0 / wavelengths**2, settings)
+        return None
+    return seen / weight, weight
+
+
+def steepest_slope(settings: EdgeSettings) -> float:
+    """Return the greatest slope of the logarithm of a power over the squared wave number, px squared."""
+    return float((2.0 * pi * settings.noise_smoothing_px) ** 2)  # of a Gauss function's power
 
 
 def _at_long_waves(
@@ -148,7 +213,7 @@ def _at_long_waves(
     settings: EdgeSettings,
 ) -> tuple[float, float]:
     """Return the ratio at the wave number 0 and the error of its logarithm, from those at squared numbers."""
-    steepest = (2.0 * pi * settings.noise_smoothing_px) ** 2  # of a Gauss function's power
+    steepest = steepest_slope(settings)
     X = np.stack([np.ones_like(square), square], axis=1)
     first, slope = len(ratio) - 1, -steepest if len(ratio) > 1 else 0.0  # if all others are the print's
     for longest in range(len(ratio) - 1):

@@ -9,9 +9,7 @@ from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.correspond.coverage import coverage_of
 from labcal.evaluate.verdict.of_calibration import CalibrationEvidence
 from labcal.evaluate.working_distance import working_distance
-from labcal.geometry.poses import transform
 from labcal.optim.stopping import StopReason
-from labcal.targets.catalogue import AnyTarget
 
 _PAIR = 2
 _MOST_PLACES = 1500
@@ -19,19 +17,17 @@ _MOST_PLACES = 1500
 _UNFINISHED = (StopReason.EPOCHS, StopReason.NOT_FINITE)
 
 
-def calibration_evidence(made: Calibration, target: AnyTarget) -> CalibrationEvidence:
-    """Return the evidence of a calibration from dots of a target."""
+def calibration_evidence(made: Calibration) -> CalibrationEvidence:
+    """Return the evidence of a calibration."""
     found = made.found
     cameras = [found.rig.camera(name) for name in found.rig.cameras]
     fits = found.fits
-    noise = [float(np.hypot(fit.noise_px, _scatter_px(found, name))) for name, fit in fits.items()]
-    names = list(found.rig.cameras)
-    places = target_places(found, target)
+    names, places = list(found.rig.cameras), found.places
     return CalibrationEvidence(
-        at=working_distance(cameras, places, noise),
+        at=working_distance(cameras, places, found.pixel_sigma_px),
         calibration_mm=_calibration_mm(found, places),
         noise_px=float(np.median([fit.noise_px for fit in fits.values()])),
-        scatter_px=max(_scatter_px(found, name) for name in names),
+        scatter_px=max(found.scatter_px(name) for name in names),
         rms_px=found.rms_px,
         views=len(found.views),
         held_out=len(made.held_out),
@@ -45,16 +41,11 @@ def calibration_evidence(made: Calibration, target: AnyTarget) -> CalibrationEvi
         uneven=() if found.freed is not None else tuple(name for name, fit in fits.items() if fit.uneven),
         undetermined=tuple(name for name, fit in fits.items() if fit.undetermined),
         finished=found.reason not in _UNFINISHED,
-        freed=found.freed is not None,
+        freed=found.freed is not None or found.measured_print,
         parallel=any(camera.model.parallel for camera in cameras),
         baseline_mm=max((found.rig.baseline_mm(*pair) for pair in combinations(names, 2)), default=0.0),
+        in_frame_mm=_in_frame_mm(found),
     )
-
-
-def target_places(found: HandheldCalibration, target: AnyTarget) -> np.ndarray:
-    """Return where all dots of the target were in all views, in the world, shape (n, 3), mm."""
-    places = target.points() if found.freed is None else found.freed.place
-    return np.concatenate([transform(T, places) for T in found.T_world_target])
 
 
 def _calibration_mm(found: HandheldCalibration, places: np.ndarray) -> float:
@@ -67,12 +58,12 @@ def _calibration_mm(found: HandheldCalibration, places: np.ndarray) -> float:
     return found.covariance.rms_mm(cameras, places[:: -(-len(places) // _MOST_PLACES) or 1])
 
 
-def _scatter_px(found: HandheldCalibration, name: str) -> float:
-    """Return what dots of a camera scatter along each axis beyond their covariances: in the rig, if known."""
-    record = found.rig.calibration
-    if record is None or record.scatter_px is None:
-        return found.fits[name].scatter_px
-    return record.scatter_px
+def _in_frame_mm(found: HandheldCalibration) -> float:
+    """Return the RMS 3-D error where the target was, in the frame of the rig; NaN where it is not known."""
+    expected = found.expected_errors()
+    if not np.isfinite(expected.depth.calibration_mm):
+        return float("nan")
+    return float(np.hypot(expected.depth.total_mm, np.sqrt(2.0) * expected.sideways.total_mm))
 
 
 def _coverage(found: HandheldCalibration, number: int) -> float:

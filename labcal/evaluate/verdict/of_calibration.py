@@ -20,6 +20,8 @@ MOST_OUTLIERS = 0.05
 """Share of the dots that did not enter from which on outliers are no accidents."""
 MOST_DEPTH = 3.0
 """Times the error across from which on the error in depth is worth a word."""
+MUCH_LARGER = 1.5
+"""Times the error of shapes from which on that in the frame of the rig is worth a word."""
 SCALE, _EXAMPLE_MM = 1e-3, 500.0
 """A relative error of the pitch and a length, for an example in millimetres."""
 
@@ -54,6 +56,8 @@ class CalibrationEvidence:
         True if the rays of a camera are parallel.
     baseline_mm : float
         Greatest distance of two cameras; 0 of one.
+    in_frame_mm : float
+        RMS 3-D error in the frame of the rig, with what moves all points together; NaN where it is not known.
     """
 
     at: WorkingDistance
@@ -74,6 +78,7 @@ class CalibrationEvidence:
     freed: bool = False
     parallel: bool = False
     baseline_mm: float = 0.0
+    in_frame_mm: float = float("nan")
 
     @property
     def expected_mm(self) -> float:
@@ -95,7 +100,13 @@ def _expectation(evidence: CalibrationEvidence) -> str:
         where = "where the target was held (rays are parallel, so that the distance does not matter)"
     if not isfinite(at.sigma_mm):
         return f"{millimetres(at.across_mm)} across the view (1 sigma) {where}; one camera gives no depth"
-    return f"a 3-D error of {millimetres(evidence.expected_mm)} (RMS, 1 sigma) {where}"
+    shape = f"a 3-D error of {millimetres(evidence.expected_mm)} (RMS, 1 sigma) {where}"
+    if not evidence.in_frame_mm > MUCH_LARGER * evidence.expected_mm:  # of NaN, too
+        return shape
+    return (
+        f"{shape}, of shapes and lengths, but of {millimetres(evidence.in_frame_mm)} in the frame of the "
+        "rig, where errors of the calibration move all points together"
+    )
 
 
 def _contradiction(evidence: CalibrationEvidence) -> Finding | None:
@@ -165,7 +176,7 @@ def _uneven(evidence: CalibrationEvidence) -> Finding | None:
         f"dots of {listed(evidence.uneven)} scatter by {pixels(evidence.scatter_px)} beyond their noise of "
         f"{pixels(evidence.noise_px)}",
         "the print or the lens model, not the noise of the pictures",
-        "estimate the dots on the print with `free_dots=True`, or try `lens='auto'`",
+        "estimate the dots on the print with `dot_places='freed'`, or try `lens='auto'`",
     )
 
 
@@ -221,7 +232,7 @@ def _sound(evidence: CalibrationEvidence) -> Finding:
             f"what lens model and print leave, {pixels(evidence.scatter_px)} beyond the dots' noise of "
             f"{pixels(evidence.noise_px)}"
         )
-        advice = "see whether `free_dots=True` or `lens='auto'` makes it smaller"
+        advice = "see whether `dot_places='freed'` or `lens='auto'` makes it smaller"
     else:
         limit = f"the noise of the dots, {pixels(evidence.noise_px)}"
         advice = "measure"
@@ -250,7 +261,7 @@ def _leaves_out(evidence: CalibrationEvidence) -> list[str]:
     held = f"between {millimetres(at.nearest_mm)} and {millimetres(at.farthest_mm)} away"
     left.append("places where the target was not" + ("" if evidence.parallel else f": it was held {held}"))
     if not evidence.freed:
-        left.append("errors of the print: its dots count as exactly placed; `free_dots=True` estimates them")
+        left.append("errors of the print: its dots count as declared; `dot_places='freed'` estimates them")
     left.append("an error of the lens model that all views share")
     left.append("whatever changes after the calibration: focus, temperature, a camera that is knocked")
     return left

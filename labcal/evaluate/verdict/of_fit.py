@@ -92,7 +92,9 @@ def _expectation(evidence: FitEvidence) -> str:
             f"an unknown error of '{best.method}' between the training dots; on the dots themselves it is "
             f"{millimetres(best.training_rmse_mm)} (RMS)"
         )
-    return f"a 3-D error of {millimetres(best.expected.rmse_mm)} (RMS) of '{best.method}' {evidence.volume}"
+    expected = best.expected
+    known = expected.total_mm if isfinite(expected.total_mm) else expected.rmse_mm
+    return f"a 3-D error of {millimetres(known)} (RMS) of '{best.method}' {evidence.volume}"
 
 
 def _none_fitted(evidence: FitEvidence) -> Finding | None:
@@ -167,7 +169,12 @@ def _sound(evidence: FitEvidence) -> Finding:
     held = percent(expected.coverage95)
     reason = f"surrogate validation, on cameras like these, finds {held} of the points in its 95% ellipsoids"
     advice = f"reconstruct with '{best.method}', and score views that it has not seen with 'labcal evaluate'"
-    if times <= AT_THE_LIMIT:
+    if expected.adjustment_mm > expected.rmse_mm:
+        limit = (
+            "the adjustment of the pictures, which placed the target: it leaves "
+            f"{millimetres(expected.adjustment_mm)} (RMS), which points share"
+        )
+    elif times <= AT_THE_LIMIT:
         limit = f"the noise of the dots, which alone leaves {millimetres(expected.limit_mm)}"
     else:
         limit = f"the method: the error is {times:.1f} times what the noise of the dots leaves"
@@ -178,9 +185,17 @@ def _leaves_out(evidence: FitEvidence) -> list[str]:
     left = [
         "places outside the trained volume, where every method guesses",
         "what the surrogate's cameras do not show: they follow the training dots, and not what lies between",
-        "errors of the trained places: of the stage, or of the adjustment that placed the target",
+        _of_places(evidence),
     ]
     return left if evidence.methods else []
+
+
+def _of_places(evidence: FitEvidence) -> str:
+    """Return what is not known of the errors of the places that were trained."""
+    expected = [one.expected for one in evidence.methods if one.expected is not None]
+    if any(one.adjustment_mm > 0.0 for one in expected):
+        return "what all views of the target have in common: a print that is too large or bent as a whole"
+    return "errors of the trained places: of the stage, or of the adjustment that placed the target"
 
 
 _RULES = Rules[FitEvidence](

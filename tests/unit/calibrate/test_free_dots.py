@@ -23,7 +23,7 @@ Cameras = dict[str, Camera]
 Poses = dict[str, np.ndarray]
 
 NOISE_PX = 0.02
-FREE = HandheldSettings(eccentricity_rounds=0, free_dots=True)
+FREE = HandheldSettings(eccentricity_rounds=0, dot_places="freed")
 STRETCH, SHEAR, BOW_MM = 2e-3, 1e-3, 0.3
 
 

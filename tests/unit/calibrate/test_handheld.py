@@ -285,6 +285,7 @@ def test_dots_that_scatter_far_beyond_their_noise_are_uneven(
     off = np.random.default_rng(2).normal(0.0, 0.4, (grid.count, 2))
     place = exact.index[:, 1] * grid.cols + exact.index[:, 0]
     printed = replace(sharp, position=sharp.position + off[place])
+    declared = replace(CENTRES, dot_places="declared")
     for dots, uneven in ((sharp, False), (printed, True)):
-        fits = calibrate_handheld(dots, grid, "brown5", CENTRES).fits.values()
+        fits = calibrate_handheld(dots, grid, "brown5", declared).fits.values()
         assert {fit.uneven for fit in fits} == {uneven}

@@ -118,8 +118,8 @@ def test_lenses_are_compared_with_free_dots_where_these_will_be_freed(
         shift[rows] = scale * off[number[rows]] @ T[:2, :2].T
     uneven = replace(dots, position=dots.position + shift)
     held, freed = (
-        choose_lens(uneven, grid, HandheldSettings(eccentricity_rounds=0, free_dots=free), NoProgress())
-        for free in (False, True)
+        choose_lens(uneven, grid, HandheldSettings(eccentricity_rounds=0, dot_places=places), NoProgress())
+        for places in ("declared", "freed")
     )
     flat = {trial.lens: trial.held_out_px for trial in held.trials}
     free = {trial.lens: trial.held_out_px for trial in freed.trials}

@@ -141,8 +141,9 @@ def test_one_camera_says_what_it_cannot_tell(centroids: See) -> None:
 
 
 def test_dots_cannot_be_freed(centroids: See) -> None:
+    freed = HandheldSettings(dot_places="freed")
     with pytest.raises(InputError, match="Dots cannot be freed behind the lens 'telecentric'"):
-        calibrate_handheld(seen(centroids, rig()), TARGET, "telecentric", HandheldSettings(free_dots=True))
+        calibrate_handheld(seen(centroids, rig()), TARGET, "telecentric", freed)
 
 
 def test_a_camera_is_found_from_points_in_space() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal import NamedPixels, examples, measure, read_named_points, write_ply
+from labcal import NamedPixels, displacements, examples, measure, read_named_points, write_ply
 from labcal.cli import main
 from labcal.pipeline import MeasureSettings
 
@@ -101,3 +101,46 @@ def test_neither_the_known_points_nor_a_pixel_table_is_overwritten() -> None:
         assert main([*words, "-o", output]) == 2
         assert main([*words, "-o", "points.csv", "--ply", output]) == 2
         assert Path(output).read_bytes() == before
+
+
+def test_displacements_and_scale_bars_are_those_of_python(capfd: pytest.CaptureFixture[str]) -> None:
+    examples.moved_pixels().save("moved.csv")
+    bar = "origin,tip,75.5,0.01"
+    words = ["measure", "rig.json", "moved.csv", "-o", "points.csv", "--displacements", "since.csv"]
+    words += ["--reference-view", "moved", "--scale-bar", bar, "--scale-sigma-ppm", "100"]
+    assert main([*words, "--json"]) == 0
+    found = measure(
+        "rig.json", "moved.csv", settings=MeasureSettings(scale_bars=[bar], scale_sigma_ppm=100.0)
+    )
+    found.save("python.csv")
+    displacements(found, "moved").save("python-since.csv")
+    assert Path("points.csv").read_bytes() == Path("python.csv").read_bytes()
+    assert Path("since.csv").read_bytes() == Path("python-since.csv").read_bytes()
+    document = json.loads(capfd.readouterr().out)
+    assert document["budget"]["kind"] == "noise"
+    assert [bar["view"] for bar in document["scale_bars"]["bars"]] == ["block", "moved"]
+    (view,) = document["displacements"]["views"]
+    assert view["view"] == "block"
+    assert view["rigid_displacement_mm"][0] == pytest.approx(-2.0, abs=0.1)
+    assert main([*words, "--quiet"]) == 2  # nothing is overwritten
+    assert main([*words, "--force"]) == 0
+    words = capfd.readouterr().out
+    assert "displacements in 1 view since 'moved' in since.csv" in words
+    assert "2 measurements of scale bars" in words
+
+
+def test_options_of_displacements_and_bars_are_refused_where_they_do_nothing(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    start = ["measure", "rig.json", "pixels.csv", "-o", "points.csv"]
+    for words, why in (
+        (["--reference-view", "block"], "--reference-view goes with --displacements"),
+        (["--displacements", "d.csv"], "All points are of one view, 'block'"),
+        (["--scale-sigma-ppm", "5"], "Give --scale-bar, too"),
+        (["--scale-bar", "origin,tip,1"], "is no scale bar"),
+        (["--scale-bar", "origin,tip,75.5,0.01", "--frame", FRAME], "--scale-bar give points in the world"),
+        (["--budget", "full"], "or leave --budget out"),
+    ):
+        assert main([*start, *words]) == 2
+        assert why in capfd.readouterr().err
+        assert not Path("points.csv").exists()

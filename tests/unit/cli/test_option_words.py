@@ -25,7 +25,8 @@ LIBRARY = Path(labcal.__file__).parent
     ("message", "told"),
     [
         ("Add `force=True` to replace it.", "Add --force to replace it."),
-        ("Try `lens='auto'` or `free_dots=True`.", "Try --lens auto or --free-dots."),
+        ("Try `lens='auto'` or `dot_places='freed'`.", "Try --lens auto or --free-dots."),
+        ("Keep them: `dot_places='declared'`.", "Keep them: --keep-dots."),
         ("Say it: `size='1280x960'`.", "Say it: --size 1280x960."),
         ("Leave `hold_out` out.", "Leave --hold-out out."),
         ("Apart: `cameras='L/*=left,R/*=right'`.", "Apart: --cameras 'L/*=left,R/*=right'."),

@@ -27,6 +27,7 @@ SETTINGS: dict[str, tuple[type, ...]] = {
     "compare": (pipeline.CompareSettings,),
     "convert": (pipeline.ConvertSettings,),
     "undistort": (pipeline.UndistortSettings,),
+    "rehearse": (pipeline.RehearseSettings,),
     "reproduce": (pipeline.ReproduceSettings,),
     "bench": (pipeline.BenchSettings,),
 }
@@ -58,6 +59,8 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "workers": WORKERS,
         "target": TARGET,
         "fix_intrinsics": "lenses",
+        "free_dots": "dot_places",
+        "keep_dots": "dot_places",
         "overlay": (labcal.Calibration.plot_displacements, "self"),
         "output": (labcal.Calibration.save, "path"),
         "force": (labcal.Calibration.save, "force"),
@@ -67,6 +70,8 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "workers": WORKERS,
         "target": TARGET,
         "no_rehearsal": "rehearsal",
+        "free_dots": "dot_places",
+        "keep_dots": "dot_places",
         "output": (labcal.Model.save, "path"),
         "force": (labcal.Model.save, "force"),
     },
@@ -82,6 +87,8 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "measure": {
         "method": (labcal.load_model, "method"),
         "output": (labcal.NamedPoints.save, "path"),
+        "displacements": (labcal.Displacements.save, "path"),
+        "reference_view": (labcal.displacements, "reference_view"),
         "force": (labcal.NamedPoints.save, "force"),
         **PLY,
     },
@@ -101,6 +108,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "compare": {"force": (pipeline.PageOutput, "force")},
     "convert": {},
     "undistort": {"cameras": CAMERAS, "output": "folder"},
+    "rehearse": {"output": "folder"},
     "reproduce": {"output": "folder"},
     "bench": {"output": "folder", "only": "groups", "method": "methods"},
 }
@@ -116,6 +124,7 @@ OTHER_DEFAULTS = {
     "workers": "a script without a main guard cannot start processes; a command starts one a core",
     "method": "a command names its methods; a notebook begins with the one that is recommended",
     "lenses": "a word in Python, a switch on the command line",
+    "dot_places": "a word in Python, two switches on the command line",
     "rehearsal": "the switch leaves it out",
 }
 """Arguments whose default differs from that of the option, and why."""

@@ -47,7 +47,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             "--distance-mm is for a lens prescription",
         ),
         (f"calibrate dots.csv --target {TARGET} -o r.json --workers 2", "--workers is for finding dots"),
-        ("calibrate shoot -o r.json --overlay arrows.png", "Add --free-dots"),
+        ("calibrate shoot -o r.json --keep-dots --overlay arrows.png", "these dots are kept"),
         ("reconstruct rig.json dots.csv -o p.csv --workers 2", "--workers is for finding dots"),
         (f"fit dots.csv --target {TARGET} --method affine -o m --workers 2", "--workers is for finding dots"),
         ("fit shoot --method affine --detections dots.csv -o m --workers 2", "--workers is for finding dots"),

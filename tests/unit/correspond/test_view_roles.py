@@ -10,7 +10,8 @@ def test_views_are_held_out_by_name_or_evenly() -> None:
     assert held_out_views(VIEWS, parse_hold_out("g,b", VIEWS)) == ("b", "g")
     assert held_out_views(VIEWS, parse_hold_out("2", VIEWS)) == ("b", "f")
     assert held_out_views(VIEWS, parse_hold_out("3", VIEWS)) == ("3",)  # a view of that name comes first
-    assert held_out_views(VIEWS, 0) == held_out_views(VIEWS, ()) == ()
+    assert held_out_views(VIEWS, 0) == held_out_views(VIEWS, ()) == held_out_views(VIEWS, "none") == ()
+    assert held_out_views([*VIEWS, "none"], "none") == ("none",)  # a view of that name comes first
     assert len(held_out_views(VIEWS, 6)) == 6
 
 

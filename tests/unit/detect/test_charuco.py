@@ -5,12 +5,14 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from labcal.bench.detect.developed import PictureKind, SensorNoise, taken_picture
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.corners.corner_model import CornerPixels, _blurred_board, linearise
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.stage_settings.corner import CornerSettings
+from labcal.render.sensor_response import Shot
 from labcal.targets.catalogue import load_target
 from labcal.targets.charuco import MarkerDictionary, Pattern
 from labcal.targets.charuco_opencv import opencv_board
@@ -85,6 +87,30 @@ def test_normalised_errors_pass_a_chi_square_test() -> None:
         rms_opencv.append(float(np.sqrt(((theirs - q.reshape(-1, 2)) ** 2).sum(axis=1).mean())))
         assert np.sqrt((off**2).sum(axis=1).mean()) < 0.5 * rms_opencv[-1]
     assert 0.005 < chi2.sf(squares, count) < 0.995
+
+
+@pytest.mark.parametrize(
+    ("kind", "noise"),
+    [
+        (PictureKind("grey", bayer=False, jpeg_quality=None), SensorNoise("strong", 2000.0, 60.0)),
+        (PictureKind("grey, JPEG", bayer=False, jpeg_quality=75), SensorNoise("none", 6000.0, None)),
+        (PictureKind("Bayer, JPEG", bayer=True, jpeg_quality=95), SensorNoise("usual", 6000.0, 8.0)),
+    ],
+    ids=lambda one: one.name,
+)
+def test_stated_errors_are_true_where_tone_mosaic_and_jpeg_are_no_white_noise(
+    kind: PictureKind, noise: SensorNoise
+) -> None:
+    squares = []
+    for seed, turns in enumerate([(25, -30, 100), (-35, 10, 190), (10, 45, -60)]):
+        T = pose(*turns)
+        light = (draw(T, noise=0.0) / 255.0).astype(np.float32)
+        for again in range(2):
+            dots = detect_dots(taken_picture(light, kind, noise, Shot(seed, kind.name, f"{again}")), BOARD)
+            off = errors(dots, T)
+            squares.append(np.einsum("ni,nij,nj->n", off, np.linalg.inv(dots.covariance[dots.ok]), off))
+    ratio = np.sqrt(np.concatenate(squares).mean() / 2.0)
+    assert 0.8 < ratio < 1.25  # 0.3 to 0.65 by the residuals alone, which hold what moves no corner
 
 
 def test_there_is_no_bias_without_noise() -> None:

@@ -63,7 +63,7 @@ def test_dots_that_were_freed_are_where_they_were_found(
     see: See, pair: Cameras, grid: DotGrid, poses: Poses
 ) -> None:
     dots = see(pair, grid, poses)
-    found = calibrate_handheld(dots, grid, LENS, HandheldSettings(free_dots=True, eccentricity_rounds=0))
+    found = calibrate_handheld(dots, grid, LENS, HandheldSettings(dot_places="freed", eccentricity_rounds=0))
     assert found.freed is not None
     moved = found.freed.place.copy()
     moved[4, 0] += 1.0

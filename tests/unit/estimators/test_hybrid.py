@@ -182,7 +182,10 @@ def test_a_plane_cannot_be_rehearsed(stereo: View, plane: np.ndarray) -> None:
 def test_a_saved_field_predicts_the_same_bytes(waves: Simulated, hybrid: Hybrid, tmp_path: Path) -> None:
     model = Model(hybrid, ("left", "right"), SIZES, TrainingBox.of(*waves.training))
     save_model(tmp_path / "model", model, force=False)
-    loaded, asked = load_model(tmp_path / "model").estimator, waves.q.reshape(1000, -1)
+    read = load_model(tmp_path / "model")
+    assert read.field_px == model.field_px
+    assert read.field_note is None  # both cameras have one
+    loaded, asked = read.estimator, waves.q.reshape(1000, -1)
     first, second = (one.predict_with_covariance(asked, waves.covariance) for one in (hybrid, loaded))
     assert first[0].tobytes() == second[0].tobytes()
     assert first[1].tobytes() == second[1].tobytes()

@@ -8,7 +8,7 @@ from labcal import Points, Rig, examples
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.matching import match
-from labcal.evaluate.aligned_budget import aligned_covariance
+from labcal.evaluate.aligned_budget import PointOrigin, aligned_covariance
 from labcal.geometry.poses import from_rotation_vector, rigid_alignment, transform
 from labcal.reconstruct.point_budget import Budget
 from labcal.reconstruct.reconstruction import reconstruct_centres
@@ -32,7 +32,7 @@ def test_a_turned_camera_leaves_what_an_alignment_leaves() -> None:
     known = plain.model_copy(update={"covariance": RigCovariance.of(plain.cameras, np.diag(turn_only**2))})
     dots = examples.detections()
     found = reconstruct_centres(known, dots, None).points
-    left = aligned_covariance(found, known, dots)
+    left = aligned_covariance(found, PointOrigin(known), dots)
     noise = reconstruct_centres(known, dots, None, Budget.NOISE).points.covariance
     assert left is not None
     share = np.sqrt(np.trace(left - noise, axis1=1, axis2=2))
@@ -49,10 +49,10 @@ def test_a_turned_camera_leaves_what_an_alignment_leaves() -> None:
 
 
 def test_points_of_noise_alone_stay_as_they_are() -> None:
-    assert aligned_covariance(points(Budget.NOISE), rig(), examples.detections()) is None
-    assert aligned_covariance(points(), examples.rig(), examples.detections()) is None
+    assert aligned_covariance(points(Budget.NOISE), PointOrigin(rig()), examples.detections()) is None
+    assert aligned_covariance(points(), PointOrigin(examples.rig()), examples.detections()) is None
 
 
 def test_points_of_other_dots_stay_as_they_are() -> None:
     dots = examples.detections()
-    assert aligned_covariance(points(), rig(), dots.where(dots.view != "hand-0")) is None
+    assert aligned_covariance(points(), PointOrigin(rig()), dots.where(dots.view != "hand-0")) is None

@@ -4,6 +4,7 @@ import pytest
 from labcal.geometry.covariances import (
     clearly_definite,
     covariance_root,
+    inverses,
     positive_definite,
     valid_or_not_stated,
 )
@@ -61,3 +62,12 @@ def test_the_root_of_a_covariance_of_unlike_units_is_one() -> None:
         root @ root.T / np.outer(sigma, sigma), A @ A.T / np.outer(sigma, sigma), atol=1e-12
     )
     assert not covariance_root(np.zeros((2, 2))).any()
+
+
+def test_inverses_are_the_same_to_the_last_digit_whether_equal_or_not() -> None:
+    A = spread_matrices(2)[10:200]
+    A = A @ A.swapaxes(1, 2) + np.eye(2)
+    np.testing.assert_array_equal(inverses(A), np.linalg.inv(A))
+    equal = np.tile(A[3], (5, 2, 1, 1))
+    np.testing.assert_array_equal(inverses(equal), np.linalg.inv(equal))
+    assert inverses(np.zeros((0, 2, 2))).shape == (0, 2, 2)

@@ -37,7 +37,7 @@ POINTS = np.array(
 )  # fmt: skip
 POINT_NAMES = ("o", "x", "xy", "a", "b", "c", "d")
 UNSEEN = {("a", "left"), ("b", "middle"), ("c", "right")}
-DRAWS = 32
+DRAWS = 24
 
 
 def covariance() -> np.ndarray:
@@ -141,7 +141,7 @@ def test_a_camera_that_does_not_see_a_point_does_not_move_it() -> None:
     assert errors.by_cameras[:, :, :18].all()
 
 
-@pytest.mark.parametrize("kind", ["points", "rigid", "similarity"])
+@pytest.mark.parametrize("kind", ["points", "rigid", pytest.param("similarity", marks=pytest.mark.slow)])
 def test_points_in_a_frame_scatter_as_stated(kind: str, tmp_path: Path) -> None:
     """The calibration moves a point and its frame alike, which the covariances in the frame know."""
     known = tmp_path / "known.csv"

@@ -40,7 +40,7 @@ def test_of_freed_dots_the_print_is_shown(
     centroids: See, pair: dict[str, Camera], grid: DotGrid, poses: dict[str, np.ndarray]
 ) -> None:
     dots = noisy(centroids(pair, grid, poses))
-    made = calibrated(dots, grid, settings=HandheldSettings(free_dots=True))
+    made = calibrated(dots, grid, settings=HandheldSettings(dot_places="freed"))
     text = calibration_page(made, dots, grid, MAKER).text()
     assert '<figure class="chart" id="print">' in text
     assert "print.csv" in text

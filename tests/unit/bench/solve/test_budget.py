@@ -1,9 +1,12 @@
 """One cell of the benchmark of the error budget."""
 
+from pathlib import Path
+
 import pytest
 
 from labcal.bench.solve.budget_rigs import KINDS
 from labcal.bench.solve.budget_set import BudgetSet, measured_set
+from labcal.bench.solve.named_points_growth import named_points_checks
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -24,3 +27,11 @@ def test_a_set_is_covered_by_its_budget_and_not_by_noise_alone() -> None:
 
 def test_a_lens_that_is_too_simple_is_warned_of() -> None:
     assert measured_set(BudgetSet("webcam", "even", 12, "brown-k1k2", 0)).warned
+
+
+@pytest.mark.slow
+def test_time_and_memory_of_named_points_are_measured(tmp_path: Path) -> None:
+    checks = named_points_checks(1, 800, tmp_path)
+    assert [check.limit for check in checks] == [30.0, 2.0, 1.3]
+    assert all(check.value > 0.0 for check in checks[:2])
+    assert not list(tmp_path.iterdir())

@@ -32,6 +32,13 @@ def test_a_good_calibration_is_believed_and_says_how_good() -> None:
     assert verdict.sentence.count(".") - verdict.sentence.count("0.") == 1  # one sentence
 
 
+def test_errors_in_the_frame_of_the_rig_are_told_where_they_are_much_larger() -> None:
+    assert "frame" not in calibration_verdict(replace(GOOD, in_frame_mm=0.09)).expectation
+    expectation = calibration_verdict(replace(GOOD, in_frame_mm=1.9)).expectation
+    assert expectation.startswith("a 3-D error of 0.085 mm")
+    assert "1.9 mm in the frame of the rig" in expectation
+
+
 NAMED = ("left",)
 
 
@@ -143,7 +150,7 @@ def known() -> tuple[CalibrationEvidence, float]:
     """A calibration of the example, and the RMS error of points by it against where their dots were."""
     target = load_target(examples.TARGET)
     made = pipeline.calibrate(target, examples.detections(), "brown5")
-    return calibration_evidence(made, target), made.found.rms_px
+    return calibration_evidence(made), made.found.rms_px
 
 
 def test_the_example_is_good_and_its_noise_is_found(known: tuple[CalibrationEvidence, float]) -> None:
@@ -163,7 +170,7 @@ def test_a_camera_that_moved_is_not_believed() -> None:
     after = (dots.camera == "right") & np.isin(dots.view, dots.views[4:])
     moved = replace_position(dots, np.where(after[:, None], [6.0, 2.0], 0.0))
     made = pipeline.calibrate(target, moved, "brown5")
-    verdict = calibration_verdict(calibration_evidence(made, target))
+    verdict = calibration_verdict(calibration_evidence(made))
     assert verdict.belief is Belief.NO
     assert "camera-moved" in verdict.sentence
 
@@ -171,6 +178,6 @@ def test_a_camera_that_moved_is_not_believed() -> None:
 def test_few_views_are_no_good_calibration() -> None:
     target, dots = load_target(examples.TARGET), examples.detections()
     few = pipeline.calibrate(target, dots.where(np.isin(dots.view, dots.views[:4])), "brown-k1k2")
-    verdict = calibration_verdict(calibration_evidence(few, target))
+    verdict = calibration_verdict(calibration_evidence(few))
     assert verdict.belief is Belief.PARTLY
     assert "number of views" in verdict.limit

@@ -20,6 +20,18 @@ def test_the_method_that_errs_least_between_the_dots_is_named_not_the_one_that_f
     assert "noise of the dots" in verdict.limit
 
 
+def test_errors_of_the_adjustment_that_placed_the_target_count() -> None:
+    held = replace(HYBRID, expected=ExpectedError(0.42, 0.41, 0.95, adjustment_mm=1.2))
+    verdict = fit_verdict(replace(GOOD, methods=[held]))
+    assert "1.3 mm (RMS) of 'hybrid'" in verdict.expectation  # the root of the sum of both squares
+    assert "1.2 mm (RMS), which points share" in verdict.limit
+    assert not any("the adjustment that placed" in left for left in verdict.leaves_out)
+    unknown = replace(HYBRID, expected=ExpectedError(0.42, 0.41, 0.95, adjustment_mm=float("nan")))
+    verdict = fit_verdict(replace(GOOD, methods=[unknown]))
+    assert "0.42 mm (RMS)" in verdict.expectation
+    assert any("the adjustment that placed" in left for left in verdict.leaves_out)
+
+
 def test_a_method_without_misfit_goes_before_one_that_errs_less() -> None:
     liar = MethodEvidence("liar", 520, 0.3, ExpectedError(0.40, 0.41, 0.5))
     assert "'hybrid'" in fit_verdict(replace(GOOD, methods=[liar, HYBRID])).expectation

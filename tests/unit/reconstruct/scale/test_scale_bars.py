@@ -19,7 +19,7 @@ SIGMA = np.array([*[0.1] * 4, 1e-3, 2e-3] * 2 + [5e-5] * 3 + [0.02] * 3)  # px, 
 NAMES = ("a", "b", "c", "d")
 TRUE = np.array([[-90, -20, 620], [80, 30, 580], [20, -60, 600], [-30, 50, 640]], dtype=np.float64)
 MOVED = TRUE + np.array([15.0, -10.0, 30.0])
-DRAWS = 40
+DRAWS = 32
 BARS = (("a", "b"), ("c", "d"))
 
 
@@ -89,7 +89,7 @@ def agree(errors: np.ndarray, stated: np.ndarray) -> bool:
     return bool(low < square < high)
 
 
-@pytest.mark.parametrize("ppm", [None, 1e6 * SCALE])
+@pytest.mark.parametrize("ppm", [pytest.param(None, marks=pytest.mark.slow), 1e6 * SCALE])
 def test_points_scatter_as_stated_after_the_bars(ppm: float | None) -> None:
     """Ends of bars and others, alone and together, with and without knowledge of the scale."""
     exact = pipeline.measure(

@@ -1,0 +1,1 @@
+"""Advice before and between measurements: what a rig will measure, and what to change."""

@@ -1,0 +1,1 @@
+"""Rehearsal of a rig: the errors to expect of it before anything is bought or printed."""

@@ -1,0 +1,189 @@
+"""A drawn picture of a target: quick, without a renderer, through the same sensor and development.
+
+The renderer follows rays; here the outline of every dot is projected and filled. In even light, which a
+rehearsal has, both give the same picture up to the board's edge and the room behind it.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float32, Int64
+
+from labcal.arrays import Pixels, Pose
+from labcal.cameras.camera import Camera
+from labcal.cameras.dot_image import DotImages, dot_images
+from labcal.cameras.field import FallOff
+from labcal.geometry.poses import transform
+from labcal.render.development import develop
+from labcal.render.sensor_response import Shot, exposure_for, read_sensor
+from labcal.scene.board import Board
+from labcal.scene.photometry import Photometry, PictureFormat, Stage
+from labcal.targets.grid import DotGrid, Polarity
+
+_FINER = 4
+"""Steps of a pixel in which outlines are filled."""
+_BACKGROUND = 0.3
+"""Reflectance behind the board."""
+_CELLS = 32
+"""Of the grid on which the lens's fall-off is computed."""
+_AROUND_PX = 24
+"""Pixels around the board that are drawn, too."""
+_BLOCK = 16
+"""Side of the blocks in which JPEG holds colour."""
+
+
+@dataclass(frozen=True)
+class DrawnView:
+    """A picture as the camera delivers it, cut out around the target, and the true images of all dots.
+
+    Attributes
+    ----------
+    picture : ndarray, (h, w) or (h, w, 3)
+    corner : int array, (2,)
+        Pixel of the whole picture that is the first one of the cut-out.
+    images : DotImages
+        In pixels of the whole picture.
+    """
+
+    picture: np.ndarray
+    corner: Int64[np.ndarray, "2"]
+    images: DotImages
+
+
+def drawn_view(
+    camera: Camera, T_world_target: Pose, target: DotGrid, photometry: Photometry, shot: Shot
+) -> DrawnView:
+    """Draw a view of a target in even light.
+
+    Parameters
+    ----------
+    camera : Camera
+    T_world_target : ndarray, shape (4, 4)
+        Mm.
+    target : DotGrid
+    photometry : Photometry
+        Pictures in the format EXR are read as they come from the sensor, with 16 bits.
+    shot : Shot
+        What noise is drawn for.
+    """
+    images = dot_images(camera, T_world_target, target.points(), 0.5 * target.outer_diameters_mm())
+    edge = camera.project(transform(T_world_target, _edge(target)))
+    corner, end = _cut_out(camera, edge.q[edge.ok])
+    share = np.zeros((end - corner)[::-1], dtype=np.float32)
+    for outline in images.outline[images.ok]:
+        _fill(share, outline - corner, 1.0)
+    if target.ring_indices:
+        key = np.array([row * target.cols + col for col, row in target.ring_indices])
+        inner = np.full(len(key), 0.5 * float(target.ring_inner_diameter_mm or 0.0))
+        holes = dot_images(camera, T_world_target, target.points()[key], inner)
+        for outline in holes.outline[holes.ok]:
+            _fill(share, outline - corner, -1.0)
+    sheet = np.zeros(share.shape, dtype=np.float32)
+    cv2.fillPoly(sheet, [np.rint(edge.q[edge.ok] - corner).astype(np.int32)], 1.0)
+    paper, ink = Board().light[0], Board().dark[0]
+    if target.polarity is Polarity.WHITE_ON_BLACK:
+        paper, ink = ink, paper
+    light = _BACKGROUND + sheet * (paper - _BACKGROUND) + share * (ink - paper)
+    light *= relative_light(camera, photometry, corner, end)
+    return DrawnView(_taken(light.astype(np.float32), photometry, shot), corner, images)
+
+
+def relative_light(
+    camera: Camera,
+    photometry: Photometry,
+    corner: Int64[np.ndarray, "2"],
+    end: Int64[np.ndarray, "2"],
+) -> Float32[np.ndarray, "h w"]:
+    """Return the share of the light that reaches the pixels of a cut-out: fall-off and vignetting.
+
+    Parameters
+    ----------
+    camera : Camera
+    photometry : Photometry
+    corner, end : ndarray of int, shape (2,)
+        First pixel of the cut-out, and the one past its last.
+    """
+    u, v = np.meshgrid(
+        *(np.linspace(first, last - 1.0, _CELLS) for first, last in zip(corner, end, strict=True))
+    )
+    weight = np.ones(u.shape)
+    if photometry.fall_off and camera.model.fall_off is FallOff.COS4:
+        ray = camera.rays(np.stack([u, v], axis=-1))
+        cosine = np.nan_to_num(ray.direction) @ camera.T_cam_world[2, :3]
+        weight *= np.where(ray.ok, np.clip(cosine, 0.0, 1.0) ** 4, 1.0)
+    width, height = camera.size
+    corner2 = 0.25 * (width**2 + height**2)
+    radius2 = (u - 0.5 * (width - 1)) ** 2 + (v - 0.5 * (height - 1)) ** 2
+    weight *= 1.0 - photometry.vignetting * radius2 / corner2
+    along, down = np.meshgrid(
+        *(np.linspace(0.0, _CELLS - 1.0, count, dtype=np.float32) for count in (end - corner).tolist())
+    )
+    return np.asarray(cv2.remap(weight.astype(np.float32), along, down, cv2.INTER_LINEAR))
+
+
+def _cut_out(camera: Camera, edge: Pixels) -> tuple[Int64[np.ndarray, "2"], Int64[np.ndarray, "2"]]:
+    """Return the first pixel around the target, and the one past the last; at corners of JPEG's blocks."""
+    size = np.array(camera.size, dtype=np.int64)
+    if len(edge) == 0:
+        return np.zeros(2, dtype=np.int64), np.minimum(size, _BLOCK)
+    low = np.clip(np.floor(edge.min(axis=0)) - _AROUND_PX, 0, size - 1).astype(np.int64) // _BLOCK * _BLOCK
+    high = np.clip(np.ceil(edge.max(axis=0)) + _AROUND_PX, low + _BLOCK, None).astype(np.int64)
+    return low, np.minimum(low + -(-(high - low) // _BLOCK) * _BLOCK, np.maximum(size, low + 1))
+
+
+def _edge(target: DotGrid) -> np.ndarray:
+    """Return points along the edge of the board, mm, (n, 3)."""
+    x_min, y_min, x_max, y_max = target.extent_mm
+    along = np.linspace(0.0, 1.0, _CELLS, endpoint=False)
+    x, y = x_min + along * (x_max - x_min), y_min + along * (y_max - y_min)
+    sides = [
+        np.stack([x, np.full_like(x, y_min)], axis=-1), np.stack([np.full_like(y, x_max), y], axis=-1),
+        np.stack([x[::-1], np.full_like(x, y_max)], axis=-1),
+        np.stack([np.full_like(y, x_min), y[::-1]], axis=-1),
+    ]  # fmt: skip
+    flat = np.concatenate(sides)
+    return np.concatenate([flat, np.zeros((len(flat), 1))], axis=1)
+
+
+def _fill(share: np.ndarray, outline: Pixels, times: float) -> None:
+    """Add the share of each pixel that is inside an outline, where that is in the picture.
+
+    The outline is given as its distance from its middle by the angle. Near it the distance of a point from
+    it, across the outline, tells how much of a fine step is covered.
+    """
+    height, width = share.shape
+    low = np.maximum(np.floor(outline.min(axis=0)).astype(int) - 1, 0)
+    high = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 2, [width, height])
+    if (high <= low).any():
+        return
+    middle = outline.mean(axis=0)
+    away = outline - middle
+    angle, radius = np.arctan2(away[:, 1], away[:, 0]), np.hypot(away[:, 0], away[:, 1])
+    order = np.argsort(angle)
+    angle, radius = angle[order], radius[order]
+    x, y = (
+        (np.arange(_FINER * (last - first)) + 0.5) / _FINER - 0.5 + first - centre
+        for first, last, centre in zip(low, high, middle, strict=True)
+    )
+    at, distance = np.arctan2(y[:, None], x), np.hypot(x, y[:, None])
+    reach = np.interp(at, angle, radius, period=2.0 * np.pi)
+    slope = np.interp(at, angle, np.gradient(radius, angle) / radius, period=2.0 * np.pi)
+    inside = np.clip(0.5 + _FINER * (reach - distance) / np.hypot(1.0, slope), 0.0, 1.0)
+    covered = inside.reshape(high[1] - low[1], _FINER, high[0] - low[0], _FINER).mean(axis=(1, 3))
+    share[low[1] : high[1], low[0] : high[0]] += (times * covered).astype(np.float32)
+
+
+def _taken(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.ndarray:
+    """Return the picture that a camera delivers of radiance, as it is read from its file."""
+    behind = np.repeat(light[..., None], 3, axis=-1) if photometry.bayer else light
+    exposure = exposure_for(photometry, np.array(Board().light))
+    codes = read_sensor(behind, photometry, exposure, shot)
+    if photometry.stage is Stage.RAW or photometry.format is PictureFormat.EXR:
+        return codes
+    picture = develop(codes, photometry, exposure)
+    if photometry.format is not PictureFormat.JPEG:
+        return picture
+    stored = picture[..., ::-1] if photometry.bayer else picture
+    _, data = cv2.imencode(".jpg", stored, [cv2.IMWRITE_JPEG_QUALITY, photometry.jpeg_quality])
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
