@@ -18,7 +18,7 @@ OPTIONS = {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
     "methods": "--method",
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
-    "pixel_sigma": "--pixel-sigma",
+    "mark_diameter": "--mark-diameter", "markers": "--markers", "pixel_sigma": "--pixel-sigma",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

@@ -169,8 +169,8 @@ def _nothing(marks: "PictureMarks", kinds: "tuple[MarkKind, ...]") -> str:
     looked_for = listed([kind.family for kind in kinds])
     if not marks.point:
         return (
-            f"no-marks: no mark of {looked_for} was found. Is this their kind? They need to be dark on light, "
-            "in focus, and whole in the picture."
+            f"no-marks: no mark of {looked_for} was found. Is this their kind? They need to be dark on "
+            "light, in focus, and whole in the picture."
         )
     flags = listed(list(dict.fromkeys(flag.value for flag in marks.flag)))
     return f"no-marks: no mark of {looked_for} could be measured; those that were seen are flagged {flags}."

@@ -45,9 +45,7 @@ class MarkSearch:
         """
         diameter = None if self.mark_diameter is None else _diameter(self.mark_diameter)
         detector = settings_of(self.detector, DetectSettings)
-        set_checked(
-            self, {"markers": _names(self.markers), "mark_diameter": diameter, "detector": detector}
-        )
+        set_checked(self, {"markers": _names(self.markers), "mark_diameter": diameter, "detector": detector})
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -15,9 +15,7 @@ from labcal.run.progress import Progress
 T = TypeVar("T")
 
 
-def read_and(
-    source: Source, work: Callable[[np.ndarray], T], lost: Callable[[Source, str], T]
-) -> T:
+def read_and(source: Source, work: Callable[[np.ndarray], T], lost: Callable[[Source, str], T]) -> T:
     """Read a picture and work on it; one that cannot be read, or not be used, is a result with a reason.
 
     Parameters

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from labcal.pipeline.calibration import calibrate, fit
 from labcal.pipeline.detection import detect, inspect, measure_pictures
+from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
 from labcal.pipeline.reconstruction import evaluate, reconstruct
@@ -26,14 +27,17 @@ if TYPE_CHECKING:
     from labcal.calibrate.epipolar_residual import epipolar_rms
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.cameras.interop.conversion import ConvertSettings
+    from labcal.correspond.mark_search import MarkSearch
     from labcal.correspond.measure import detections_of
     from labcal.correspond.picture_set import open_pictures
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
     from labcal.paper.reproduce import ReproduceSettings
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.render.shoot import RenderSettings
+    from labcal.report.mark_overlays import write_mark_overlays
     from labcal.report.overlays import write_overlays
     from labcal.report.page.output import PageOutput
 
@@ -42,7 +46,9 @@ __all__ = [
     "ConvertSettings",
     "DetectSettings",
     "FitSettings",
+    "FoundMarks",
     "HandheldSettings",
+    "MarkSearch",
     "MeasureSettings",
     "PageOutput",
     "RenderSettings",
@@ -57,6 +63,7 @@ __all__ = [
     "epipolar_rms",
     "estimators_of",
     "evaluate",
+    "find_marks",
     "fit",
     "fit_methods",
     "inspect",
@@ -68,6 +75,7 @@ __all__ = [
     "reproduce",
     "training_of",
     "undistort",
+    "write_mark_overlays",
     "write_overlays",
 ]
 
@@ -76,7 +84,9 @@ _HOMES = {
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
+    "FoundMarks": "labcal.reconstruct.found_marks",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "MarkSearch": "labcal.correspond.mark_search",
     "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",
     "RenderSettings": "labcal.render.shoot",
@@ -89,6 +99,7 @@ _HOMES = {
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
     "training_of": "labcal.estimators.fitting",
+    "write_mark_overlays": "labcal.report.mark_overlays",
     "write_overlays": "labcal.report.overlays",
 }
 """Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""

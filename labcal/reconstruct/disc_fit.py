@@ -20,8 +20,8 @@ _OUTLINE_FLOOR_PX = 0.02
 """Standard deviation of outlines beyond noise: prints are not round, lenses bend outlines."""
 _RIVAL = 9.0
 """Chi-square by which another minimum is worse and no longer counts."""
-_APART = 1e-3
-"""Slopes of minima that are one."""
+_APART, _NEAR = 1e-3, 0.1
+"""Slopes, and share of one, by which minima that are one differ at most."""
 
 
 @dataclass(frozen=True)
@@ -96,15 +96,16 @@ def fit_discs(seen: Outlines3) -> DiscFits:
     turns = 2.0 * np.pi * np.arange(_STARTS) / _STARTS
     starts = _START_SLOPE * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
     n = len(seen.towards)
-    slopes = np.repeat(starts[None], n, axis=0).reshape(-1, 2)
     many = shapes.repeated(_STARTS)
-    slopes = _minimised(slopes, np.repeat(frame, _STARTS, axis=0), many)
-    cost = many.cost(slopes, np.repeat(frame, _STARTS, axis=0)).reshape(n, _STARTS)
-    slopes = slopes.reshape(n, _STARTS, 2)
+    frames = np.repeat(frame, _STARTS, axis=0)
+    found = _minimised(np.tile(starts, (n, 1)), frames, many)
+    cost = many.cost(found, frames).reshape(n, _STARTS)
+    slopes = found.reshape(n, _STARTS, 2)
     row = np.arange(n)
     first = np.argmin(cost, axis=1)
     best, least = slopes[row, first], cost[row, first]
-    apart = np.linalg.norm(slopes - best[:, None], axis=2) > np.maximum(_APART, 0.1 * np.hypot(*best.T))[:, None]
+    one = np.maximum(_APART, _NEAR * np.hypot(*best.T))
+    apart = np.linalg.norm(slopes - best[:, None], axis=2) > one[:, None]
     other_cost = np.where(apart, cost, np.inf)
     second = np.argmin(other_cost, axis=1)
     worse = other_cost[row, second] - least
@@ -197,9 +198,7 @@ def _normal_equations(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return residuals, and gradient and normal matrix of the slopes."""
     r = shapes.residual(slopes, frame)
-    J = np.stack(
-        [(shapes.residual(slopes + step, frame) - r) / _STEP for step in _STEP * np.eye(2)], axis=-1
-    )
+    J = np.stack([(shapes.residual(slopes + step, frame) - r) / _STEP for step in _STEP * np.eye(2)], axis=-1)
     return r, np.einsum("nri,nr->ni", J, r), np.einsum("nri,nrj->nij", J, J)
 
 

@@ -74,17 +74,18 @@ def centred_marks(cameras: dict[str, Camera], marks: MarkPixels) -> CentredMarks
     known = np.zeros(len(pixels), dtype=bool)
     everyone = list(cameras.values())
     for chosen, rows in found.groups():
-        if len(chosen) < _PAIR:
+        places = list(chosen)
+        group = rows[is_dot[line[rows][:, places]].all(axis=1)] if len(places) >= _PAIR else rows[:0]
+        own = [everyone[at] for at in places]
+        if not len(group):
             continue
-        of = line[rows][:, list(chosen)]
-        rows, of = rows[is_dot[of].all(axis=1)], of[is_dot[of].all(axis=1)]
-        own = [everyone[at] for at in chosen]
-        p = triangulate(own, found.q[rows][:, list(chosen)], found.covariance[rows][:, list(chosen)]).point
+        q, covariance = found.q[group][:, places], found.covariance[group][:, places]
+        p = triangulate(own, q, covariance).point
         there = np.isfinite(p).all(axis=1)
-        p, of = p[there], of[there]
+        p, of = p[there], line[group[there]][:, places]
         if not len(p):
             continue
-        discs = fit_discs(_outlines(own, p, marks.outline[of], pixels.covariance[of]))
+        discs = fit_discs(outlines_at(own, p, marks.outline[of], pixels.covariance[of]))
         is_disc = discs.chi_square < chi2_upper_quantile(_NO_DISC, int(discs.freedom[0]))
         for number, camera in enumerate(own):
             mean, spread = _eccentricity(camera, p, discs)
@@ -105,19 +106,16 @@ def centred_marks(cameras: dict[str, Camera], marks: MarkPixels) -> CentredMarks
 def _lines(pixels: NamedPixels, cameras: tuple[str, ...]) -> np.ndarray:
     """Return the line of every point in every camera, in the order of `match_named`; -1 where none is."""
     place = {name: number for number, name in enumerate(cameras)}
-    numbers = {
-        key: number
-        for number, key in enumerate(dict.fromkeys(zip(pixels.view.tolist(), pixels.point.tolist(), strict=True)))
-    }
+    seen = list(zip(pixels.view.tolist(), pixels.point.tolist(), strict=True))
+    numbers = {key: number for number, key in enumerate(dict.fromkeys(seen))}
     line = np.full((len(numbers), len(cameras)), -1)
-    keys = zip(pixels.view.tolist(), pixels.point.tolist(), pixels.camera.tolist(), strict=True)
-    for at, (view, point, camera) in enumerate(keys):
+    for at, (key, camera) in enumerate(zip(seen, pixels.camera.tolist(), strict=True)):
         if camera in place:
-            line[numbers[view, point], place[camera]] = at
+            line[numbers[key], place[camera]] = at
     return line
 
 
-def _outlines(
+def outlines_at(
     cameras: Sequence[Camera], p: Vectors3, outline: np.ndarray, covariance: np.ndarray
 ) -> Outlines3:
     """Return outlines of dots with the derivatives of pixels at their places."""

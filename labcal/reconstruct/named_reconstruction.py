@@ -9,6 +9,7 @@ from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.correspond.named_points import NamedPoints
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.reconstruct.found_marks import FoundMarks
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ class NamedReconstruction(PublicObject):
     """Comparison of the residuals with the value expected from the calibration; None without cameras."""
     frame: FittedFrame | None = None
     """The frame that the points are in; None if it is that of the model."""
+    marks: FoundMarks | None = None
+    """The marks that the points are of; None if they are of named pixels."""
     warnings: tuple[str, ...] = ()
     """Warnings in words."""
 

@@ -22,6 +22,8 @@ def named_warnings(model: Model | Rig, found: NamedReconstruction) -> tuple[str,
     warnings = [*_about_the_model(model), *_about_residuals(found), *_about_places(model, found.points)]
     if found.frame is not None:
         warnings += [*found.frame.warnings, *_about_frame(found.frame, found.points)]
+    if found.marks is not None:
+        warnings += found.marks.warnings
     if not found.points.ok.any():
         warnings.append("none of the points is flagged 'ok': see their flags before you use them")
     return tuple(warnings)

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 import numpy as np
+from rich.console import Group
+from rich.table import Table
 
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
@@ -12,6 +14,7 @@ from labcal.paths import AnyPath
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
 from labcal.reconstruct.point_budget import Budget
+from labcal.report.marks_result import MarksResult, marks_result, marks_table
 from labcal.report.reconstruct_result import InconsistentPoints, inconsistent_points, residual_words
 
 
@@ -65,6 +68,8 @@ class MeasureResult:
     exact; null of a fitted method, which states its own."""
     frame: FrameResult | None
     """The frame of the points; null if it is that of the model."""
+    marks: MarksResult | None
+    """The marks that the points are of; null if they are of named pixels."""
     warnings: list[str]
     """Warnings, for people."""
 
@@ -83,8 +88,15 @@ def measure_result(file: AnyPath, model: Model | Rig, found: NamedReconstruction
         inconsistent=inconsistent_points(model, check),
         budget=Budget.NOISE.value if isinstance(model, Rig) else None,
         frame=None if found.frame is None else _frame(found.frame),
+        marks=None if found.marks is None else marks_result(found.marks),
         warnings=list(found.warnings),
     )
+
+
+def measure_report(result: MeasureResult) -> Group:
+    """Return the document for people: pictures with marks, if there are any, and the points."""
+    parts: list[Table | str] = [] if result.marks is None else [marks_table(result.marks)]
+    return Group(*parts, measure_words(result))
 
 
 def measure_words(result: MeasureResult) -> str:

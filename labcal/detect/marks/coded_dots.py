@@ -3,7 +3,7 @@
 import numpy as np
 
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
-from labcal.detect.marks.picture_marks import MarkFlag, PictureMarks, SeenMark, collected
+from labcal.detect.marks.picture_marks import PictureMarks, SeenMark, collected
 from labcal.detect.marks.ring_blur import mixing
 from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
 from labcal.detect.marks.ring_samples import sample_ring
@@ -16,6 +16,8 @@ from labcal.targets.ring_codes import CodeBook, RingCode, code_book
 
 _LEAST_BLUR_PX = 0.3
 """Of any edge that is sampled between pixels."""
+
+
 def find_coded_dots(
     image: AnyPicture, code: RingCode, settings: DetectSettings | None = None
 ) -> PictureMarks:

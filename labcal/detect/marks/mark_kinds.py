@@ -160,6 +160,6 @@ def _kind(name: str) -> MarkKind:
         return CodedMarks(target.code, target)
     raise InputError(
         f"The target '{target.name}' has no marks that are found one by one. `markers` takes "
-        f"{', '.join(mark_names()[-3:])}, AprilTags (apriltag-36h11), ArUco markers (aruco-4x4-50) and targets "
-        "of coded dots (coded-8x6). Dots of a target are found by 'labcal detect'."
+        f"{', '.join(mark_names()[-3:])}, AprilTags (apriltag-36h11), ArUco markers (aruco-4x4-50) and "
+        "targets of coded dots (coded-8x6). Dots of a target are found by 'labcal detect'."
     )

@@ -28,7 +28,8 @@ class MarkFlag(StrEnum):
     UNKNOWN_CODE = "unknown-code"
     """No name: its ring is no word of the code, or differs from one in too many sectors."""
     AMBIGUOUS = "ambiguous"
-    """No name: the sectors that are seen fit two marks nearly as well."""
+    """No name: the sectors that are seen fit two marks nearly as well. Of a plain dot: measured, but several
+    dots of another camera could be the same one."""
 
 
 UNNAMED = (MarkFlag.HIDDEN, MarkFlag.UNKNOWN_CODE, MarkFlag.AMBIGUOUS)
