@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.arrays import Mask, Pixels
+from labcal.arrays import Mask
 from labcal.cameras.camera import Camera
 from labcal.reconstruct.pair_candidates import Candidates
 
@@ -14,7 +14,7 @@ _ROUNDS = 20
 
 
 def resolved_by_order(
-    cameras: tuple[Camera, Camera], q: tuple[Pixels, Pixels], found: Candidates
+    cameras: tuple[Camera, Camera], q: tuple[np.ndarray, np.ndarray], found: Candidates
 ) -> tuple[Candidates, Candidates]:
     """Return certain matches, and the candidates of dots that have no certain one.
 
@@ -60,7 +60,7 @@ def _of_others(found: Candidates, alive: Mask) -> np.ndarray:
 
 
 def _epipolar_coordinates(
-    cameras: tuple[Camera, Camera], q: tuple[Pixels, Pixels], found: Candidates
+    cameras: tuple[Camera, Camera], q: tuple[np.ndarray, np.ndarray], found: Candidates
 ) -> np.ndarray:
     """Return angles along and across epipolar planes, (candidates, 2 cameras, 2), rad.
 

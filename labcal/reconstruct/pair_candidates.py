@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.arrays import PixelCovariances, Pixels, Vectors3
+from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import projection_derivatives
 from labcal.cameras.optics import INTRINSICS
@@ -64,7 +64,7 @@ class Candidates:
 
 
 def pair_candidates(
-    pair: Pair, q: tuple[Pixels, Pixels], covariance: tuple[PixelCovariances, PixelCovariances]
+    pair: Pair, q: tuple[np.ndarray, np.ndarray], covariance: tuple[np.ndarray, np.ndarray]
 ) -> Candidates:
     """Return the pairs of pixels whose epipolar residual noise and calibration explain.
 
@@ -96,7 +96,7 @@ def pair_candidates(
     return Candidates(first, second, p).where(likely)
 
 
-def _near(cameras: tuple[Camera, Camera], q: tuple[Pixels, Pixels]) -> tuple[np.ndarray, np.ndarray]:
+def _near(cameras: tuple[Camera, Camera], q: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Return the pairs whose rays pass each other at a few pixels, in front of both cameras."""
     rays = [camera.rays(pixels) for camera, pixels in zip(cameras, q, strict=True)]
     angle = [

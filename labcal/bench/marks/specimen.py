@@ -19,9 +19,9 @@ from labcal.targets.ring_codes import RingCode, code_book
 
 CODE = RingCode.RING_23
 DICTIONARY = MarkerDictionary.DICT_APRILTAG_36H11
-DOT_MM, TAG_MM, PLAIN_MM = 3.0, 16.0, 3.0
+DOT_MM, TAG_MM, PLAIN_MM = 3.0, 21.0, 3.0
 """Radius of coded dots, side of tags, radius of plain dots."""
-_COLUMNS, _ROWS, _APART_MM = 8, 6, 27.0
+COLUMNS, ROWS, _APART_MM = 7, 6, 29.0
 _MIDDLE_MM = np.array([20.0, 0.0, 560.0])
 _RADIUS_MM = 260.0
 """Of the cylinder that the marks lie on."""
@@ -62,7 +62,7 @@ class _Patch:
     ink: Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def specimen(number: int, seed: int) -> Specimen:
+def specimen(number: int, seed: int, columns: int = COLUMNS, rows: int = ROWS) -> Specimen:
     """Draw one specimen: a third of coded dots, of tags and of plain dots, on a cylinder.
 
     Parameters
@@ -70,6 +70,8 @@ def specimen(number: int, seed: int) -> Specimen:
     number : int
         Of the specimen.
     seed : int
+    columns, rows : int
+        Marks along and across it.
     """
     random = generator(seed, "bench marks", f"specimen {number}")
     rig = examples.rig().model_copy(update={"calibration": CalibrationRecord(scatter_px=0.0)})
@@ -79,8 +81,9 @@ def specimen(number: int, seed: int) -> Specimen:
     patches: list[_Patch] = []
     named: dict[str, np.ndarray] = {}
     plain = []
-    for k in range(_COLUMNS * _ROWS):
-        place = _placed(k, turn, random)
+    for k in range(columns * rows):
+        col, row = k % columns - 0.5 * (columns - 1), k // columns - 0.5 * (rows - 1)
+        place = _placed(_APART_MM * np.array([col, row]), turn, random)
         kind = k % 3
         if kind == 0:
             mark = int(codes[k])
@@ -100,12 +103,10 @@ def specimen(number: int, seed: int) -> Specimen:
 
 
 def _placed(
-    number: int, turn: float, random: np.random.Generator
+    node: np.ndarray, turn: float, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return middle, x and y of a mark on a cylinder whose axis is turned in the picture."""
-    row, col = divmod(number, _COLUMNS)
-    x, y = _APART_MM * (np.array([col, row]) - 0.5 * np.array([_COLUMNS - 1, _ROWS - 1]))
-    x, y = x + random.uniform(-2.0, 2.0), y + random.uniform(-2.0, 2.0)
+    x, y = node + random.uniform(-2.0, 2.0, 2)
     angle = x / _RADIUS_MM
     # The surface is nearest to the cameras in its middle.
     local = np.array([_RADIUS_MM * np.sin(angle), y, _RADIUS_MM * (1.0 - np.cos(angle))])
@@ -143,6 +144,27 @@ def _tag(number: int) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     return ink
 
 
+def _on_patch(
+    camera: Camera, patch: _Patch, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return x and y on a mark, mm, of all samples of the pixels from `low` to `high`.
+
+    Rays are computed at pixels, and their places interpolated: over a pixel these are as good as linear.
+    """
+    shape = (high - low + 3)[::-1]
+    rows, columns = np.indices(shape).reshape(2, -1)
+    ray = camera.rays(np.stack([columns + low[0] - 1.0, rows + low[1] - 1.0], axis=-1))
+    normal = np.cross(patch.across, patch.up)
+    depth = ((patch.middle - ray.origin) @ normal) / (ray.direction @ normal)
+    at = ray.origin + depth[:, None] * ray.direction - patch.middle
+    x, y = (
+        cv2.resize((at @ axis).reshape(shape), None, fx=FINER, fy=FINER, interpolation=cv2.INTER_LINEAR)
+        for axis in (patch.across, patch.up)
+    )
+    inner = slice(FINER, -FINER)
+    return x[inner, inner], y[inner, inner]
+
+
 def _drawn(camera: Camera, patches: list[_Patch], random: np.random.Generator) -> np.ndarray:
     """Return the picture of flat marks on white: each pixel the mean of samples, blurred, with noise."""
     width, height = camera.size
@@ -161,16 +183,7 @@ def _drawn(camera: Camera, patches: list[_Patch], random: np.random.Generator) -
         high = np.minimum(np.ceil(q.max(axis=0)).astype(int), [width - 1, height - 1])
         if not np.isfinite(q).all() or (high < low).any():
             continue
-        columns, rows = (
-            (np.arange(FINER * a, FINER * (b + 1)) + 0.5) / FINER - 0.5
-            for a, b in zip(low.tolist(), high.tolist(), strict=True)
-        )
-        x, y = np.meshgrid(columns, rows)
-        ray = camera.rays(np.stack([x.ravel(), y.ravel()], axis=-1))
-        normal = np.cross(patch.across, patch.up)
-        depth = ((patch.middle - ray.origin) @ normal) / (ray.direction @ normal)
-        at = ray.origin + depth[:, None] * ray.direction - patch.middle
-        ink = patch.ink(at @ patch.across, at @ patch.up).reshape(x.shape)
+        ink = patch.ink(*_on_patch(camera, patch, low, high))
         part = fine[FINER * low[1] : FINER * (high[1] + 1), FINER * low[0] : FINER * (high[0] + 1)]
         part += np.minimum(0.0, PAPER + (INK - PAPER) * ink - part)
     fine = cv2.GaussianBlur(fine, (0, 0), _BLUR_PX * FINER, borderType=cv2.BORDER_REPLICATE)
