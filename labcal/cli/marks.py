@@ -99,6 +99,7 @@ def write_marks(arguments: Namespace, session: Session) -> ExitStatus:
         open_pictures,
         write_mark_overlays,
     )
+    from labcal.pipeline.marks import refuse_pixels
     from labcal.reconstruct.frames.requested_frame import RequestedFrame
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.report.mark_overlays import mark_overlay_command
@@ -112,6 +113,7 @@ def write_marks(arguments: Namespace, session: Session) -> ExitStatus:
         arguments.tone_curve,
         detect_settings(arguments.changes),
     )
+    refuse_pixels(arguments.source)
     pictures = open_pictures(arguments.source, arguments.cameras)
     frame = None if settings.frame is None else RequestedFrame.of(settings.frame)
     outputs: list[Output] = [FileOutput(arguments.output, KIND), *ply_outputs(arguments)]

@@ -53,10 +53,14 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Measure and write the points."""
     if arguments.markers:
         return write_marks(arguments, session)
+    from labcal.pipeline.named_points import refuse_pictures
+
+    for path in arguments.source:
+        refuse_pictures(path)
     refuse_marks(arguments)
     if len(arguments.source) > 1:
         raise InputError(
-            f"One table of named pixels is measured at a time, but {len(arguments.source)} paths are given. "
-            "Name the marks to look for if these are pictures: --markers apriltag-36h11."
+            f"One table of named pixels is measured at a time, but {len(arguments.source)} are given. "
+            "Measure them one by one."
         )
     return write_named(arguments, arguments.source[0], session)

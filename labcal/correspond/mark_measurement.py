@@ -166,7 +166,7 @@ def _lost(source: Source, reason: str) -> MarkMeasurement:
 
 def _nothing(marks: "PictureMarks", kinds: "tuple[MarkKind, ...]") -> str:
     """Return why a picture gives no named pixel."""
-    looked_for = listed([kind.family for kind in kinds])
+    looked_for = listed([f"'{kind.family}'" for kind in kinds])
     if not marks.point:
         return (
             f"no-marks: no mark of {looked_for} was found. Is this their kind? They need to be dark on "

@@ -1,11 +1,13 @@
 """Marks in pictures, as named pixels that `measure` makes points of."""
 
+import os
 from typing import TYPE_CHECKING
 
 from labcal.arguments import wrong_type
 from labcal.cameras.rig import Rig
 from labcal.correspond.mark_search import MarkSearch
-from labcal.errors import UnknownNameError
+from labcal.correspond.named_pixels import NamedPixels
+from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress, progress_of
@@ -70,6 +72,7 @@ def find_marks(
     search = mark_search(markers)
     kinds = mark_kinds(search.names)
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
+    refuse_pixels(pictures)
     opened = open_pictures(pictures)
     for source in opened.sources:
         if source.camera not in used.cameras:
@@ -86,6 +89,26 @@ def find_marks(
     if all(one.reason is not None for one in measured):
         raise no_picture_left([(one.source.image, one.reason or "") for one in measured])
     return found_marks(used, measured, mark_pixels(measured, kinds, search.mark_diameter))
+
+
+def refuse_pixels(given: object) -> None:
+    """Raise where named pixels are given in place of pictures.
+
+    Raises
+    ------
+    InputError
+        They are, or their table.
+    """
+    from labcal.correspond.named_pixels_csv import is_pixels
+    from labcal.reconstruct.found_marks import FoundMarks
+
+    one = given[0] if isinstance(given, list | tuple) and len(given) == 1 else given
+    is_table = isinstance(one, str | os.PathLike) and as_path(one).is_file() and is_pixels(one)
+    if is_table or isinstance(one, NamedPixels | FoundMarks):
+        raise InputError(
+            "Marks are looked for in pictures, but named pixels are given. Leave `markers` out, or give "
+            "pictures."
+        )
 
 
 def mark_search(given: object) -> MarkSearch:

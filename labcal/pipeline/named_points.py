@@ -80,7 +80,7 @@ def measure(
     shown = target_of(target) if isinstance(target, str | os.PathLike) else target
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     if markers is not None:
-        pixels = find_marks(used, _pictures(pixels), markers)
+        pixels = find_marks(used, cast("AnyPictures", pixels), markers)
     marks = pixels if isinstance(pixels, FoundMarks) else None
     given = _named(pixels) if marks is None else marks.pixels
     found = reconstruct_named(used, with_covariances(given, how.pixel_sigma))
@@ -94,27 +94,27 @@ def measure(
 
 def _named(given: object) -> NamedPixels:
     """Return named pixels that are given, or read."""
-    from labcal.correspond.named_pixels_csv import is_pixels, read_pixels
+    from labcal.correspond.named_pixels_csv import read_pixels
 
     if isinstance(given, NamedPixels):
         return given
     if isinstance(given, str | os.PathLike):
-        path = as_path(given)
-        if not is_pixels(path) and (path.is_dir() or path.suffix.lower() in SUFFIXES):
-            raise InputError(
-                f"{path} holds pictures, not named pixels. Name the marks to look for in them: "
-                "`markers='apriltag-36h11'`, `markers='coded-8x6'` or `markers='dots'`."
-            )
-        return read_pixels(path)
+        refuse_pictures(given)
+        return read_pixels(as_path(given))
     raise wrong_type(given, "named pixels, the path of their table, or with `markers` pictures", "pixels")
 
 
-def _pictures(given: object) -> "AnyPictures":
-    """Return pictures that are given, and no table."""
-    from labcal.correspond.named_pixels_csv import is_pixels
-    from labcal.reconstruct.found_marks import FoundMarks
+def refuse_pictures(given: AnyPath) -> None:
+    """Raise where pictures are given in place of a table of named pixels.
 
-    is_table = isinstance(given, str | os.PathLike) and as_path(given).is_file() and is_pixels(given)
-    if is_table or isinstance(given, NamedPixels | FoundMarks):
-        raise InputError("`markers` are looked for in pictures, but named pixels are given. Leave it out.")
-    return cast("AnyPictures", given)  # checked where pictures are opened
+    Raises
+    ------
+    InputError
+        The path is that of a folder or of a picture.
+    """
+    path = as_path(given)
+    if path.is_dir() or path.suffix.lower() in SUFFIXES:
+        raise InputError(
+            f"{path} holds pictures, not named pixels. Name the marks to look for in them: "
+            "`markers='apriltag-36h11'`, `markers='coded-8x6'` or `markers='dots'`."
+        )
