@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from labcal import examples
-from labcal.bench.marks.drawn_picture import FINER, INK, PAPER
+from labcal.bench.marks.drawn_picture import INK, PAPER, finer
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import CalibrationRecord, Rig
 from labcal.detect.marks.tags import tag_name
@@ -27,6 +27,7 @@ _RADIUS_MM = 260.0
 """Of the cylinder that the marks lie on."""
 _TURN_RAD = 0.35
 _BLUR_PX, _NOISE = 0.8, 0.01
+_FINER = finer(_BLUR_PX)
 
 
 @dataclass(frozen=True)
@@ -158,17 +159,17 @@ def _on_patch(
     depth = ((patch.middle - ray.origin) @ normal) / (ray.direction @ normal)
     at = ray.origin + depth[:, None] * ray.direction - patch.middle
     x, y = (
-        cv2.resize((at @ axis).reshape(shape), None, fx=FINER, fy=FINER, interpolation=cv2.INTER_LINEAR)
+        cv2.resize((at @ axis).reshape(shape), None, fx=_FINER, fy=_FINER, interpolation=cv2.INTER_LINEAR)
         for axis in (patch.across, patch.up)
     )
-    inner = slice(FINER, -FINER)
+    inner = slice(_FINER, -_FINER)
     return x[inner, inner], y[inner, inner]
 
 
 def _drawn(camera: Camera, patches: list[_Patch], random: np.random.Generator) -> np.ndarray:
     """Return the picture of flat marks on white: each pixel the mean of samples, blurred, with noise."""
     width, height = camera.size
-    fine = np.full((FINER * height, FINER * width), PAPER)
+    fine = np.full((_FINER * height, _FINER * width), PAPER)
     for patch in patches:
         rim = patch.middle + patch.reach_mm * 1.5 * np.array(
             [
@@ -184,9 +185,9 @@ def _drawn(camera: Camera, patches: list[_Patch], random: np.random.Generator) -
         if not np.isfinite(q).all() or (high < low).any():
             continue
         ink = patch.ink(*_on_patch(camera, patch, low, high))
-        part = fine[FINER * low[1] : FINER * (high[1] + 1), FINER * low[0] : FINER * (high[0] + 1)]
+        part = fine[_FINER * low[1] : _FINER * (high[1] + 1), _FINER * low[0] : _FINER * (high[0] + 1)]
         part += np.minimum(0.0, PAPER + (INK - PAPER) * ink - part)
-    fine = cv2.GaussianBlur(fine, (0, 0), _BLUR_PX * FINER, borderType=cv2.BORDER_REPLICATE)
-    clean = fine.reshape(height, FINER, width, FINER).mean(axis=(1, 3))
+    fine = cv2.GaussianBlur(fine, (0, 0), _BLUR_PX * _FINER, borderType=cv2.BORDER_REPLICATE)
+    clean = fine.reshape(height, _FINER, width, _FINER).mean(axis=(1, 3))
     noisy = 255.0 * (clean + _NOISE * np.sqrt(clean) * random.standard_normal(clean.shape))
     return np.asarray(np.clip(np.rint(noisy), 0, 255).astype(np.uint8))

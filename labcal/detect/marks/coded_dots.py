@@ -5,6 +5,7 @@ import numpy as np
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.marks.picture_marks import PictureMarks, SeenMark, collected
 from labcal.detect.marks.ring_blur import mixing
+from labcal.detect.marks.ring_light import Ring, without_rings
 from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
 from labcal.detect.marks.ring_samples import sample_ring
 from labcal.detect.marks.round_dots import measured_spots, round_spots
@@ -52,7 +53,8 @@ def find_coded_dots(
     size = (grey.shape[1], grey.shape[0])
     spots = round_spots(grey, settings, settings.mark.max_texture_share)
     book = code_book(RingCode(code))
-    readings = [_read(grey, spots, number, book, settings.mark) for number in range(len(spots.centre))]
+    read = [_read(grey, spots, number, book, settings.mark) for number in range(len(spots.centre))]
+    readings = [reading for reading, _ in read]
     seen = _each_once(readings, spots)
     named = [k for k in seen if readings[k].mark >= 0]
     marks = [
@@ -62,20 +64,25 @@ def find_coded_dots(
     ]
     if named:
         names = [f"{book.code}-{readings[k].mark}" for k in named]
-        marks += measured_spots(grey, spots.select(np.array(named)), names, settings)
+        rings = [Ring(book.words[read[k][0].row], read[k][0].start, read[k][1]) for k in named]
+        own = spots.select(np.array(named))
+        marks += measured_spots(without_rings(grey, own, rings, settings), own, names, settings)
     return collected(marks, size)
 
 
 def _read(
     grey: GreyPicture, spots: Outlines, number: int, book: CodeBook, settings: MarkSettings
-) -> RingReading:
-    """Read the ring around a spot: as it is without perspective, then with ever more of it either way."""
+) -> tuple[RingReading, np.ndarray]:
+    """Read the ring around a spot: as it is without perspective, then with ever more of it either way.
+
+    Returns the reading, and the displacement of the circle's centre at which it was read, in radii.
+    """
     centre, shape = spots.centre[number], spots.shape[number]
     root = matrix_root(shape[None])[0]
     minor = np.linalg.eigh(shape)[1][:, 0]
     sectors = book.code.sectors
     if not has_white_gap(sample_ring(grey, centre, root, np.zeros(2), sectors), settings):
-        return NO_MARK
+        return NO_MARK, np.zeros(2)
     mixed = mixing(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
     best = NO_MARK
     farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
@@ -84,11 +91,11 @@ def _read(
         samples = sample_ring(grey, centre, root, step * minor, sectors)
         reading = read_ring(samples, mixed, book, settings)
         if reading.mark >= 0:
-            return reading
+            return reading, step * minor
         if step == 0.0 and reading.flag is None:
-            return reading
+            return reading, np.zeros(2)
         best = min(best, reading, key=lambda one: one.cost)
-    return best
+    return best, np.zeros(2)
 
 
 def _each_once(readings: list[RingReading], spots: Outlines) -> list[int]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.checks.usual_light import misfits
 from labcal.detect.edge_fit import EdgeFits, fit_edges
 from labcal.detect.grey import GreyPicture, is_flat
@@ -47,6 +48,11 @@ def round_spots(grey: GreyPicture, settings: DetectSettings, max_texture_share: 
     return outlines.select(inside)
 
 
+def surrounded_reach(settings: DetectSettings) -> float:
+    """Return how far from a dot's centre there is paper alone, in radii."""
+    return clear_reach(_SURROUNDED, settings.segmentation)
+
+
 def measured_spots(
     grey: GreyPicture, spots: Outlines, names: list[str], settings: DetectSettings
 ) -> list[SeenMark]:
@@ -61,17 +67,54 @@ def measured_spots(
         A name for each spot.
     settings : DetectSettings
     """
-    reach = clear_reach(_SURROUNDED, settings.segmentation)
+    reach = surrounded_reach(settings)
     fits = fit_edges(grey, spots, np.zeros(len(names)), reach, 0.0, settings.edge)
     flags = _flags(fits, spots, settings)
+    centres, shapes = lit_centres(fits), sharp_shapes(fits)
     marks = []
     for number, (name, flag) in enumerate(zip(names, flags, strict=True)):
         if flag is MarkFlag.OK:
-            place, S = fits.centre[number], fits.shape[number]
+            place, S = centres[number], shapes[number]
             marks.append(SeenMark(name, flag, place, S, place, fits.covariance[number]))
         else:
             marks.append(SeenMark(name, flag, spots.centre[number], spots.shape[number]))
     return marks
+
+
+def lit_centres(fits: EdgeFits) -> Pixels:
+    """Return the centres of fits without what blur and a slope of the light together move them by.
+
+    Parameters
+    ----------
+    fits : EdgeFits
+
+    Notes
+    -----
+    Blur acts on what is seen, light times print. A step whose height grows by a share g a px is blurred to a
+    step that stands by g times the variance of the blur further towards the dark, all around the dot.
+    """
+    return np.asarray(fits.centre + (fits.blur**2)[:, None] * fits.light_slope)
+
+
+def sharp_shapes(fits: EdgeFits) -> PixelCovariances:
+    """Return the matrices of outlines without what blur shrinks them by.
+
+    Parameters
+    ----------
+    fits : EdgeFits
+
+    Notes
+    -----
+    A blurred disc of radius r is half dark at a radius that is smaller by half the variance of the blur over
+    r; of an ellipse the radius of curvature takes the place of r.
+    """
+    with np.errstate(invalid="ignore"):
+        values, axes = np.linalg.eigh(np.where(fits.ok[:, None, None], fits.shape, np.eye(2)))
+        semi = np.sqrt(values)
+        curvature = semi / semi[:, ::-1] ** 2
+        semi = semi + 0.5 * (fits.blur**2)[:, None] * curvature
+    found = (axes * (semi**2)[:, None, :]) @ axes.swapaxes(1, 2)
+    return np.asarray(np.where(fits.ok[:, None, None], found, np.nan))
 
 
 def _flags(fits: EdgeFits, spots: Outlines, settings: DetectSettings) -> list[MarkFlag]:
