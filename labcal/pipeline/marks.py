@@ -57,7 +57,7 @@ def find_marks(
     --------
     >>> from labcal import examples, pipeline
     >>> shoot = examples.shoot("shoot")
-    >>> found = pipeline.find_marks(examples.rig(), shoot, pipeline.MarkSearch("dots", mark_diameter=5.0))
+    >>> found = pipeline.find_marks(examples.rig(), shoot, pipeline.MarkSearch("dots", mark_diameter=10.0))
     >>> found.pixels.cameras
     ('left', 'right')
     """

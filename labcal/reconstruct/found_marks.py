@@ -19,7 +19,7 @@ from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.reconstruct.mark_eccentricity import centred_marks
-from labcal.reconstruct.plain_dots import matched_dots
+from labcal.reconstruct.plain_dots import MatchedDots, matched_dots
 from labcal.wording import counted, listed
 
 _OTHER_SIZE = 0.1
@@ -119,6 +119,7 @@ def found_marks(model: Model | Rig, measurements: Sequence[MarkMeasurement], mar
             )
         matched = matched_dots(model, marks)
         marks, ambiguous = matched.marks, matched.ambiguous
+        _refuse_other_size(matched)
     cameras = _cameras(model)
     is_dot = np.isfinite(marks.outline).all(axis=(1, 2))
     none = np.zeros(len(is_dot), dtype=bool)
@@ -138,6 +139,19 @@ def found_marks(model: Model | Rig, measurements: Sequence[MarkMeasurement], mar
         diameter_mm=diameter,
     )
     return replace(found, warnings=_warnings(found, marks, has_cameras=bool(cameras)))
+
+
+def _refuse_other_size(matched: MatchedDots) -> None:
+    """Raise where no dot is matched since none has the stated diameter."""
+    own = matched.marks.is_plain
+    alone = [name.count("-") > 1 for name in matched.marks.pixels.point[own].tolist()]
+    if matched.other_mm is not None and all(alone) and not matched.ambiguous.any():
+        stated = float(np.nanmedian(matched.marks.diameter_mm[own]))
+        raise InputError(
+            f"No plain dot has the stated diameter of {stated:.4g} mm (`mark_diameter`): dots whose rays "
+            f"meet have some {matched.other_mm:.3g} mm. State theirs, or leave it out; or is the scale of the "
+            "calibration wrong?"
+        )
 
 
 def _cameras(model: Model | Rig) -> dict[str, Camera]:

@@ -29,10 +29,14 @@ class MatchedDots:
         Dots that two cameras or more show are ``dot-NUMBER``, the others ``dot-CAMERA-NUMBER``.
     ambiguous : ndarray of bool, shape (n,)
         Mask of the dots that could be several of another camera.
+    other_mm : float or None
+        Median diameter of candidates that are left out since they have not the stated one; None if there are
+        none.
     """
 
     marks: MarkPixels
     ambiguous: Bool[np.ndarray, " n"]
+    other_mm: float | None
 
 
 def matched_dots(rig: Rig, marks: MarkPixels) -> MatchedDots:
@@ -58,9 +62,10 @@ def matched_dots(rig: Rig, marks: MarkPixels) -> MatchedDots:
     cameras = [rig.camera(name) for name in rig.cameras]
     place = {name: number for number, name in enumerate(rig.cameras)}
     camera = np.array([place.get(name, -1) for name in marks.pixels.camera.tolist()], dtype=np.int64)
+    other: list[float] = []
     for view in range(len(marks.pixels.views)):
         lines = np.flatnonzero(marks.is_plain & (marks.pixels.view_number == view) & (camera >= 0))
-        group, doubtful = _groups(_Scene(rig, cameras, marks, camera, lines))
+        group, doubtful = _groups(_Scene(rig, cameras, marks, camera, lines, other))
         ambiguous[lines] = doubtful
         sizes = Counter(group.tolist())
         joint: dict[int, int] = {}
@@ -74,7 +79,8 @@ def matched_dots(rig: Rig, marks: MarkPixels) -> MatchedDots:
                 apart[camera[line]] += 1
     pixels = marks.pixels
     named = NamedPixels(pixels.view, pixels.camera, names.astype(np.str_), pixels.position, pixels.covariance)
-    return MatchedDots(replace(marks, pixels=named), ambiguous)
+    other_mm = float(np.median(other)) if other else None
+    return MatchedDots(replace(marks, pixels=named), ambiguous, other_mm)
 
 
 @dataclass(frozen=True)
@@ -86,6 +92,8 @@ class _Scene:
     marks: MarkPixels
     camera: np.ndarray
     lines: np.ndarray
+    other_mm: list[float]
+    """Diameters of candidates that are left out for their size; filled in."""
 
     def pair(self, first: int, second: int) -> Pair:
         """Return two cameras, with what is known of their errors."""
@@ -132,5 +140,6 @@ def _matched_pair(
     if not len(found.first):
         return found, found
     at = np.stack([lines[0][found.first], lines[1][found.second]], axis=1)
-    found = found.where(same_discs(pair.cameras, found.point, scene.marks, at))
-    return resolved_by_order(pair.cameras, q, found)
+    likely, other_size, diameter = same_discs(pair.cameras, found.point, scene.marks, at)
+    scene.other_mm.extend(diameter[other_size].tolist())
+    return resolved_by_order(pair.cameras, q, found.where(likely))

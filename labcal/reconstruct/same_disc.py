@@ -18,8 +18,8 @@ _OTHER_SIZE = 0.15
 
 def same_discs(
     cameras: tuple[Camera, Camera], p: Vectors3, marks: MarkPixels, lines: Int64[np.ndarray, "n 2"]
-) -> Mask:
-    """Tell which pairs of outlines one flat round dot explains, of its stated diameter where it has one.
+) -> tuple[Mask, Mask, np.ndarray]:
+    """Tell which pairs of outlines one flat round dot explains, which have another size, and their diameters.
 
     Parameters
     ----------
@@ -29,12 +29,20 @@ def same_discs(
     marks : MarkPixels
     lines : ndarray of int, shape (n, 2)
         Of the two pixels of each pair.
+
+    Returns
+    -------
+    likely : ndarray of bool, shape (n,)
+        One dot explains both outlines, of the stated diameter where there is one.
+    other_size : ndarray of bool, shape (n,)
+        One dot does, but not of the stated diameter.
+    diameter_mm : ndarray, shape (n,)
     """
     if not len(p):
-        return np.zeros(0, dtype=bool)
+        return np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros(0)
     discs = fit_discs(outlines_at(cameras, p, marks.outline[lines], marks.pixels.covariance[lines]))
     likely = discs.chi_square < chi2_upper_quantile(_NEVER, int(discs.freedom[0]))
     stated = marks.diameter_mm[lines[:, 0]]
     with np.errstate(invalid="ignore"):
         other = np.abs(2.0 * discs.radius_mm[:, 0] / stated - 1.0) > _OTHER_SIZE
-    return np.asarray(likely & ~other)
+    return likely & ~other, likely & other, 2.0 * discs.radius_mm[:, 0]

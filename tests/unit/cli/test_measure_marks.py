@@ -135,3 +135,10 @@ def test_wrong_use_says_what_to_do(words: list[str], told: str, capfd: pytest.Ca
 def test_a_diameter_that_contradicts_the_pictures_is_warned_of(capfd: pytest.CaptureFixture[str]) -> None:
     assert command("--markers", "ring-23", "--mark-diameter", "9", "-o", "out.csv") == 0
     assert "times as large as stated" in capfd.readouterr().err.replace("\n", " ")
+
+
+def test_plain_dots_of_another_size_are_told_with_theirs(capfd: pytest.CaptureFixture[str]) -> None:
+    assert command("--dots", "--mark-diameter", "12", "-o", "out.csv") == 2
+    told = capfd.readouterr().err.replace("\n", " ")
+    assert "No plain dot has the stated diameter of 12 mm (--mark-diameter)" in told
+    assert "have some 6" in told
