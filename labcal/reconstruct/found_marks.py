@@ -149,8 +149,8 @@ def _refuse_other_size(matched: MatchedDots) -> None:
         stated = float(np.nanmedian(matched.marks.diameter_mm[own]))
         raise InputError(
             f"No plain dot has the stated diameter of {stated:.4g} mm (`mark_diameter`): dots whose rays "
-            f"meet have some {matched.other_mm:.3g} mm. State theirs, or leave it out; or is the scale of the "
-            "calibration wrong?"
+            f"meet have some {matched.other_mm:.3g} mm. State theirs, or leave it out; or is the scale of "
+            "the calibration wrong?"
         )
 
 
