@@ -22,6 +22,16 @@ _LEAST_BLUR = 0.08
 """Blur over the minor semi-axis below which no light of the ring reaches the band around the outline."""
 _PIXEL_VARIANCE = 1.0 / 12.0
 _REACH_BLURS = 4.0
+_LEAST_VARIANCE = 0.01
+"""Of the blur, px squared."""
+_NEAREST, _FARTHEST = 1.7, 3.4
+"""Radii between which the ring is seen."""
+_STEP = 0.02
+"""Of the perspective, in radii, for derivatives by differences."""
+_OUTLYING = 0.3
+"""Share of the step from ink to paper by which a pixel departs from a ring that nothing hides, at most."""
+_FEWEST = 40
+_MOST_CHANGE = 0.15
 
 
 @dataclass(frozen=True)
@@ -78,40 +88,97 @@ def without_rings(
         for number in soft.tolist():
             light = _Light(
                 float(fits.blur[number]),
-                float(fits.board[number] - fits.dot[number]),
+                float(fits.board[number]),
+                float(fits.dot[number]),
                 fits.light_slope[number],
             )
-            _clear(cleared, centres[number], roots[number], light, rings[number])
+            _clear(cleared, (centres[number], roots[number]), light, rings[number])
     return cleared
 
 
 @dataclass(frozen=True)
 class _Light:
-    """Blur, px, step from ink to paper at the dot, grey values, and its change, a share a px."""
+    """Blur, px, levels of board and dot, grey values, and the change of light, a share a px."""
 
     blur: float
-    step: float
+    board: float
+    dot: float
     slope: np.ndarray
 
 
-def _clear(picture: GreyPicture, centre: np.ndarray, root: np.ndarray, light: _Light, ring: Ring) -> None:
-    """Take a ring's share away within its inner edge."""
-    extent = np.sqrt(np.diag(root @ root))
-    margin = RING_OUTER * (1.0 + float(np.hypot(*ring.tilt))) * extent + _REACH_BLURS * light.blur
-    low, high = np.floor(centre - margin).astype(int), np.ceil(centre + margin).astype(int)
-    x, y = (
-        (np.arange(_FINER * (b - a + 1)) + 0.5) / _FINER - 0.5 + a for a, b in zip(low, high, strict=True)
-    )
-    q = np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
-    flat = (q - centre) @ np.linalg.inv(root).T
-    black = _is_black(displaced(flat, -ring.tilt), ring) * np.exp((q - centre) @ light.slope)
-    sigma = np.sqrt(max(light.blur**2 - _PIXEL_VARIANCE, 0.01)) * _FINER
-    soft = cv2.GaussianBlur(black.astype(np.float32), (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
-    height, width = high[1] - low[1] + 1, high[0] - low[0] + 1
-    share = soft.reshape(height, _FINER, width, _FINER).mean(axis=(1, 3))
-    first, last = np.maximum(low, 0), np.minimum(high + 1, picture.shape[::-1])
-    inner = share[first[1] - low[1] : last[1] - low[1], first[0] - low[0] : last[0] - low[0]]
-    picture[first[1] : last[1], first[0] : last[0]] += np.float32(light.step) * inner
+class _Window:
+    """The pixels of a mark, and the share of its ring's ink in each."""
+
+    def __init__(
+        self, picture: GreyPicture, ellipse: tuple[np.ndarray, np.ndarray], light: _Light, ring: Ring
+    ) -> None:
+        centre, root = ellipse
+        extent = RING_OUTER * (1.0 + float(np.hypot(*ring.tilt))) * np.sqrt(np.diag(root @ root))
+        margin = extent + _REACH_BLURS * light.blur
+        low, high = np.floor(centre - margin).astype(int), np.ceil(centre + margin).astype(int) + 1
+        x, y = (
+            (np.arange(_FINER * (b - a)) + 0.5) / _FINER - 0.5 + a for a, b in zip(low, high, strict=True)
+        )
+        away = np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1) - centre
+        self._flat = away @ np.linalg.inv(root).T
+        self._fine = np.exp(away @ light.slope)
+        self._sigma = float(np.sqrt(max(light.blur**2 - _PIXEL_VARIANCE, _LEAST_VARIANCE))) * _FINER
+        self._ring = ring
+        first, last = np.maximum(low, 0), np.minimum(high, picture.shape[::-1])
+        self.place = slice(first[1], last[1]), slice(first[0], last[0])
+        self._inner = (
+            slice(first[1] - low[1], last[1] - low[1]),
+            slice(first[0] - low[0], last[0] - low[0]),
+        )
+        self.rho = self._pixels(np.hypot(self._flat[..., 0], self._flat[..., 1]))
+        self.light = self._pixels(self._fine)
+
+    def _pixels(self, fine: np.ndarray) -> np.ndarray:
+        """Return means over pixels that are in the picture."""
+        height, width = fine.shape
+        mean = fine.reshape(height // _FINER, _FINER, width // _FINER, _FINER).mean(axis=(1, 3))
+        return np.asarray(mean[self._inner])
+
+    def share(self, tilt: np.ndarray) -> np.ndarray:
+        """Return the blurred ink of the ring times the light, with a perspective."""
+        black = _is_black(displaced(self._flat, -tilt), self._ring) * self._fine
+        soft = cv2.GaussianBlur(
+            black.astype(np.float32), (0, 0), self._sigma, borderType=cv2.BORDER_REPLICATE
+        )
+        return self._pixels(soft)
+
+
+def _clear(picture: GreyPicture, ellipse: tuple[np.ndarray, np.ndarray], light: _Light, ring: Ring) -> None:
+    """Take a ring's share away."""
+    window = _Window(picture, ellipse, light, ring)
+    seen = picture[window.place]
+    tilt = _settled(window, seen, light, ring.tilt)
+    seen += ((light.board - light.dot) * window.share(tilt)).astype(np.float32)
+
+
+def _settled(window: _Window, seen: np.ndarray, light: _Light, tilt: np.ndarray) -> np.ndarray:
+    """Return the perspective with which the ring is as it is seen, by Gauss-Newton.
+
+    Names are read with a rough one. But the ring's distance from the dot on either side depends on it: its
+    centre is displaced by the eccentricity times six or so.
+    """
+    step = light.board - light.dot
+    dark = light.board * window.light - seen
+    annulus = (window.rho > _NEAREST) & (window.rho < _FARTHEST)
+    for _ in range(_ROUNDS):
+        share = window.share(tilt)
+        off = dark - step * share
+        used = annulus & (np.abs(off) < _OUTLYING * step)
+        if used.sum() < _FEWEST:
+            return tilt
+        J = np.stack(
+            [step * (window.share(tilt + d) - share)[used] / _STEP for d in _STEP * np.eye(2)], axis=-1
+        )
+        change = np.linalg.lstsq(J, off[used], rcond=None)[0]
+        if not np.hypot(*change) < _MOST_CHANGE:
+            return tilt
+        tilt = tilt + change
+    return tilt
 
 
 def _is_black(flat: np.ndarray, ring: Ring) -> np.ndarray:
