@@ -33,7 +33,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--only",
         metavar="GROUP,...",
         help="only some groups of checks; of detect: suite, accuracy, developed, real, bias, speed, hostile, "
-        "coded-dots, tags; of solve: limits, training, adjustment, mistakes, budget, real, mrcal",
+        "coded-dots, tags, marks-in-space; of solve: limits, training, adjustment, mistakes, budget, real, "
+        "mrcal",
     )
     parser.add_argument(
         "--method",

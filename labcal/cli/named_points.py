@@ -3,6 +3,7 @@
 import argparse
 from argparse import Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labcal.cli.methods import own_method
 from labcal.cli.options import refuse_option
@@ -10,7 +11,14 @@ from labcal.cli.ply import ply_outputs, write_ply_beside
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
-_OPTIONS = ("pixel_sigma", "frame", "frame_view", "scale_bars", "scale_sigma_ppm")
+if TYPE_CHECKING:
+    from labcal.cameras.rig import Rig
+    from labcal.estimators.model import Model
+    from labcal.pipeline import MeasureSettings
+    from labcal.reconstruct.found_marks import FoundMarks
+    from labcal.run.claims import Output
+
+OPTIONS = ("pixel_sigma", "frame", "frame_view", "scale_bars", "scale_sigma_ppm")
 
 
 def add_named_points(parser: argparse.ArgumentParser) -> None:
@@ -78,37 +86,76 @@ def refuse_named_points(arguments: Namespace) -> None:
     InputError
         They are.
     """
-    for name in _OPTIONS:
+    for name in OPTIONS:
         refuse_option(arguments, name, "goes with a table of named pixels, not with dots of a target")
+
+
+def measure_settings(arguments: Namespace) -> "MeasureSettings":
+    """Return the settings that the options ask for."""
+    from labcal.pipeline import MeasureSettings
+
+    given = {name: getattr(arguments, name) for name in OPTIONS}
+    return MeasureSettings(**given | {"scale_bars": arguments.scale_bars or ()})
+
+
+def frame_path(settings: "MeasureSettings") -> Path | None:
+    """Return the file that determines the frame of the points, if one does."""
+    from labcal.reconstruct.frames.requested_frame import RequestedFrame
+
+    return None if settings.frame is None else RequestedFrame.of(settings.frame).path
+
+
+def point_outputs(arguments: Namespace) -> "list[Output]":
+    """Return the files that points are written to: their table, displacements and point cloud.
+
+    Raises
+    ------
+    InputError
+        A view to compare with is named, and no table of displacements.
+    """
+    from labcal.correspond.named_points_csv import KIND
+    from labcal.errors import InputError
+    from labcal.reconstruct.displacements_csv import KIND as DISPLACEMENTS
+    from labcal.run.claims import FileOutput
+
+    table: Path | None = getattr(arguments, "displacements", None)
+    if table is None and getattr(arguments, "reference_view", None) is not None:
+        raise InputError("--reference-view goes with --displacements. Give a table, too, or leave it out.")
+    outputs: list[Output] = [FileOutput(arguments.output, KIND)]
+    outputs += [] if table is None else [FileOutput(table, DISPLACEMENTS)]
+    return [*outputs, *ply_outputs(arguments)]
 
 
 def write_named(arguments: Namespace, source: str | Path, session: Session) -> ExitStatus:
     """Measure the points of named pixels, and write them."""
-    from labcal.correspond.named_points_csv import KIND, named_points_csv
     from labcal.correspond.paths_read import paths_read
-    from labcal.correspond.points import PointFlag
-    from labcal.errors import InputError
-    from labcal.pipeline import MeasureSettings, measure
-    from labcal.reconstruct.displacements import displacements
-    from labcal.reconstruct.displacements_csv import KIND as DISPLACEMENTS
-    from labcal.reconstruct.frames.requested_frame import RequestedFrame
     from labcal.reconstruct.reconstruction import load_reconstructor
-    from labcal.report.measure_result import measure_result, measure_words
-    from labcal.run.claims import FileOutput, claim_outputs
+    from labcal.run.claims import claim_outputs
+
+    outputs, settings = point_outputs(arguments), measure_settings(arguments)
+    read = paths_read([arguments.model, source, arguments.target, frame_path(settings)])
+    claim_outputs(outputs, read, force=arguments.force)
+    model = load_reconstructor(arguments.model, own_method(arguments.method))
+    return write_points(arguments, model, source, settings, session)
+
+
+def write_points(
+    arguments: Namespace,
+    model: "Model | Rig",
+    source: "str | Path | FoundMarks",
+    settings: "MeasureSettings",
+    session: Session,
+) -> ExitStatus:
+    """Write the points of named pixels, or of marks, to places that are claimed."""
+    from labcal.correspond.named_points_csv import KIND, named_points_csv
+    from labcal.correspond.points import PointFlag
+    from labcal.pipeline import measure
+    from labcal.reconstruct.displacements import displacements
+    from labcal.report.measure_result import measure_report, measure_result
     from labcal.run.outputs import write_file
 
-    given = {name: getattr(arguments, name) for name in _OPTIONS}
-    table: Path | None = getattr(arguments, "displacements", None)
-    if table is None and getattr(arguments, "reference_view", None) is not None:
-        raise InputError("--reference-view goes with --displacements. Give a table, too, or leave it out.")
-    tables = [FileOutput(arguments.output, KIND)]
-    tables += [] if table is None else [FileOutput(table, DISPLACEMENTS)]
-    settings = MeasureSettings(**given | {"scale_bars": arguments.scale_bars or ()})
-    frame = None if settings.frame is None else RequestedFrame.of(settings.frame)
-    read = paths_read([arguments.model, source, arguments.target, None if frame is None else frame.path])
-    claim_outputs([*tables, *ply_outputs(arguments)], read, force=arguments.force)
-    model = load_reconstructor(arguments.model, own_method(arguments.method))
     found = measure(model, source, arguments.target, settings, budget=arguments.budget)
+    table: Path | None = getattr(arguments, "displacements", None)
     moved = None if table is None else (table, displacements(found, arguments.reference_view))
     write_file(arguments.output, named_points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)
@@ -117,8 +164,9 @@ def write_named(arguments: Namespace, source: str | Path, session: Session) -> E
     result = measure_result(arguments.output, model, found, moved)
     for warning in result.warnings:
         session.warn(warning)
-    session.emit(result, measure_words(result))
-    complete = result.inconsistent is None and result.flags.keys() <= {
+    session.emit(result, measure_report(result))
+    refused = result.marks is not None and result.marks.refused > 0
+    complete = not refused and result.inconsistent is None and result.flags.keys() <= {
         PointFlag.OK.value, PointFlag.EXTRAPOLATED.value, PointFlag.MODEL_MISFIT.value
     }  # fmt: skip
     return ExitStatus.DONE if complete and PointFlag.OK.value in result.flags else ExitStatus.PARTIAL

@@ -24,6 +24,7 @@ OPTIONS = {
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
     "temperature_c": "--temperature-c",
     "distances_mm": "--distances-mm", "pictures": "--pictures",
+    "mark_diameter": "--mark-diameter", "markers": "--markers",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

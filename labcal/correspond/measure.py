@@ -4,20 +4,17 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-import cv2
-
 from labcal.arguments import object_of, wrong_type
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather
 from labcal.correspond.orientation import resolve_orientation
+from labcal.correspond.picture_work import over_pictures, read_and
 from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import advice
 from labcal.detect.settings import DetectSettings
-from labcal.errors import InputError, InputTypeError, WorkerError
 from labcal.public_object import PublicObject
-from labcal.run.executor import finished
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
 from labcal.targets.catalogue import AnyTarget
@@ -56,34 +53,22 @@ def measure_picture(
     """
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
 
-    try:
-        dots = detect_dots(undone(source.read(), tone_curve), target, settings)
-    except (InputError, InputTypeError) as error:
-        return Measurement(source, None, str(error))
-    except MemoryError:
-        return Measurement(source, None, _too_large(source))
-    except cv2.error as error:
-        if error.code != cv2.Error.StsNoMem:
-            raise
-        return Measurement(source, None, _too_large(source))
-    return _measurement(source, dots)
+    return read_and(
+        source,
+        lambda picture: _measurement(source, detect_dots(undone(picture, tone_curve), target, settings)),
+        _lost,
+    )
+
+
+def _lost(source: Source, reason: str) -> Measurement:
+    """Return the result of a picture that cannot be used."""
+    return Measurement(source, None, reason)
 
 
 def _measurement(source: Source, dots: PictureDots) -> Measurement:
     """Return the detections, with a reason if the picture is refused."""
     reason = None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
     return Measurement(source, dots, reason)
-
-
-def _too_large(source: Source) -> str:
-    return f"The picture {source.image} takes more memory than there is. Scale it down."
-
-
-def _crashed(source: Source, error: WorkerError) -> str:
-    return (
-        f"The picture {source.image} ended each process that measured it, the last one with no other beside "
-        f"it ({error.how}). Leave it out, or scale it down."
-    )
 
 
 def measure_pictures(
@@ -104,14 +89,7 @@ def measure_pictures(
     """
     progress.start("detecting dots", len(sources))
     cases = [(source, target, tone_curve, settings) for source in sources]
-    measured: dict[int, Measurement] = {}
-    for number, future in finished(executor, measure_picture, cases):
-        try:
-            measured[number] = future.result()
-        except WorkerError as error:
-            measured[number] = Measurement(sources[number], None, _crashed(sources[number], error))
-        progress.advance()
-    found = [measured[number] for number in range(len(sources))]
+    found = over_pictures(executor, measure_picture, cases, _lost, progress)
     readable = [measurement for measurement in found if measurement.dots is not None]
     pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
     resolved = iter(resolve_orientation([measurement.source for measurement in readable], pictures, target))

@@ -38,6 +38,8 @@ class PointFlag(StrEnum):
     """Of a named point: fewer cameras measured it than a place takes, two of a rig or all of a method."""
     OUTSIDE_PICTURE = "outside-picture"
     """Of a named point: a pixel of it lies outside of its picture and was not used."""
+    AMBIGUOUS = "ambiguous"
+    """Of a plain dot: several dots of another camera could be the same one, so that it has no place."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

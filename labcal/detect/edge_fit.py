@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
-from labcal.detect.edges.edge_model import STATE
+from labcal.detect.edges.edge_model import STATE, TINY
 from labcal.detect.edges.gauss_newton import fit_all
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.one_light import OneLight
@@ -58,6 +58,8 @@ class EdgeFits:
         By how much of the step the profile across the edge is no error function, root mean square.
     board, dot : ndarray, shape (n,)
         Grey values on either side of the edge, above no light.
+    light_slope : ndarray, shape (n, 2)
+        Change of the light on the board, as a share of it, a px.
     variance : ndarray, shape (n,)
         Of the residuals, in grey values squared.
     noise_factor : float
@@ -76,6 +78,7 @@ class EdgeFits:
     profile: Float64[np.ndarray, " n"]
     board: Float64[np.ndarray, " n"]
     dot: Float64[np.ndarray, " n"]
+    light_slope: Pixels
     variance: Float64[np.ndarray, " n"]
     noise_factor: float
 
@@ -144,6 +147,14 @@ def fit_edges(
         profile=table[:, PROFILE],
         board=board,
         dot=dot,
+        light_slope=_light_slope(table, board),
         variance=table[:, VARIANCE],
         noise_factor=factor,
     )
+
+
+def _light_slope(table: Float64[np.ndarray, "n c"], board: Float64[np.ndarray, " n"]) -> Pixels:
+    """Return the slopes of the boards' levels as shares of them, a px; fits have them by flattened places."""
+    u, v = table[:, STATE + 1], table[:, STATE + 2]
+    by_pixel = np.stack([table[:, 2] * u + table[:, 3] * v, table[:, 3] * u + table[:, 4] * v], axis=-1)
+    return np.asarray(by_pixel / np.maximum(board, TINY)[:, None])

@@ -19,6 +19,7 @@ from labcal.pipeline.check import check
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.held_out import evaluate_held_out
+from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
 from labcal.pipeline.reconstruction import evaluate, reconstruct
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.epipolar_residual import epipolar_rms
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.cameras.interop.conversion import ConvertSettings
+    from labcal.correspond.mark_search import MarkSearch
     from labcal.correspond.measure import detections_of
     from labcal.correspond.picture_set import open_pictures
     from labcal.correspond.undistortion import UndistortSettings
@@ -42,8 +44,10 @@ if TYPE_CHECKING:
     from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.paper.reproduce import ReproduceSettings
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.render.shoot import RenderSettings
+    from labcal.report.mark_overlays import write_mark_overlays
     from labcal.report.overlays import write_overlays
     from labcal.report.page.output import PageOutput
 
@@ -55,7 +59,9 @@ __all__ = [
     "ConvertSettings",
     "DetectSettings",
     "FitSettings",
+    "FoundMarks",
     "HandheldSettings",
+    "MarkSearch",
     "MeasureSettings",
     "PageOutput",
     "RehearseSettings",
@@ -75,6 +81,7 @@ __all__ = [
     "estimators_of",
     "evaluate",
     "evaluate_held_out",
+    "find_marks",
     "fit",
     "fit_methods",
     "inspect",
@@ -88,6 +95,7 @@ __all__ = [
     "reproduce",
     "training_of",
     "undistort",
+    "write_mark_overlays",
     "write_overlays",
 ]
 
@@ -99,7 +107,9 @@ _HOMES = {
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fitting",
+    "FoundMarks": "labcal.reconstruct.found_marks",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "MarkSearch": "labcal.correspond.mark_search",
     "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",
     "RehearseSettings": "labcal.guide.rehearsal.settings",
@@ -114,6 +124,7 @@ _HOMES = {
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
     "training_of": "labcal.estimators.fitting",
+    "write_mark_overlays": "labcal.report.mark_overlays",
     "write_overlays": "labcal.report.overlays",
 }
 """Public names, imported when first asked for: detection needs no SciPy, a rig no scikit-learn."""

@@ -1,18 +1,23 @@
-"""Points that are not a target's: from named pixels to places, in the frame that is asked for."""
+"""Points that are not a target's: from named pixels, or marks, to places, in the frame that is asked for."""
 
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from labcal.arguments import choice_of, settings_of
+from labcal.arguments import choice_of, settings_of, wrong_type
 from labcal.cameras.rig import Rig
 from labcal.correspond.named_pixels import NamedPixels
+from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
+from labcal.pipeline.marks import AnyMarkers, find_marks
+from labcal.shoot.pictures import SUFFIXES
 from labcal.targets.catalogue import target_of
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
+    from labcal.correspond.picture_set import AnyPictures
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.reconstruct.named_reconstruction import NamedReconstruction
     from labcal.reconstruct.point_budget import Budget
@@ -20,20 +25,22 @@ if TYPE_CHECKING:
 
 def measure(
     model: Model | Rig | AnyPath,
-    pixels: NamedPixels | AnyPath,
+    pixels: "NamedPixels | FoundMarks | AnyPictures",
     target: Target | AnyPath | None = None,
     settings: "MeasureSettings | None" = None,
     *,
     budget: "Budget | str | None" = None,
+    markers: AnyMarkers | None = None,
 ) -> "NamedReconstruction":
-    """Return the points of named pixels, each from all cameras that measured it.
+    """Return the points of named pixels, or of marks in pictures, each from all cameras that measured it.
 
     Parameters
     ----------
     model : Model, Rig or path
         A fitted method or cameras, or the file of them.
-    pixels : NamedPixels or path
-        Named pixels, or the table of them. Pixels of one name in several cameras of a view are one point.
+    pixels : NamedPixels, FoundMarks, path or pictures
+        Named pixels, or the table of them; or what :func:`find_marks` returned; or, with `markers`, pictures
+        as it takes them. Pixels of one name in several cameras of a view are one point.
     target : Target or str, optional
         The target that lies in the frame, of a frame by a board.
     settings : MeasureSettings, optional
@@ -41,6 +48,8 @@ def measure(
     budget : {"full", "noise"}, optional
         The sources of errors in the covariances of a rig's points: noise of the pixels and the calibration,
         or the noise alone. If left out, all that the rig states: one of an older file states none.
+    markers : MarkSearch, str or sequence of str, optional
+        Marks to look for in pictures, as of :func:`find_marks`.
 
     Returns
     -------
@@ -66,7 +75,7 @@ def measure(
     >>> found.points.point[0].round(1)
     array([-40.,  30., 600.])
     """
-    from labcal.correspond.named_pixels_csv import read_pixels
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.frames.requested_frame import RequestedFrame
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.reconstruct.named_points import reconstruct_named
@@ -82,8 +91,13 @@ def measure(
     frame = None if how.frame is None else RequestedFrame.of(how.frame, how.frame_view)
     shown = target_of(target) if isinstance(target, str | os.PathLike) else target
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
-    given = pixels if isinstance(pixels, NamedPixels) else read_pixels(as_path(pixels))
+    if markers is not None:
+        pixels = find_marks(used, cast("AnyPictures", pixels), markers)
+    marks = pixels if isinstance(pixels, FoundMarks) else None
+    given = _named(pixels) if marks is None else marks.pixels
     found = reconstruct_named(used, with_covariances(given, how.pixel_sigma), wanted)
+    if marks is not None:
+        found = replace(found, points=marks.flagged(found.points), marks=marks)
     if how.scale_bars:
         ppm = how.scale_sigma_ppm
         bars = [ScaleBar.of(bar) for bar in how.scale_bars]
@@ -92,3 +106,31 @@ def measure(
         world = found.budget if isinstance(found.budget, PointBudget) else None
         found = found.in_frame(frame.fitted(used, found.with_noise, shown, world))
     return replace(found, warnings=named_warnings(used, found))
+
+
+def _named(given: object) -> NamedPixels:
+    """Return named pixels that are given, or read."""
+    from labcal.correspond.named_pixels_csv import read_pixels
+
+    if isinstance(given, NamedPixels):
+        return given
+    if isinstance(given, str | os.PathLike):
+        refuse_pictures(given)
+        return read_pixels(as_path(given))
+    raise wrong_type(given, "named pixels, the path of their table, or with `markers` pictures", "pixels")
+
+
+def refuse_pictures(given: AnyPath) -> None:
+    """Raise where pictures are given in place of a table of named pixels.
+
+    Raises
+    ------
+    InputError
+        The path is that of a folder or of a picture.
+    """
+    path = as_path(given)
+    if path.is_dir() or path.suffix.lower() in SUFFIXES:
+        raise InputError(
+            f"{path} holds pictures, not named pixels. Name the marks to look for in them: "
+            "`markers='apriltag-36h11'`, `markers='coded-8x6'` or `markers='dots'`."
+        )

@@ -9,6 +9,7 @@ from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.correspond.named_points import NamedPoints
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.reconstruct.found_marks import FoundMarks
 from labcal.reconstruct.frames.fitted_frame import FittedFrame
 from labcal.reconstruct.frames.framed_budget import FramedBudget
 from labcal.reconstruct.point_budget import Budget, PointBudget
@@ -46,6 +47,8 @@ class NamedReconstruction(PublicObject):
     if the model has no rig."""
     scale: FittedScale | None = None
     """The scale that scale bars gave; None without."""
+    marks: FoundMarks | None = None
+    """The marks that the points are of; None if they are of named pixels."""
     warnings: tuple[str, ...] = ()
     """Warnings in words."""
 

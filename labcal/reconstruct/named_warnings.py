@@ -24,6 +24,8 @@ def named_warnings(model: Model | Rig, found: NamedReconstruction) -> tuple[str,
         warnings += [*found.frame.warnings, *_about_frame(found.frame, found.points)]
     if found.scale is not None:
         warnings += found.scale.warnings
+    if found.marks is not None:
+        warnings += found.marks.warnings
     if not found.points.ok.any():
         warnings.append("none of the points is flagged 'ok': see their flags before you use them")
     return tuple(warnings)

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 import numpy as np
+from rich.console import Group
+from rich.table import Table
 
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
@@ -19,6 +21,7 @@ from labcal.report.displacements_result import (
     displacements_result,
     displacements_words,
 )
+from labcal.report.marks_result import MarksResult, marks_result, marks_table
 from labcal.report.reconstruct_result import InconsistentPoints, inconsistent_points, residual_words
 from labcal.wording import counted
 
@@ -76,6 +79,8 @@ class MeasureResult:
     """The scale that scale bars gave, and their residuals; null without."""
     displacements: DisplacementsResult | None
     """Displacements since a view; null without ``--displacements``."""
+    marks: MarksResult | None
+    """The marks that the points are of; null if they are of named pixels."""
     warnings: list[str]
     """Warnings, for people."""
 
@@ -101,8 +106,15 @@ def measure_result(
         frame=None if found.frame is None else _frame(found.frame),
         scale_bars=found.scale,
         displacements=None if moved is None else displacements_result(*moved),
+        marks=None if found.marks is None else marks_result(found.marks),
         warnings=[*found.warnings, *(() if moved is None else displacement_warnings(moved[1]))],
     )
+
+
+def measure_report(result: MeasureResult) -> Group:
+    """Return the document for people: pictures with marks, if there are any, and the points."""
+    parts: list[Table | str] = [] if result.marks is None else [marks_table(result.marks)]
+    return Group(*parts, measure_words(result))
 
 
 def measure_words(result: MeasureResult) -> str:

@@ -7,6 +7,7 @@ from jaxtyping import UInt8
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.detect.grey import AnyPicture, grey_picture
+from labcal.detect.marks.picture_marks import PictureMarks
 from labcal.targets.grid import DotGrid, GridIndex
 from labcal.targets.target import Target
 
@@ -53,20 +54,17 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: Target) -> UInt8[
     InputTypeError, InputError
         `image` is no picture.
     """
-    grey = grey_picture(image)
-    low, high = (float(grey.min()), float(grey.max())) if grey.size else (0.0, 0.0)
-    scaled = (grey - low) * (255 / (high - low)) if high > low else np.zeros_like(grey)
-    canvas: np.ndarray = cv2.cvtColor(scaled.astype(np.uint8), cv2.COLOR_GRAY2RGB)
-    if grey.size == 0:
+    canvas = grey_canvas(image)
+    if canvas.size == 0:
         return canvas
-    thick = max(1, round(max(canvas.shape) / 1000))
+    thick = stroke(canvas)
     for i, flag in enumerate(dots.flag):
-        _draw_dot(canvas, dots, i, _COLOURS[flag], thick)
-    _draw_uncertainty(canvas, dots, thick)
+        draw_dot(canvas, dots, i, _COLOURS[flag], thick)
+    draw_uncertainty(canvas, dots, thick)
     _draw_axes(canvas, dots, target, 2 * thick)
     _draw_labels(canvas, dots, thick)
     if dots.refusal is not None:
-        _text(
+        draw_text(
             canvas,
             f"refused: {dots.refusal}",
             (10 * thick, 30 * thick),
@@ -76,13 +74,28 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: Target) -> UInt8[
     return canvas
 
 
+def grey_canvas(image: AnyPicture) -> UInt8[np.ndarray, "h w 3"]:
+    """Return a picture in grey, from its darkest to its brightest value, to draw on."""
+    grey = grey_picture(image)
+    low, high = (float(grey.min()), float(grey.max())) if grey.size else (0.0, 0.0)
+    scaled = (grey - low) * (255 / (high - low)) if high > low else np.zeros_like(grey)
+    return np.asarray(cv2.cvtColor(scaled.astype(np.uint8), cv2.COLOR_GRAY2RGB))
+
+
+def stroke(canvas: np.ndarray) -> int:
+    """Return the width of lines, px."""
+    return max(1, round(int(max(canvas.shape)) / 1000))
+
+
 def _fixed(q: np.ndarray) -> tuple[int, int]:
     """Return a position in cv2's fixed-point units."""
     x, y = np.clip(np.round(q * 2**_SUBPIXEL), -(2**28), 2**28)
     return int(x), int(y)
 
 
-def _draw_dot(canvas: np.ndarray, dots: PictureDots, i: int, colour: Colour, thick: int) -> None:
+def draw_dot(
+    canvas: np.ndarray, dots: PictureDots | PictureMarks, i: int, colour: Colour, thick: int
+) -> None:
     """Draw the outline and a cross at the centre, or a diagonal cross where nothing was measured."""
     centre = dots.seen_at[i]
     radius = 6.0 * thick
@@ -108,7 +121,7 @@ def _draw_dot(canvas: np.ndarray, dots: PictureDots, i: int, colour: Colour, thi
         cv2.line(canvas, *ends, colour, thick, cv2.LINE_AA, _SUBPIXEL)
 
 
-def _draw_uncertainty(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:
+def draw_uncertainty(canvas: np.ndarray, dots: PictureDots | PictureMarks, thick: int) -> None:
     """Draw the standard deviations of the positions as ellipses, magnified so that they can be seen."""
     measured = np.isfinite(dots.covariance).all(axis=(1, 2)) & np.isfinite(dots.outline).all(axis=(1, 2))
     if not measured.any():
@@ -123,7 +136,7 @@ def _draw_uncertainty(canvas: np.ndarray, dots: PictureDots, thick: int) -> None
         size = _fixed(np.array([major, minor]))
         cv2.ellipse(canvas, _fixed(q), size, angle, 0, 360, _UNCERTAINTY, thick, cv2.LINE_AA, shift=_SUBPIXEL)
     place = (10 * thick, canvas.shape[0] - 10 * thick)
-    _text(canvas, f"ellipses: standard deviation x {times}", place, 0.5 * thick, _UNCERTAINTY)
+    draw_text(canvas, f"ellipses: standard deviation x {times}", place, 0.5 * thick, _UNCERTAINTY)
 
 
 def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: Target, thick: int) -> None:
@@ -142,7 +155,7 @@ def _draw_axes(canvas: np.ndarray, dots: PictureDots, target: Target, thick: int
         cv2.arrowedLine(canvas, _fixed(origin), _fixed(end), colour, thick, cv2.LINE_AA, _SUBPIXEL, 0.03)
         along = (end - origin) / max(float(np.linalg.norm(end - origin)), 1.0)
         beyond = end + 18 * thick * along
-        _text(canvas, name, (int(beyond[0]), int(beyond[1])), 0.5 * thick, colour)
+        draw_text(canvas, name, (int(beyond[0]), int(beyond[1])), 0.5 * thick, colour)
 
 
 def _axis_ends(target: Target) -> tuple[GridIndex, ...]:
@@ -176,7 +189,7 @@ def _draw_labels(canvas: np.ndarray, dots: PictureDots, thick: int) -> None:
         y = dots.seen_at[i, 1] - 0.75 * reach[1]
         width = 0.6 * height * len(name)
         place = (int(min(x, canvas.shape[1] - width)), int(np.clip(y, height, canvas.shape[0] - 4)))
-        _text(canvas, name, place, size, _COLOURS[flag])
+        draw_text(canvas, name, place, size, _COLOURS[flag])
 
 
 def _label_step(dots: PictureDots, height: float) -> int:
@@ -189,7 +202,7 @@ def _label_step(dots: PictureDots, height: float) -> int:
     return max(1, int(np.ceil(_LABEL_ROOM * height / spacing)))
 
 
-def _text(canvas: np.ndarray, text: str, place: tuple[int, int], size: float, colour: Colour) -> None:
+def draw_text(canvas: np.ndarray, text: str, place: tuple[int, int], size: float, colour: Colour) -> None:
     """Write text with a dark rim, readable on any ground."""
     thin, (x, y) = max(1, round(size * 1.5)), place
     rim = [(x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]  # thicker letters are wider

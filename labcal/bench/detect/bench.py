@@ -11,6 +11,7 @@ from labcal.bench.detect.speed import speed_findings
 from labcal.bench.detect.suite import suite_findings
 from labcal.bench.groups import Findings, Groups, measured_groups
 from labcal.bench.marks.coded_dots import coded_dot_findings
+from labcal.bench.marks.in_space import marks_in_space_findings
 from labcal.bench.marks.tags import tag_findings
 from labcal.bench.settings import BenchSettings
 from labcal.report.bench import BenchResult
@@ -26,6 +27,7 @@ GROUPS: Groups = {
     "hostile": hostile_findings,
     "coded-dots": coded_dot_findings,
     "tags": tag_findings,
+    "marks-in-space": marks_in_space_findings,
 }
 
 

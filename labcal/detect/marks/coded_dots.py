@@ -2,37 +2,21 @@
 
 import numpy as np
 
-from labcal.detect.checks.usual_light import misfits
-from labcal.detect.edge_fit import EdgeFits, fit_edges
-from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture, is_flat
-from labcal.detect.marks.picture_marks import MarkFlag, PictureMarks, SeenMark, collected
+from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
+from labcal.detect.marks.picture_marks import PictureMarks, SeenMark, collected
 from labcal.detect.marks.ring_blur import mixing
+from labcal.detect.marks.ring_light import Ring, without_rings
 from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
 from labcal.detect.marks.ring_samples import sample_ring
-from labcal.detect.outlines.blobs import blobs_of, joined, pyramid
-from labcal.detect.outlines.outlines import Outlines, clear_reach, inside_frame, matrix_root, trace_outlines
+from labcal.detect.marks.round_dots import measured_spots, round_spots
+from labcal.detect.outlines.outlines import Outlines, matrix_root
 from labcal.detect.settings import DEFAULTS, DetectSettings
 from labcal.detect.stage_settings.mark import MarkSettings
-from labcal.geometry.two_by_two import eigenvalues
-from labcal.targets.coded_dots import RING_INNER, RING_OUTER
-from labcal.targets.grid import DotGrid
+from labcal.targets.coded_dots import RING_OUTER
 from labcal.targets.ring_codes import CodeBook, RingCode, code_book
 
-_SURROUNDED = DotGrid(
-    name="coded-dot",
-    cols=2,
-    rows=2,
-    pitch_x_mm=0.5 * (1.0 + RING_INNER),
-    pitch_y_mm=0.5 * (1.0 + RING_INNER),
-    dot_diameter_mm=1.0,
-    rings=None,
-)
-"""A grid whose dots have as much paper around them as a coded dot has within its ring."""
-_MARGIN = 0.5  # px beyond the outermost pixel centres: the frame
 _LEAST_BLUR_PX = 0.3
 """Of any edge that is sampled between pixels."""
-_SECTORS_OVER_CENTRE = 6.0**0.5
-"""Standard deviation of the place of a twelfth of an outline, over that of the centre along an axis."""
 
 
 def find_coded_dots(
@@ -67,9 +51,10 @@ def find_coded_dots(
     settings = DEFAULTS if settings is None else settings
     grey = grey_picture(image)
     size = (grey.shape[1], grey.shape[0])
-    spots = _spots(grey, settings)
+    spots = round_spots(grey, settings, settings.mark.max_texture_share)
     book = code_book(RingCode(code))
-    readings = [_read(grey, spots, number, book, settings.mark) for number in range(len(spots.centre))]
+    read = [_read(grey, spots, number, book, settings.mark) for number in range(len(spots.centre))]
+    readings = [reading for reading, _ in read]
     seen = _each_once(readings, spots)
     named = [k for k in seen if readings[k].mark >= 0]
     marks = [
@@ -79,30 +64,25 @@ def find_coded_dots(
     ]
     if named:
         names = [f"{book.code}-{readings[k].mark}" for k in named]
-        marks += _measured(grey, spots.select(np.array(named)), names, settings)
+        rings = [Ring(book.words[read[k][0].row], read[k][0].start, read[k][1]) for k in named]
+        own = spots.select(np.array(named))
+        marks += measured_spots(without_rings(grey, own, rings, settings), own, names, settings)
     return collected(marks, size)
-
-
-def _spots(grey: GreyPicture, settings: DetectSettings) -> Outlines:
-    """Return all round dark dots of a picture, of every size, that lie whole in the frame."""
-    search = settings.segmentation.model_copy(update={"max_texture_share": settings.mark.max_texture_share})
-    levels = [] if is_flat(grey) else pyramid(grey, search)
-    blobs = joined([blobs_of(level, search) for level in levels])
-    outlines = trace_outlines(grey, blobs, _SURROUNDED, search)
-    inside = inside_frame(outlines.centre, outlines.shape, (grey.shape[1], grey.shape[0]), _MARGIN)
-    return outlines.select(inside)
 
 
 def _read(
     grey: GreyPicture, spots: Outlines, number: int, book: CodeBook, settings: MarkSettings
-) -> RingReading:
-    """Read the ring around a spot: as it is without perspective, then with ever more of it either way."""
+) -> tuple[RingReading, np.ndarray]:
+    """Read the ring around a spot: as it is without perspective, then with ever more of it either way.
+
+    Returns the reading, and the displacement of the circle's centre at which it was read, in radii.
+    """
     centre, shape = spots.centre[number], spots.shape[number]
     root = matrix_root(shape[None])[0]
     minor = np.linalg.eigh(shape)[1][:, 0]
     sectors = book.code.sectors
     if not has_white_gap(sample_ring(grey, centre, root, np.zeros(2), sectors), settings):
-        return NO_MARK
+        return NO_MARK, np.zeros(2)
     mixed = mixing(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
     best = NO_MARK
     farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
@@ -111,11 +91,11 @@ def _read(
         samples = sample_ring(grey, centre, root, step * minor, sectors)
         reading = read_ring(samples, mixed, book, settings)
         if reading.mark >= 0:
-            return reading
+            return reading, step * minor
         if step == 0.0 and reading.flag is None:
-            return reading
+            return reading, np.zeros(2)
         best = min(best, reading, key=lambda one: one.cost)
-    return best
+    return best, np.zeros(2)
 
 
 def _each_once(readings: list[RingReading], spots: Outlines) -> list[int]:
@@ -137,48 +117,3 @@ def _is_in_a_ring(spot: int, marks: list[int], spots: Outlines) -> bool:
     flat = np.linalg.solve(spots.shape[marks], away[..., None])[..., 0]
     radii = np.sqrt(np.einsum("ni,ni->n", away, flat))
     return bool(((radii > 0.0) & (radii < RING_OUTER) & (spots.radius[marks] > spots.radius[spot])).any())
-
-
-def _measured(
-    grey: GreyPicture, spots: Outlines, names: list[str], settings: DetectSettings
-) -> list[SeenMark]:
-    """Return named dots with the fit of their edge, flagged as the dots of a grid are."""
-    reach = clear_reach(_SURROUNDED, settings.segmentation)
-    fits = fit_edges(grey, spots, np.zeros(len(names)), reach, 0.0, settings.edge)
-    flags = _flags(fits, spots, settings)
-    marks = []
-    for number, (name, flag) in enumerate(zip(names, flags, strict=True)):
-        if flag is MarkFlag.OK:
-            place, S = fits.centre[number], fits.shape[number]
-            marks.append(SeenMark(name, flag, place, S, place, fits.covariance[number]))
-        else:
-            marks.append(SeenMark(name, flag, spots.centre[number], spots.shape[number]))
-    return marks
-
-
-def _flags(fits: EdgeFits, spots: Outlines, settings: DetectSettings) -> list[MarkFlag]:
-    """Return the flag of every named dot, by its fit and by what is usual among the picture's marks.
-
-    A picture may hold one mark alone. So the departure of an outline from its ellipse is compared with what
-    noise explains, too.
-    """
-    limits = settings.quality
-    dark, light = np.minimum(fits.board, fits.dot), np.maximum(fits.board, fits.dot)
-    misfit = misfits(dark, light, fits.variance, limits)
-    usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
-    noise = _SECTORS_OVER_CENTRE * np.sqrt(np.trace(fits.covariance, axis1=1, axis2=2) / 2.0)
-    usual = np.minimum(usual, settings.mark.usual_departure_factor * noise)
-    farthest = limits.departure_factor * np.maximum(usual, noise) + limits.departure_share * spots.radius
-    rough = (fits.departure > farthest) | (misfit > limits.max_misfit_factor)
-    minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
-    flags = []
-    for number in range(len(spots.centre)):
-        if spots.blur[number] > limits.max_blur_share * minor[number]:
-            flags.append(MarkFlag.BLURRED)
-        elif fits.ok[number] and fits.clipped[number] > limits.max_clipped_share:
-            flags.append(MarkFlag.SATURATED)
-        elif not fits.ok[number] or rough[number]:
-            flags.append(MarkFlag.BAD_FIT)
-        else:
-            flags.append(MarkFlag.OK)
-    return flags

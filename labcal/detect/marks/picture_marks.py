@@ -28,7 +28,8 @@ class MarkFlag(StrEnum):
     UNKNOWN_CODE = "unknown-code"
     """No name: its ring is no word of the code, or differs from one in too many sectors."""
     AMBIGUOUS = "ambiguous"
-    """No name: the sectors that are seen fit two marks nearly as well."""
+    """No name: the sectors that are seen fit two marks nearly as well. Of a plain dot: measured, but several
+    dots of another camera could be the same one."""
 
 
 UNNAMED = (MarkFlag.HIDDEN, MarkFlag.UNKNOWN_CODE, MarkFlag.AMBIGUOUS)
@@ -74,6 +75,36 @@ class PictureMarks:
     def ok(self) -> Mask:
         """Mask of the marks that are measured, shape (n,)."""
         return np.array([flag is MarkFlag.OK for flag in self.flag], dtype=bool)
+
+    def where(self, mask: Mask) -> "PictureMarks":
+        """Return the marks where a mask holds, shape (n,)."""
+        kept = np.flatnonzero(mask).tolist()
+        return PictureMarks(
+            self.size,
+            tuple(self.point[k] for k in kept),
+            self.position[kept],
+            self.covariance[kept],
+            tuple(self.flag[k] for k in kept),
+            self.seen_at[kept],
+            self.outline[kept],
+        )
+
+    def joined(self, other: "PictureMarks") -> "PictureMarks":
+        """Return these marks and, after them, others of the same picture."""
+        return PictureMarks(
+            self.size,
+            self.point + other.point,
+            np.concatenate([self.position, other.position]),
+            np.concatenate([self.covariance, other.covariance]),
+            self.flag + other.flag,
+            np.concatenate([self.seen_at, other.seen_at]),
+            np.concatenate([self.outline, other.outline]),
+        )
+
+    @classmethod
+    def empty(cls, size: tuple[int, int]) -> "PictureMarks":
+        """Return no marks, of a picture of so many px."""
+        return collected([], size)
 
 
 @dataclass(frozen=True)

@@ -28,11 +28,17 @@ class RingReading:
         ``ok``, or why the mark has no name; None where the spot is taken for no mark at all.
     cost : float
         Mean squared departure of the sectors in sight from the best word.
+    row : int
+        That word, as a row of the code book; -1 where there is none.
+    start : int
+        The sample of the ring that its first sector begins with.
     """
 
     mark: int
     flag: MarkFlag | None
     cost: float
+    row: int = -1
+    start: int = 0
 
 
 NO_MARK = RingReading(-1, None, np.inf)
@@ -87,7 +93,7 @@ def read_ring(
     else:
         flag = MarkFlag.OK
     mark = int(book.identity[row]) if flag is MarkFlag.OK else -1
-    return RingReading(mark, flag, float(cost[start]))
+    return RingReading(mark, flag, float(cost[start]), row, start)
 
 
 def has_white_gap(samples: RingSamples, settings: MarkSettings) -> bool:

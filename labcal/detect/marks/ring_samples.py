@@ -69,7 +69,7 @@ def sample_ring(
     angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
     radii = np.array([*_DOT, *_GAP, *RING_RADII, *_PAPER])
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    flat = _displaced(radii[:, None, None] * circle, tilt)
+    flat = displaced(radii[:, None, None] * circle, tilt)
     q = (flat @ root.T + centre).astype(np.float32)
     value = cv2.remap(
         grey, q[..., 0], q[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=np.nan
@@ -89,8 +89,16 @@ def sample_ring(
     return RingSamples(gap, ring, paper, step)
 
 
-def _displaced(flat: np.ndarray, tilt: np.ndarray) -> np.ndarray:
-    """Map points by the projective map that keeps the unit circle and moves its centre to `tilt`."""
+def displaced(flat: np.ndarray, tilt: np.ndarray) -> np.ndarray:
+    """Map points by the projective map that keeps the unit circle and moves its centre to `tilt`.
+
+    Parameters
+    ----------
+    flat : ndarray, shape (..., 2)
+        In radii.
+    tilt : ndarray, shape (2,)
+        In radii. That of the opposite sign is the inverse.
+    """
     size = float(np.hypot(*tilt))
     if size == 0.0:
         return flat
