@@ -74,12 +74,14 @@ def _measured(
     command = [sys.executable, "-m", "labcal", "measure", str(rig_file), str(table), "-o", str(places)]
     command += ["--pixel-sigma", str(NOISE_PX), "--budget", "full", "--force", "--quiet"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:  # noqa: S603
-        told = process.stderr.read() if process.stderr is not None else b""
+        message = process.stderr.read() if process.stderr is not None else b""
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     for file in (places, table, rig_file):
         file.unlink(missing_ok=True)
     if process.returncode not in (0, 1):  # 1: some pixels lie outside of their pictures by their noise
-        raise DeviceError(f"'labcal measure' of {count} points ended with an error: {told.decode()[-500:]}")
+        raise DeviceError(
+            f"'labcal measure' of {count} points ended with an error: {message.decode()[-500:]}"
+        )
     unit = 1024**3 if sys.platform == "darwin" else 1024**2
     return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / unit
