@@ -18,6 +18,7 @@ from labcal.report.rehearsal_result import (
     RehearseResult,
     board_words,
     confirmation_words,
+    freed_words,
     rehearse_result,
     views_words,
 )
@@ -41,7 +42,10 @@ def rehearsal_page(found: Rehearsal, maker: PageMaker) -> Page:
         heading=f"Rehearsal of {plan.name}",
         lead=plan.description or f"{counted(len(plan.cameras), 'camera')}, target {plan.target.name}.",
         sections=[
-            Section("What would help most", [_limits_table(result), Prose((_HALVED,), Tone.QUIET)]),
+            Section(
+                "What would help most",
+                [_limits_table(result), *_freed(result), Prose((_HALVED,), Tone.QUIET)],
+            ),
             Section(
                 "Expected errors",
                 [Chart("map", map_svg(found), _MAP, map_table(found)), *_confirmation(result)],
@@ -144,6 +148,11 @@ def _boards_table(result: RehearseResult) -> PageTable:
         for one in result.boards
     ]
     return PageTable("boards", "The planned target, printed in other sizes.", columns, rows)
+
+
+def _freed(result: RehearseResult) -> list[Part]:
+    words = freed_words(result)
+    return [Prose(tuple(words))] if words else []
 
 
 def _confirmation(result: RehearseResult) -> list[Part]:

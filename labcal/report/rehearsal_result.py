@@ -96,6 +96,8 @@ class RehearseResult:
     """Numbers of views, each with the RMS 3-D error after it."""
     limited_by: str
     limits: list[LimitResult]
+    free_dots_mm: float
+    """RMS 3-D error where the calibration estimates the dots' places, too; null where that does not apply."""
     boards: list[BoardResult]
     best_board: float | None
     """Scale of the board with the least error of those that fit; null if none does."""
@@ -125,6 +127,7 @@ def rehearse_result(folder: AnyPath, found: Rehearsal) -> RehearseResult:
         view_counts=[(one.views, one.rms_mm) for one in found.counts],
         limited_by=found.limited_by,
         limits=[_limit(one) for one in found.limits],
+        free_dots_mm=found.freed_mm,
         boards=[
             BoardResult(
                 one.scale, (one.width_mm, one.height_mm), one.dot_px, one.coverage, one.found, one.rms_mm,
@@ -151,11 +154,21 @@ def rehearse_table(result: RehearseResult) -> Group:
     for limit in result.limits:
         gain = "-" if limit.why_not else f"{100.0 * limit.gain:.0f}%"
         table.add_row(limit.change, "-" if limit.why_not else f"{limit.after_mm:.3g}", gain)
-    parts: list[RenderableType] = [Text(head), table, Text(views_words(result)), Text(board_words(result))]
+    parts: list[RenderableType] = [Text(head), table]
+    parts += [Text(words) for words in (*freed_words(result), views_words(result), board_words(result))]
     if result.confirmation is not None:
         parts.append(Text(confirmation_words(result.confirmation)))
     parts.append(Text(f"{result.folder}: index.html, rehearsal.json, map.csv, poses.csv, rig.json."))
     return Group(*parts)
+
+
+def freed_words(result: RehearseResult) -> list[str]:
+    """Return what estimating the dots' places would bring, in words; nothing where it brings nothing."""
+    if not result.free_dots_mm < result.rms_mm:  # of NaN, too
+        return []
+    return [
+        f"Print: estimating the places of the dots, too, would give {result.free_dots_mm:.3g} mm (free_dots)."
+    ]
 
 
 def views_words(result: RehearseResult) -> str:

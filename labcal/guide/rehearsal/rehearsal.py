@@ -56,6 +56,9 @@ class Rehearsal(PublicObject):
     boards : tuple of BoardFit
     warnings : tuple of str
         What is not as it should be, for people.
+    freed_mm : float
+        RMS 3-D error where the calibration estimates the dots' places, too; NaN where the plan says so
+        already, the print is exact, or the target does not allow it.
     confirmation : Confirmation or None
         Errors of the rendered rig; None if it was not asked for.
 
@@ -76,6 +79,7 @@ class Rehearsal(PublicObject):
     counts: tuple[ViewCount, ...]
     boards: tuple[BoardFit, ...]
     warnings: tuple[str, ...]
+    freed_mm: float = float("nan")
     confirmation: Confirmation | None = None
 
     @property
@@ -181,7 +185,20 @@ def rehearsed(plan: RigPlan, seed: int) -> Rehearsal:
         counts=view_counts(planned, views, further, sources),
         boards=board_fits(plan, sources, seed),
         warnings=_warnings(pictures, made),
+        freed_mm=_with_freed_dots(plan, views, sources),
     )
+
+
+def _with_freed_dots(plan: RigPlan, views: list[Pose], sources: Sources) -> float:
+    """Return the RMS error where the dots are freed; NaN where that is planned already, or of no use."""
+    target = plan.target
+    if plan.shoot.free_dots or plan.print_sigma_mm == 0.0 or target.symmetric_indices(target.indices()[:1]):
+        return float("nan")
+    freed = plan.model_copy(update={"shoot": plan.shoot.model_copy(update={"free_dots": True})})
+    try:
+        return forecast(PlannedRig.of(freed), views, sources).rms_mm
+    except InputError:
+        return float("nan")
 
 
 def _require_seen_volume(planned: PlannedRig) -> None:

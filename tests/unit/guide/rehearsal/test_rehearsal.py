@@ -52,6 +52,10 @@ def test_halving_pixels_and_print_halves_the_error(found: Rehearsal) -> None:
     np.testing.assert_allclose(half.point_mm, 0.5 * whole.point_mm, rtol=1e-3)  # but for the weak prior
 
 
+def test_freeing_the_dots_leaves_less_of_an_uneven_print(found: Rehearsal) -> None:
+    assert found.freed_mm < 0.9 * found.rms_mm
+
+
 def test_the_map_has_shares_that_add_up(found: Rehearsal) -> None:
     table = found.map_columns()
     np.testing.assert_allclose(np.hypot(table["noise_mm"], table["calibration_mm"]), table["rms_mm"])
