@@ -44,6 +44,7 @@ def test_a_part_is_what_calibrate_reconstruct_and_evaluate_give_by_hand(found: H
     assert np.array_equal(found.error[: part.n], by_hand.error)
 
 
+@pytest.mark.slow
 def test_lengths_held_out_err_more_than_those_that_calibrated(found: HeldOutLengths) -> None:
     made = calibrated(examples.detections(), TARGET)
     points = reconstruct_centres(made.rig, examples.detections(), TARGET).points
@@ -73,6 +74,7 @@ def test_too_few_other_views_are_said_with_those_held_out() -> None:
         pipeline.evaluate_held_out(TARGET, few, parts=2)
 
 
+@pytest.mark.slow
 def test_the_command_gives_the_same(tmp_path: Path) -> None:
     write_detections(tmp_path / "dots.csv", examples.detections())
     found = pipeline.evaluate_held_out(TARGET, tmp_path / "dots.csv", parts=2)
