@@ -9,10 +9,10 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dpi", "force", "free_dots",
-        "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig",
-        "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views",
-        "whole", "workers", "yes",
+        "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dpi", "force", "free_dots",
+        "hold_out", "lens", "log", "method", "note", "only", "plan", "quick", "rectify", "rendered", "rig",
+        "scheduler", "seed", "seeds", "size", "spp", "start", "target", "temperature_c", "tone_curve",
+        "unit", "views", "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
@@ -30,7 +30,7 @@ _PLAIN = re.compile(r"[\w.,:/-]+")
 WORDS = frozenset(
     (
         "message", "reason", "warnings", "notes", "error", "skipped", "why", "left_out", "centre_bias_kept",
-        "inconsistent", "causes", "refused",
+        "inconsistent", "causes", "refused", "mend_refused",
     )
 )  # fmt: skip
 """Keys of JSON documents that hold messages; under others stand data, which are never changed."""

@@ -75,7 +75,7 @@ def _verdict(found: RigCheck) -> Verdict:
             belief=Belief.NO,
             reasons=(found.changes[0].words,),
             limit="the change of the rig",
-            advice="correct the rig with `mend`, or calibrate anew",
+            advice="correct the rig, or calibrate anew",
             leaves_out=leaves_out,
         )
     valid = found.verdict is CheckVerdict.VALID
