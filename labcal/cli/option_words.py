@@ -9,10 +9,10 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "detections", "distance_mm", "dots", "dpi", "force",
-        "hold_out", "lens", "method", "only", "plan", "quick", "rectify", "rendered", "rig",
-        "scheduler", "seed", "seeds", "size", "spp", "start", "target", "tone_curve", "unit", "views",
-        "whole", "workers", "yes",
+        "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dots", "dpi", "force",
+        "hold_out", "lens", "log", "method", "note", "only", "plan", "quick", "rectify", "rendered", "rig",
+        "scheduler", "seed", "seeds", "size", "spp", "start", "target", "temperature_c", "tone_curve",
+        "unit", "views", "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
@@ -20,9 +20,8 @@ OPTIONS = {
     "columns": "--columns", "frame": "--frame", "frame_view": "--frame-view", "likelihood": "--likelihood",
     "pixel_sigma": "--pixel-sigma", "reference_view": "--reference-view",
     "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
-    "limit_mm": "--limit-mm", "limit_ppm": "--limit-ppm", "confidence": "--confidence", "date": "--date",
+    "limit_mm": "--limit-mm", "limit_ppm": "--limit-ppm", "confidence": "--confidence",
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
-    "temperature_c": "--temperature-c",
     "distances_mm": "--distances-mm", "pictures": "--pictures",
     "mark_diameter": "--mark-diameter", "markers": "--markers",
 }  # fmt: skip
@@ -39,7 +38,7 @@ _PLAIN = re.compile(r"[\w.,:/-]+")
 WORDS = frozenset(
     (
         "message", "reason", "warnings", "notes", "error", "skipped", "why", "left_out", "centre_bias_kept",
-        "inconsistent", "causes", "refused",
+        "inconsistent", "causes", "refused", "mend_refused",
     )
 )  # fmt: skip
 """Keys of JSON documents that hold messages; under others stand data, which are never changed."""

@@ -39,7 +39,7 @@ class CheckRecord(BaseModel):
     verdict: CheckVerdict
     p_value: Annotated[float, Field(ge=0, le=1)]
     camera: Text | None
-    """The camera that changed; null if none did, or it cannot be told which."""
+    """The camera that changed; null if none did, or it cannot be determined which."""
     kind: Text | None
     """Kind of the most likely change; null if there is none."""
     turn_deg: Figure | None

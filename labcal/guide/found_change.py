@@ -116,7 +116,7 @@ class FoundChange:
         if self.kind is ChangeKind.SEVERAL:
             return f"several cameras ({', '.join(self.cameras)}) changed"
         who = " or ".join(f"'{name}'" for name in self.cameras)
-        which = ", it cannot be told which," if len(self.cameras) > 1 else ""
+        which = ", it cannot be determined which," if len(self.cameras) > 1 else ""
         sizes = ", ".join(one.words for one in self.amounts if one.element != Element.PRINCIPAL_POINT.value)
         return f"camera {who}{which} {_VERBS[self.kind]}: {sizes}"
 

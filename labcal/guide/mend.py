@@ -28,7 +28,7 @@ def mended_rig(check: RigCheck) -> Rig:
     """Return the rig after the change that a check found.
 
     The relative pose is corrected, or the focal length of a camera, or both with its principal point. Where
-    it cannot be told what changed, poses and focal lengths of all cameras are.
+    it cannot be determined what changed, poses and focal lengths of all cameras are.
 
     Parameters
     ----------

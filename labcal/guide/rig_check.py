@@ -118,7 +118,7 @@ class RigCheck(PublicObject):
 
     @property
     def camera(self) -> str | None:
-        """The camera that changed, where that can be told; None where it cannot, or nothing changed."""
+        """The camera that changed, where that can be determined; None where it cannot, or nothing changed."""
         if self.verdict is not CheckVerdict.CHANGED:
             return None
         likely = [name for name, probability in self.by_camera.items() if probability >= LIKELY]

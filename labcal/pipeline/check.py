@@ -1,4 +1,4 @@
-"""Whether a calibration is still valid."""
+"""Check of a calibration by new views."""
 
 import os
 from collections.abc import Sequence

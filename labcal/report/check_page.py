@@ -21,7 +21,7 @@ _CHANGES = (
     "and the poses of the target free. The p-value tells whether noise and the calibration's errors explain "
     "as much; the probability is that of the change, given that there is one."
 )
-_NOT_TOLD = (
+_AMBIGUOUS = (
     "Between two cameras a shift of the one and an opposite shift of the other look the same in all pictures "
     "of a target in the hand, and so does a turn about the line through both."
 )
@@ -46,7 +46,7 @@ def check_page(found: RigCheck, records: Sequence[CheckRecord], maker: PageMaker
     """
     names = list(found.rig.cameras)
     sections = [
-        Section("What changed", [Prose((_CHANGES, _NOT_TOLD)), _changes(found)]),
+        Section("What changed", [Prose((_CHANGES, _AMBIGUOUS)), _changes(found)]),
         Section("What could have been found", [Prose((_SMALLEST,)), _smallest(found)]),
     ]
     if records:
@@ -75,7 +75,7 @@ def _verdict(found: RigCheck) -> Verdict:
             belief=Belief.NO,
             reasons=(found.changes[0].words,),
             limit="the change of the rig",
-            advice="correct the rig with `mend`, or calibrate anew",
+            advice="correct the rig, or calibrate anew",
             leaves_out=leaves_out,
         )
     valid = found.verdict is CheckVerdict.VALID

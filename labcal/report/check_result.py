@@ -51,7 +51,7 @@ class CheckResult:
     p_value: float
     """Probability that noise and errors of the calibration make a difference so large."""
     camera: str | None
-    """The camera that changed; null if none did, or it cannot be told which."""
+    """The camera that changed; null if none did, or it cannot be determined which."""
     by_camera: dict[str, float]
     """Probability by camera that it is the one, given that there is a change."""
     changes: list[ChangeResult]
@@ -71,7 +71,7 @@ class CheckResult:
     mended: str | None
     """The file of the corrected rig; null if there is none."""
     mend_refused: str | None
-    """Why there is none, where one was asked for."""
+    """Reason that there is none, where one was asked for."""
     warnings: list[str]
 
 

@@ -1,9 +1,11 @@
 """``labcal check`` as a command: the same as the function, exit statuses, wrong use."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from labcal import check, examples, pipeline, read_detections, read_rig, write_detections
@@ -22,13 +24,11 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("check")
     rig = pipeline.calibrate(examples.TARGET, examples.detections()).rig
     rig.save(folder / "rig.json")
-    right = rig.camera("right")
-    turned = from_rotation_vector([0.002, 0.001, 0.0], [0.0, 0.0, 0.0]) @ right.T_cam_world
-    record = rig.cameras["right"].model_copy(update={"T_cam_world": turned.tolist()})
-    changed = {**rig.model_dump(mode="json"), "cameras": {
-        "left": rig.cameras["left"].model_dump(mode="json"), "right": record.model_dump(mode="json")
-    }}  # fmt: skip
-    Rig.model_validate(changed).save(folder / "turned.json")
+    left, right = (rig.camera(name) for name in ("left", "right"))
+    turn = from_rotation_vector(np.array([0.002, 0.001, 0.0]), np.zeros(3))
+    turned = Rig.of({"left": left, "right": replace(right, T_cam_world=turn @ right.T_cam_world)})
+    known = {"covariance": rig.covariance, "calibration": rig.calibration}
+    turned.model_copy(update=known).save(folder / "turned.json")
     write_detections(folder / "dots.csv", examples.detections())
     return folder
 

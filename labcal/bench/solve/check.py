@@ -59,7 +59,9 @@ def check_findings(bench: Bench) -> Findings:
             checks.append(at_most(name, wrong, WRONG_CAMERAS))
         share = float(np.mean([one.found for one in of_kind]))
         references.append(Figure(name=f"check, camera {kind.value}: share found", value=share))
-        told = len(named) / max(1, sum(one.found for one in of_kind))
-        name = f"check, camera {kind.value}: share in which the camera is named (else said not to be told)"
-        references.append(Figure(name=name, value=told))
+        named_share = len(named) / max(1, sum(one.found for one in of_kind))
+        name = (
+            f"check, camera {kind.value}: share in which the camera is named (else said not to be determined)"
+        )
+        references.append(Figure(name=name, value=named_share))
     return Findings(checks, references)

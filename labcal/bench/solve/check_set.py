@@ -57,7 +57,7 @@ class ChangedFigures(BaseModel):
     cost_sigmas: Measured
     """RMS error of points by the true change, over their standard deviation."""
     named: bool | None
-    """Whether the camera that is named is the right one; null if the check says that it cannot be told."""
+    """True if the camera that is named is the right one; null if the check names none."""
     mended_sigmas: Measured
     """RMS error of points after the correction, over the standard deviation before; NaN if it is refused."""
 

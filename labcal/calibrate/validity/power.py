@@ -16,7 +16,7 @@ POWER = 0.9
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What the pictures tell of one change, the calibration's own errors allowed for.
+    """The information of the pictures about one change, the calibration's own errors allowed for.
 
     Attributes
     ----------

@@ -215,8 +215,8 @@ def _dispersion(made: Prepared, anything: Change, found: Explanation) -> ViewDis
 def _covariance_of(rig: Rig) -> RigCovariance:
     if rig.covariance is None:
         raise InputError(
-            "This rig states no covariance of its calibration: no change can be told from its errors. "
-            "Calibrate again with this version, with free lenses."
+            "This rig states no covariance of its calibration: no change stands out from its "
+            "errors. Calibrate again with this version, with free lenses."
         )
     return rig.covariance
 

@@ -23,6 +23,7 @@ SETTINGS: dict[str, tuple[type, ...]] = {
     "reconstruct": (pipeline.MeasureSettings,),
     "measure": (pipeline.MeasureSettings,),
     "evaluate": (),
+    "check": (pipeline.CheckSettings,),
     "certify": (pipeline.CertifySettings,),
     "compare": (pipeline.CompareSettings,),
     "convert": (pipeline.ConvertSettings,),
@@ -104,6 +105,15 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "shoot": "source",
         "target": "source",
         "dots": (DotPlaces.load, "path"),
+        "force": (pipeline.PageOutput, "force"),
+    },
+    "check": {
+        "pictures": "source",
+        "cameras": CAMERAS,
+        "changes": CHANGES,
+        "workers": WORKERS,
+        "dots": (DotPlaces.load, "path"),
+        "mend": (labcal.RigCheck.mended, "self"),
         "force": (pipeline.PageOutput, "force"),
     },
     "certify": {

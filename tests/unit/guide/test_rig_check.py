@@ -51,7 +51,7 @@ def test_which_camera_was_shifted_is_said_not_to_be_told() -> None:
     assert (found.verdict, found.camera) == (CheckVerdict.CHANGED, None)
     assert found.changes[0].kind is ChangeKind.SHIFTED
     assert found.changes[0].cameras == ("left", "right")
-    assert "it cannot be told which" in found.changes[0].words
+    assert "it cannot be determined which" in found.changes[0].words
     np.testing.assert_allclose(list(found.by_camera.values()), 0.5, atol=0.01)
     assert found.changes[0].amounts[0].size == pytest.approx(np.linalg.norm([0.4, 0.3, 0.2]), abs=0.1)
 
