@@ -207,8 +207,9 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | 
     check = TriangulationCheck.of(residuals, matches, rig.calibration)
     systematic = None
     if rig.covariance is not None and corrected is not None:
-        record = rig.calibration or CalibrationRecord()
-        systematic = systematic_residual(cameras, matches, found.point, rig.covariance.matrix, record)
+        record, rest = rig.calibration or CalibrationRecord(), ~np.isin(matches.view, check.views)
+        point = found.point[rest]
+        systematic = systematic_residual(cameras, matches.where(rest), point, rig.covariance.matrix, record)
     changed = systematic is not None and systematic.beyond_chance
     doubtful = np.isin(matches.view, check.views) | _inconsistent(rig.calibration) | changed
     flag = np.where(residuals.outlying | doubtful, PointFlag.MODEL_MISFIT.value, PointFlag.OK.value)

@@ -6,7 +6,6 @@ from math import isfinite, sqrt
 
 import numpy as np
 from rich.console import Group
-from rich.table import Table
 
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
@@ -111,10 +110,10 @@ def measure_result(
     )
 
 
-def measure_report(result: MeasureResult) -> Group:
+def measure_report(result: MeasureResult) -> Group | str:
     """Return the document for people: pictures with marks, if there are any, and the points."""
-    parts: list[Table | str] = [] if result.marks is None else [marks_table(result.marks)]
-    return Group(*parts, measure_words(result))
+    words = measure_words(result)
+    return words if result.marks is None else Group(marks_table(result.marks), words)
 
 
 def measure_words(result: MeasureResult) -> str:

@@ -287,6 +287,7 @@ FOREIGN = {
     ".model": b'\x60\0\0\0\0\0\0\0{"a": {"what": "learned from a labcal-model"}}',
     ".yml": b"%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 1\n   cols: 1\n   dt: d\n   data: [ 1. ]\n",
     ".vnl": b"# filename x y level\na.png 1 2 0\n",
+    ".html": b"<!doctype html>\n<title>years of work</title>\n",
     ".svg": b'<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg"/>\n',
 }
 

@@ -149,5 +149,6 @@ def test_no_message_of_the_library_speaks_of_an_option() -> None:
     assert sorted((path, option.findall(text)[0]) for path, text in found) == [
         ("report/bench.py", "--quick"),
         ("report/calibrate_result.py", "--json"),
+        ("report/mark_overlays.py", "--overlay"),
         ("report/overlays.py", "--overlay"),
     ]

@@ -104,6 +104,10 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "evaluate": {
         "shoot": "source",
         "target": "source",
+        "holdout": (pipeline.evaluate_held_out, "parts"),
+        "lens": (pipeline.evaluate_held_out, "lens"),
+        "free_dots": (pipeline.HandheldSettings, "dot_places"),
+        "keep_dots": (pipeline.HandheldSettings, "dot_places"),
         "dots": (DotPlaces.load, "path"),
         "force": (pipeline.PageOutput, "force"),
     },

@@ -80,7 +80,7 @@ def test_what_cannot_be_computed_is_told_as_the_models_fault(model: Model, stere
     )  # fmt: skip
     model.estimator.projections_ = np.full((2, 3, 4), np.inf)
     with pytest.raises(InputError, match="its numbers are damaged"):
-        predicted(model.estimator, matches)
+        predicted(model, matches)
 
 
 def test_points_that_are_nowhere_have_no_solution() -> None:

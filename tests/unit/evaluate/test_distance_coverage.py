@@ -6,6 +6,7 @@ import pytest
 from labcal import Rig, examples
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
 from labcal.cameras.rig_covariance import RigCovariance
+from labcal.evaluate.aligned_budget import PointOrigin
 from labcal.evaluate.distance_coverage import distance_coverage
 from labcal.reconstruct.point_budget import Budget
 from labcal.reconstruct.reconstruction import reconstruct_centres
@@ -31,7 +32,7 @@ def test_95_percent_of_distances_are_within_95_percent() -> None:
         examples.rig(), dots, None
     ).points.point  # the same noise: the cameras' errors rule
     shares = [
-        distance_coverage(reconstruct_centres(rig, dots, None).points, true, rig, dots)
+        distance_coverage(reconstruct_centres(rig, dots, None).points, true, PointOrigin(rig), dots)
         for rig in (drawn(rng) for _ in range(DRAWS))
     ]
     # Distances of a rig share its errors, so that shares scatter by some 0.1.
@@ -41,4 +42,4 @@ def test_95_percent_of_distances_are_within_95_percent() -> None:
 def test_points_of_noise_alone_have_none() -> None:
     rig, dots = drawn(np.random.default_rng(1)), examples.detections()
     points = reconstruct_centres(rig, dots, None, Budget.NOISE).points
-    assert np.isnan(distance_coverage(points, points.point, rig, dots))
+    assert np.isnan(distance_coverage(points, points.point, PointOrigin(rig), dots))

@@ -40,7 +40,9 @@ def test_the_share_of_the_print_is_that_of_the_adjustment() -> None:
     places = PLANNED.plan.target.points()
     places[:, :2] += sigma * random.standard_normal((len(places), 2))
     dots = simulated_dots(PLANNED, views, places, NOISE, random)
-    made = calibrate_handheld(dots, PLANNED.plan.target, "brown-k1k2", HandheldSettings())
+    made = calibrate_handheld(
+        dots, PLANNED.plan.target, "brown-k1k2", HandheldSettings(dot_places="declared")
+    )
     assert made.sources.print_share is not None
     ratio = np.diagonal(made.sources.print_share.covariance) / np.diagonal(expected.print_share)
     factor = (made.sources.print_sigma_mm / sigma) ** 2
