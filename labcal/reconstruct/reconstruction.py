@@ -33,6 +33,10 @@ if TYPE_CHECKING:
     import xarray
 
 
+_FEWEST_OTHERS = 0.4
+"""Share of points in other views, below which views that are flagged count in the test of all pictures."""
+
+
 def load_reconstructor(path: AnyPath, method: object | None = None) -> Model | Rig:
     """Read a MODEL: what ``labcal fit`` wrote, or a ``rig.json``.
 
@@ -208,6 +212,8 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | 
     systematic = None
     if rig.covariance is not None and corrected is not None:
         record, rest = rig.calibration or CalibrationRecord(), ~np.isin(matches.view, check.views)
+        if rest.mean() < _FEWEST_OTHERS:  # the camera has changed, not what some views show
+            rest[:] = True
         point = found.point[rest]
         systematic = systematic_residual(cameras, matches.where(rest), point, rig.covariance.matrix, record)
     changed = systematic is not None and systematic.beyond_chance

@@ -136,6 +136,7 @@ def test_undistort(labcal: Run, handheld: Path, handheld_dots: Path, tmp_path: P
     assert len(same_files(tmp_path / "python", tmp_path / "command")) == len(made.images) + 3
 
 
+@pytest.mark.slow
 def test_rehearse(labcal: Run, tmp_path: Path) -> None:
     plan = tmp_path / "plan.yaml"
     plan.write_text(to_json(examples.rig_plan().model_dump(mode="json", exclude_none=True)))

@@ -90,6 +90,7 @@ def hybrid(surrogate: Surrogate) -> Hybrid:
     return surrogate.hybrid
 
 
+@pytest.mark.slow
 def test_waves_are_learned_and_their_uncertainty_known(waves: Simulated, hybrid: Hybrid) -> None:
     ratio, covered = waves.outcome(hybrid)
     assert ratio <= 1.10
@@ -138,6 +139,7 @@ def test_where_the_lens_is_right_there_is_no_field() -> None:
     assert 0.93 <= covered <= 0.97
 
 
+@pytest.mark.slow
 def test_an_unknown_medium_behind_a_window_is_an_interface_and_needs_no_field(tmp_path: Path) -> None:
     """An index between those of air and water: found, and kept in the model's file."""
     wet = Simulated(pair(FlatWindow(distance_mm=200.0, tilt_x_deg=18.0, behind_index=1.2)), 3)

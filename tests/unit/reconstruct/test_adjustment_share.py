@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from scipy.stats import chi2
 
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -41,6 +42,7 @@ def fitted(dots: Detections, grid: DotGrid) -> Model:
     return replace(model, calibration=training.calibration, covariance=training.covariance)
 
 
+@pytest.mark.slow
 def test_ellipsoids_hold_the_truth_only_with_the_adjustments_share(
     see: See, pair: Cameras, grid: DotGrid, poses: Poses, tmp_path: Path
 ) -> None:

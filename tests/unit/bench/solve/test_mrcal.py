@@ -31,6 +31,7 @@ def test_the_ratio_is_that_of_all_and_what_mrcal_lost_is_told() -> None:
     assert mrcal._compared("some", [None]).checks == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not is_installed(), reason="mrcal is not installed")
 def test_mrcal_finds_the_camera_from_our_corners(tmp_path: Path) -> None:
     camera, target = mrcal.bench_camera(), bench_target()

@@ -93,6 +93,7 @@ def test_waves_from_everywhere_keep_all_directions() -> None:
     assert scale.kernel.waves.spread == ALL_ALIKE
 
 
+@pytest.mark.slow
 def test_the_period_of_waves_is_found_and_a_smooth_field_has_none() -> None:
     """Three waves of one period and any direction, as glass has them."""
     noise = 0.02 * RANDOM.standard_normal((150, 2))
