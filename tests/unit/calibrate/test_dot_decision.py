@@ -97,11 +97,11 @@ def test_a_lens_is_chosen_with_the_dots_treated_as_they_will_be(
 ) -> None:
     monkeypatch.setattr(lens_choice, "OF_VIEWS", ("pinhole", "brown5"))
     made = calibration.calibrated(uneven, NARROW.target(), "auto", HandheldSettings(eccentricity_rounds=0))
-    assert made.found.dots.frees
+    assert made.found.dot_decision.frees
     assert made.choice is not None
     # Both lenses predict held-out views to the noise of the dots, which the uneven print is far beyond.
     tried = {trial.lens: trial.held_out_px for trial in made.choice.trials}
-    assert tried["brown5"] < 0.8 * (made.found.dots.declared_px or 0.0)
+    assert tried["brown5"] < 0.8 * (made.found.dot_decision.declared_px or 0.0)
 
 
 def test_an_advantage_by_chance_is_none() -> None:
