@@ -13,14 +13,10 @@ from jaxtyping import Bool, Float64
 from labcal.arrays import Vectors3
 from labcal.calibrate.triangulation_check import scatter_of
 from labcal.cameras.camera import Camera
-from labcal.cameras.derivatives import projection_derivatives
-from labcal.cameras.optics import INTRINSICS
+from labcal.cameras.parameter_derivatives import parameter_count, parameter_derivatives, parameter_slices
 from labcal.cameras.rig import CalibrationRecord
-from labcal.cameras.triangulation_derivatives import POSE, parameter_count
 from labcal.correspond.matching import Matches
 from labcal.distributions import chi2_upper
-from labcal.geometry.cross_matrices import cross_matrices
-from labcal.geometry.poses import transform
 
 CHANCE = 1e-4
 """Probability below which chance is no explanation."""
@@ -138,22 +134,10 @@ def _derivatives(
     q = np.empty((len(p), len(cameras), 2))
     by_point = np.empty((len(p), 2 * len(cameras), 3))
     by_cameras = np.zeros((len(p), 2 * len(cameras), parameter_count(cameras)))
-    first = 0
-    for number, camera in enumerate(cameras):
-        p_cam = transform(camera.T_cam_world, p)
-        found = projection_derivatives(camera, p_cam)
-        at = slice(2 * number, 2 * number + 2)
-        q[:, number] = found.q
-        by_point[:, at] = found.by_point @ camera.T_cam_world[:3, :3]
-        last = first + INTRINSICS + camera.model.coefficients
-        by_cameras[:, at, first:last] = found.by_camera
-        if number:
-            # As in `triangulation_derivatives`: a rotation turns points about the camera's centre.
-            turned = -found.by_point @ cross_matrices(p_cam - camera.T_cam_world[:3, 3])
-            by_cameras[:, at, last : last + 3] = turned
-            by_cameras[:, at, last + 3 : last + POSE] = found.by_point
-            last += POSE
-        first = last
+    for number, (camera, place) in enumerate(zip(cameras, parameter_slices(cameras), strict=True)):
+        found, at = parameter_derivatives(camera, p), slice(2 * number, 2 * number + 2)
+        q[:, number], by_point[:, at] = found.q, found.by_point
+        by_cameras[:, at, place] = found.by_parameters[:, :, : place.stop - place.start]
     return q, by_point, by_cameras
 
 

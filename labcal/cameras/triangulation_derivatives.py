@@ -7,21 +7,10 @@ from jaxtyping import Float64
 
 from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
-from labcal.cameras.derivatives import RUN, projection_derivatives
-from labcal.cameras.optics import INTRINSICS
-from labcal.geometry.covariances import inverses
-from labcal.geometry.cross_matrices import cross_matrices
-from labcal.geometry.poses import transform
+from labcal.cameras.derivatives import RUN
+from labcal.cameras.parameter_derivatives import parameter_count, parameter_derivatives, parameter_slices
 
 _PAIR = 2
-POSE = 6
-"""A rotation vector, rad, and a shift, mm, both along the camera's axes; the first camera has none."""
-
-
-def parameter_count(cameras: Sequence[Camera]) -> int:
-    """Return the number of parameters: each camera's lens, and the pose of all but the first."""
-    lenses = sum(INTRINSICS + camera.model.coefficients for camera in cameras)
-    return lenses + POSE * (len(cameras) - 1)
 
 
 def triangulation_derivatives(
@@ -66,21 +55,10 @@ def _of_some(
     """Return the derivatives of points that two cameras or more image."""
     normal = np.zeros((len(p), 3, 3))
     gradient = np.zeros((len(p), 3, parameter_count(cameras)))
-    first = 0
-    for number, camera in enumerate(cameras):
-        R, at = camera.T_cam_world[:3, :3], np.isfinite(covariance[:, number]).all(axis=(1, 2))
-        p_cam = transform(camera.T_cam_world, p[at])
-        found = projection_derivatives(camera, p_cam)
-        by_world = found.by_point @ R
-        weighted = by_world.transpose(0, 2, 1) @ inverses(covariance[at, number])
-        normal[at] += weighted @ by_world
-        last = first + INTRINSICS + camera.model.coefficients
-        gradient[at, :, first:last] = weighted @ found.by_camera
-        if number:
-            # The camera's rotation turns points about its centre: w x (R p) = -[R p] w.
-            turned = -found.by_point @ cross_matrices(p_cam - camera.T_cam_world[:3, 3])
-            gradient[at, :, last : last + 3] = weighted @ turned
-            gradient[at, :, last + 3 : last + POSE] = weighted @ found.by_point
-            last += POSE
-        first = last
+    for number, (camera, place) in enumerate(zip(cameras, parameter_slices(cameras), strict=True)):
+        at = np.isfinite(covariance[:, number]).all(axis=(1, 2))
+        found = parameter_derivatives(camera, p[at])
+        weighted = found.by_point.transpose(0, 2, 1) @ np.linalg.inv(covariance[at, number])
+        normal[at] += weighted @ found.by_point
+        gradient[at, :, place] = weighted @ found.by_parameters[:, :, : place.stop - place.start]
     return np.asarray(-np.linalg.solve(normal, gradient))

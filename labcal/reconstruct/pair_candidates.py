@@ -7,19 +7,15 @@ from jaxtyping import Float64, Int64
 
 from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
-from labcal.cameras.derivatives import projection_derivatives
-from labcal.cameras.optics import INTRINSICS
+from labcal.cameras.parameter_derivatives import POSE, parameter_derivatives, parameter_slices
 from labcal.cameras.triangulation import triangulate
 from labcal.distributions import chi2_upper_quantile
-from labcal.geometry.cross_matrices import cross_matrices
-from labcal.geometry.poses import transform
 
 _MISSED = 1e-3
 """Probability that the pair of a dot is no candidate."""
 _GATE_PX = 8.0
 """Distance of rays, as pixels, beyond which no calibration that is of use explains a pair."""
 _AT_A_TIME = 2**18
-_POSE = 6
 
 
 @dataclass(frozen=True)
@@ -131,15 +127,10 @@ def _chi_square(pair: Pair, p: Vectors3, q: np.ndarray, S: np.ndarray) -> np.nda
     L = np.linalg.cholesky(S)
     by_point, by_cameras, off = [], [], []
     for number, camera in enumerate(pair.cameras):
-        p_cam = transform(camera.T_cam_world, p)
-        found = projection_derivatives(camera, p_cam)
-        own = L[:, number]
-        by_point.append(np.linalg.solve(own, found.by_point @ camera.T_cam_world[:3, :3]))
+        found, own = parameter_derivatives(camera, p), L[:, number]
+        by_point.append(np.linalg.solve(own, found.by_point))
         off.append(np.linalg.solve(own, (found.q - q[:, number])[..., None])[..., 0])
-        turned = -found.by_point @ cross_matrices(p_cam - camera.T_cam_world[:3, 3])
-        by_cameras.append(
-            np.linalg.solve(own, np.concatenate([found.by_camera, turned, found.by_point], axis=2))
-        )
+        by_cameras.append(np.linalg.solve(own, found.by_parameters))
     A = np.concatenate(by_point, axis=1)
     u = np.linalg.svd(A, full_matrices=True)[0][:, :, 3]
     residual = (u * np.concatenate(off, axis=1)).sum(axis=1)
@@ -162,10 +153,6 @@ def parameter_columns(cameras: list[Camera], first: int, second: int) -> list[in
     first, second : int
         Numbers of the two.
     """
-    columns, start = {}, 0
-    for number, camera in enumerate(cameras):
-        lens = INTRINSICS + camera.model.coefficients
-        pose = list(range(start + lens, start + lens + _POSE)) if number else [-1] * _POSE
-        columns[number] = [*range(start, start + lens), *pose]
-        start += lens + (_POSE if number else 0)
+    columns = [list(range(place.start, place.stop)) for place in parameter_slices(cameras)]
+    columns[0] += [-1] * POSE
     return [*columns[first], *columns[second]]

@@ -10,9 +10,10 @@ from jaxtyping import Float64
 from labcal.arrays import AnyArray, PointCovariances, Vectors3, lines_array
 from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
+from labcal.cameras.parameter_derivatives import parameter_count
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import KnownCamera, noise_covariance
-from labcal.cameras.triangulation_derivatives import parameter_count, triangulation_derivatives
+from labcal.cameras.triangulation_derivatives import triangulation_derivatives
 from labcal.errors import InputError
 from labcal.reconstruct.point_errors import PointErrors
 

@@ -13,7 +13,7 @@ from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
 from labcal.calibrate.budget.error_sources import ErrorSources
 from labcal.cameras.camera import Camera
-from labcal.cameras.triangulation_derivatives import parameter_count
+from labcal.cameras.parameter_derivatives import parameter_count
 from labcal.geometry.poses import pose
 from labcal.targets.grid import DotGrid
 

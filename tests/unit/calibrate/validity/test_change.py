@@ -4,7 +4,7 @@ import pytest
 from labcal import examples
 from labcal.calibrate.adjustment.state import RigState
 from labcal.calibrate.validity.change import Change, ChangeKind, possible_changes
-from labcal.cameras.triangulation_derivatives import parameter_count
+from labcal.cameras.parameter_derivatives import parameter_count
 
 CAMERAS = tuple(examples.rig().camera(name) for name in ("left", "right"))
 STATE = RigState(CAMERAS, np.eye(4)[None], np.zeros((1, 3)))
