@@ -94,6 +94,24 @@ def whole_number(given: object, name: str, least: int) -> int:
     return number
 
 
+def any_number(given: object, name: str, described: str = "a number") -> float:
+    """Return an argument that is a number, also one of NumPy's; it may be infinite, or NaN.
+
+    Raises
+    ------
+    InputTypeError
+        It is something else; a truth value and a text count as such.
+
+    Examples
+    --------
+    >>> any_number(np.float32(0.5), "share")
+    0.5
+    """
+    if isinstance(given, bool | np.bool_) or not hasattr(given, "__float__"):
+        raise wrong_type(given, described, name)
+    return float(given)
+
+
 def positive_number(given: object, name: str, unit: str) -> float:
     """Return an argument that is a positive number in a unit, for messages.
 
@@ -109,9 +127,7 @@ def positive_number(given: object, name: str, unit: str) -> float:
     >>> positive_number(1, "pixel_sigma_px", "px")
     1.0
     """
-    if isinstance(given, bool | np.bool_) or not hasattr(given, "__float__"):
-        raise wrong_type(given, f"a number of {unit}", name)
-    number = float(given)
+    number = any_number(given, name, f"a number of {unit}")
     if not (isfinite(number) and number > 0.0):
         raise InputError(f"`{name}` must be a positive number of {unit}, but {shown(number)} was given.")
     return number
@@ -132,9 +148,7 @@ def real_number(given: object, name: str, ends: tuple[float, float]) -> float:
     >>> real_number(np.float32(0.5), "share", (0.0, 1.0))
     0.5
     """
-    if isinstance(given, bool | np.bool_ | str) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number", name)
-    value = float(given)
+    value = any_number(given, name)
     if not ends[0] <= value <= ends[1]:  # of NaN, too
         between = f"from {ends[0]:g} to {ends[1]:g}"
         raise InputError(f"`{name}` must be a number {between}, but {shown(given)} was given.")

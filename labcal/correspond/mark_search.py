@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 
-from labcal.arguments import one_text, set_checked, settings_of, wrong_type
+from labcal.arguments import any_number, one_text, set_checked, settings_of, wrong_type
 from labcal.bounds import MOST_MM
 from labcal.detect.settings import DetectSettings
 from labcal.errors import InputError
@@ -71,9 +71,7 @@ def _names(given: object) -> tuple[str, ...]:
 
 def _diameter(given: object) -> float:
     """Return a diameter, mm."""
-    if isinstance(given, bool) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number of mm", "mark_diameter")
-    diameter = float(given)
+    diameter = any_number(given, "mark_diameter", "a number of mm")
     if not (isfinite(diameter) and 0.0 < diameter <= MOST_MM):
         raise InputError(
             f"`mark_diameter` is the diameter of the dots, a positive number of mm, but {shown(given)} was "

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from labcal.arguments import one_text, set_checked, wrong_type
+from labcal.arguments import any_number, one_text, set_checked
 from labcal.errors import InputError
 from labcal.guide.check_log import MOST_LETTERS, checked_date
 from labcal.paths import AnyPath, as_text
@@ -58,9 +58,7 @@ class CheckSettings:
 
 
 def _temperature(given: object) -> float:
-    if isinstance(given, bool) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number of degrees Celsius", "temperature_c")
-    value = float(given)
+    value = any_number(given, "temperature_c", "a number of degrees Celsius")
     if not (isfinite(value) and _COLDEST <= value <= _HOTTEST):
         raise InputError(
             f"`temperature_c` is a temperature in degrees Celsius, but {shown(given)} was given."

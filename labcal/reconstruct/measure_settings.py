@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from labcal.arguments import one_text, set_checked, wrong_type
+from labcal.arguments import any_number, one_text, set_checked
 from labcal.bounds import LONGEST_SIDE_PX
 from labcal.errors import InputError
 from labcal.reconstruct.scale.scale_bar import ScaleBar
@@ -77,9 +77,7 @@ class MeasureSettings:
 
 def _sigma(given: object) -> float:
     """Return a standard deviation, px."""
-    if isinstance(given, bool) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number of px", "pixel_sigma")
-    sigma = float(given)
+    sigma = any_number(given, "pixel_sigma", "a number of px")
     if not (isfinite(sigma) and _LEAST_SIGMA_PX <= sigma <= LONGEST_SIDE_PX):
         raise InputError(
             f"`pixel_sigma` is the standard deviation of a pixel's x and y, a positive number of px, but "
@@ -90,9 +88,7 @@ def _sigma(given: object) -> float:
 
 def _ppm(given: object) -> float:
     """Return the standard deviation of a scale, ppm."""
-    if isinstance(given, bool) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number of ppm", "scale_sigma_ppm")
-    sigma = float(given)
+    sigma = any_number(given, "scale_sigma_ppm", "a number of ppm")
     if not (isfinite(sigma) and 0.0 <= sigma <= _MOST_PPM):
         raise InputError(
             f"`scale_sigma_ppm` is a standard deviation from 0 to {_MOST_PPM:g} ppm, but {shown(given)} was "

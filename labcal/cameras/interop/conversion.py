@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from labcal.arguments import one_text, set_checked, texts, whole_number, wrong_type
+from labcal.arguments import any_number, one_text, set_checked, texts, whole_number, wrong_type
 from labcal.bounds import LONGEST_SIDE_PX
 from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.interop.exchange import ReadOptions, Unit
@@ -197,11 +197,10 @@ def _picture_size(given: object) -> tuple[int, int]:
 
 def _likelihood(given: object) -> float:
     """Return a likelihood, 0 to 1."""
-    if isinstance(given, bool) or not hasattr(given, "__float__"):
-        raise wrong_type(given, "a number from 0 to 1", "likelihood")
-    if not 0.0 <= float(given) <= 1.0:
-        raise InputError(f"`likelihood` is a number from 0 to 1, but {float(given):g} was given.")
-    return float(given)
+    likelihood = any_number(given, "likelihood", "a number from 0 to 1")
+    if not 0.0 <= likelihood <= 1.0:
+        raise InputError(f"`likelihood` is a number from 0 to 1, but {likelihood:g} was given.")
+    return likelihood
 
 
 def _unit(name: str | None) -> Unit | None:
