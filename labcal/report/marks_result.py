@@ -1,15 +1,13 @@
 """Marks in the result of ``labcal measure``: a part of its JSON document, and the same for people."""
 
-from collections import Counter
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from rich.table import Table
 
-from labcal.correspond.refused_pictures import shared_reasons
 from labcal.reconstruct.found_marks import FoundMarks
-from labcal.report.columns import name_column
+from labcal.report.picture_table import PictureLine, picture_table, unused_flags
 
 
 @dataclass(frozen=True)
@@ -65,9 +63,7 @@ def marks_result(found: FoundMarks) -> MarksResult:
             status="ok" if one.reason is None else "refused",
             reason=one.reason,
             marks=0 if one.marks is None else int(one.marks.ok.sum()),
-            flags={}
-            if one.marks is None
-            else dict(sorted(Counter(flag.value for flag in one.marks.flag if flag.value != "ok").items())),
+            flags={} if one.marks is None else unused_flags(one.marks.flag),
         )
         for one in found.measurements
     ]
@@ -89,24 +85,12 @@ def marks_result(found: FoundMarks) -> MarksResult:
 
 def marks_table(result: MarksResult) -> Table:
     """Return the part for people."""
-    shared = shared_reasons([(one.image, one.reason) for one in result.images if one.reason is not None])
-    several = {image for reason in shared if len(reason.images) > 1 for image in reason.images}
-    captions = [reason.words for reason in shared if len(reason.images) > 1]
-    eccentricity = result.eccentricity
+    captions, eccentricity = list[str](), result.eccentricity
     if eccentricity.corrected:
         captions.append(
             f"eccentricity of dots corrected by {eccentricity.rms_px:.2g} px RMS, at most "
             f"{eccentricity.max_px:.2g} px"
         )
-    table = Table(
-        name_column("picture"),
-        "measured",
-        "result",
-        caption="\n".join([*captions, f"{result.measured} with marks, {result.refused} refused"]),
-        caption_justify="left",
-    )
-    for image in result.images:
-        others = ", ".join(f"{count} {flag}" for flag, count in image.flags.items())
-        came = image.reason or ("ok" if not others else f"ok; not used: {others}")
-        table.add_row(image.image, str(image.marks), "refused, see below" if image.image in several else came)
-    return table
+    captions.append(f"{result.measured} with marks, {result.refused} refused")
+    lines = [PictureLine(one.image, str(one.marks), one.reason, one.flags) for one in result.images]
+    return picture_table(lines, "measured", captions)
