@@ -18,7 +18,7 @@ from labcal.scene.occluders import Occluder
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
 from labcal.scene.room import Room
-from labcal.targets.catalogue import load_target
+from labcal.targets.catalogue import described_grid
 from labcal.targets.grid import DotGrid
 
 MOST_SAMPLES = 65536
@@ -76,14 +76,7 @@ class Scene(BaseModel):
     @field_validator("target", mode="before")
     @classmethod
     def _target_by_name(cls, value: object) -> object:
-        target = load_target(value) if isinstance(value, str) else value
-        kind = target.get("kind") if isinstance(target, dict) else getattr(target, "kind", None)
-        if kind is not None:
-            raise ValueError(
-                f"the laboratory prints grids of dots only, and the target is of the kind '{kind}': name "
-                "another one, such as plain-11x8"
-            )
-        return target
+        return described_grid(value, "the laboratory prints", "plain-11x8")
 
     @field_validator("mistake", mode="before")
     @classmethod

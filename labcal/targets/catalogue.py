@@ -110,3 +110,32 @@ def load_target(name: AnyPath) -> AnyTarget:
     if not isinstance(found, PrintableTarget):  # which registering has made sure of
         raise InputError(f"The kind '{kind.name}' describes no target.")
     return found
+
+
+def described_grid(given: object, who: str, instead: str) -> object:
+    """Return what a description names as its target, which must be a grid of dots, to be validated.
+
+    Parameters
+    ----------
+    given : object
+        The name of a target, or a description of one.
+    who : str
+        Who takes nothing else, with the verb, for messages.
+    instead : str
+        The name of a target that would do.
+
+    Raises
+    ------
+    ValueError
+        It is of another kind: for a validator, which says of what file.
+    UnknownNameError, InputError
+        As of :func:`load_target`.
+    """
+    target = load_target(given) if isinstance(given, str) else given
+    kind = target.get("kind") if isinstance(target, dict) else getattr(target, "kind", None)
+    if kind is not None:
+        raise ValueError(
+            f"{who} grids of dots only, and the target is of the kind '{kind}': name another one, such as "
+            f"{instead}"
+        )
+    return target

@@ -9,7 +9,7 @@ from labcal.guide.rehearsal.planned_camera import PlannedCamera
 from labcal.run.names import Name, differ_in_case
 from labcal.scene.camera import Coordinate, Vector
 from labcal.scene.photometry import Photometry
-from labcal.targets.catalogue import load_target
+from labcal.targets.catalogue import described_grid
 from labcal.targets.grid import DotGrid
 
 LEAST_CAMERAS = 2
@@ -137,14 +137,7 @@ class RigPlan(BaseModel):
     @field_validator("target", mode="before")
     @classmethod
     def _target_by_name(cls, value: object) -> object:
-        target = load_target(value) if isinstance(value, str) else value
-        kind = target.get("kind") if isinstance(target, dict) else getattr(target, "kind", None)
-        if kind is not None:
-            raise ValueError(
-                f"rehearsals show grids of dots only, and the target is of the kind '{kind}': name another "
-                "one, such as rings-14x10"
-            )
-        return target
+        return described_grid(value, "rehearsals show", "rings-14x10")
 
     @model_validator(mode="after")
     def _cameras_have_places(self) -> "RigPlan":
