@@ -12,7 +12,7 @@ import numpy as np
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.solve.budget_rigs import KINDS
 from labcal.bench.solve.budget_set import CONFIDENCE, PRINTS, BudgetFigures, BudgetSet, measured_set
-from labcal.bench.solve.named_points_growth import named_points_checks, quick_points
+from labcal.bench.solve.named_points_growth import MILLION, QUICK_POINTS, named_points_checks
 from labcal.bench.solve.print_treatments import treatment_findings
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.cases import run_cases
@@ -60,7 +60,8 @@ def budget_findings(bench: Bench) -> Findings:
         of_cell = float(np.mean([one.parameters for one in by_cell[cell]]))
         references.append(Figure(name=f"{name}: squared errors of parameters, stated 1", value=of_cell))
     checks += [_of_simple(cell[0], by_cell[cell]) for cell in simple]
-    checks += named_points_checks(bench.seed, quick_points(bench.quick), bench.folder / "budgets")
+    points = QUICK_POINTS if bench.quick else MILLION
+    checks += named_points_checks(bench.seed, points, bench.folder / "budgets")
     treatments = treatment_findings(bench)
     return Findings(checks + treatments.checks, references + treatments.references)
 

@@ -16,7 +16,7 @@ from labcal.errors import DeviceError
 from labcal.report.bench import Check, at_most
 from labcal.rng import generator
 
-_POINTS, _QUICK_POINTS = 1_000_000, 40_000
+MILLION, QUICK_POINTS = 1_000_000, 40_000
 _PARTS = 4
 """Of so many points a part is measured, too, to see the growth."""
 _KIND = "wide"
@@ -24,14 +24,14 @@ _MOST_S, _MOST_GIB, _MOST_GROWTH = 30.0, 2.0, 1.3
 """Of a million points; growth is the time of a point over that of a point in the small table."""
 
 
-def named_points_checks(seed: int, points: int | None, folder: Path) -> list[Check]:
+def named_points_checks(seed: int, points: int, folder: Path) -> list[Check]:
     """Return the checks of time, memory and growth; other figures than those of a million points are quick.
 
     Parameters
     ----------
     seed : int
-    points : int or None
-        A million if None.
+    points : int
+        Of the largest table.
     folder : Path
         For the tables; they are removed.
 
@@ -40,7 +40,7 @@ def named_points_checks(seed: int, points: int | None, folder: Path) -> list[Che
     DeviceError
         The command ended with an error.
     """
-    kind, count = KINDS[_KIND], points or _POINTS
+    kind, count = KINDS[_KIND], points
     random = generator(seed, "bench solve", "named points")
     rig = calibrated(kind, random)
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,11 +53,6 @@ def named_points_checks(seed: int, points: int | None, folder: Path) -> list[Che
         at_most(f"{name}: memory, GiB", gib, _MOST_GIB),
         at_most(f"{name}: time of a point over that of one in {count // _PARTS}", growth, _MOST_GROWTH),
     ]
-
-
-def quick_points(quick: bool) -> int | None:  # noqa: FBT001 -- of the command
-    """Return the number of points of a quick run; None for a million."""
-    return _QUICK_POINTS if quick else None
 
 
 def _measured(

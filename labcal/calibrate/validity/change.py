@@ -55,6 +55,7 @@ _ELEMENTS = {
     ChangeKind.MOVED_AND_REFOCUSED: tuple(Element),
     ChangeKind.SEVERAL: tuple(Element),
 }
+_PAIR = 2
 _WIDTH = {Element.TURN: 3, Element.SHIFT: 3, Element.FOCUS: 1, Element.PRINCIPAL_POINT: 2}
 
 
@@ -190,7 +191,7 @@ def possible_changes(cameras: tuple[int, ...]) -> tuple[Change, ...]:
     """
     if len(cameras) == 1:
         return (Change(ChangeKind.REFOCUSED, cameras, cameras),)
-    pair = len(cameras) == 2  # noqa: PLR2004 -- as said
+    pair = len(cameras) == _PAIR
     found = [Change(ChangeKind.TURNED, (camera,), (camera,)) for camera in cameras]
     for kind in (ChangeKind.SHIFTED, ChangeKind.MOVED):
         # Between two cameras the one that moved is not observable; with more, the others tell.
