@@ -48,6 +48,7 @@ VERBS = {
     "method": "the methods of 'fit', and what each needs",
     "format": "the files of other systems that 'convert' reads and writes",
     "render": "a shoot from the rendered laboratory",
+    "capture": "a shoot from real cameras, replayed or simulated ones",
     "inspect": "a contact sheet of a shoot",
     "detect": "find the dots in pictures",
     "calibrate": "calibrate cameras from a hand-held target",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from labcal.pipeline.acceptance import certify
 from labcal.pipeline.calibration import calibrate, fit
+from labcal.pipeline.capturing import capture
 from labcal.pipeline.check import check
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.epipolar_residual import epipolar_rms
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.cameras.interop.conversion import ConvertSettings
+    from labcal.capture.settings import CaptureSettings, SourceSettings
     from labcal.correspond.mark_search import MarkSearch
     from labcal.correspond.measure import detections_of
     from labcal.correspond.picture_set import open_pictures
@@ -53,6 +55,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BenchSettings",
+    "CaptureSettings",
     "CertifySettings",
     "CheckSettings",
     "CompareSettings",
@@ -67,9 +70,11 @@ __all__ = [
     "RehearseSettings",
     "RenderSettings",
     "ReproduceSettings",
+    "SourceSettings",
     "UndistortSettings",
     "bench",
     "calibrate",
+    "capture",
     "certify",
     "check",
     "compare",
@@ -101,6 +106,7 @@ __all__ = [
 
 _HOMES = {
     "BenchSettings": "labcal.bench.settings",
+    "CaptureSettings": "labcal.capture.settings",
     "CertifySettings": "labcal.evaluate.acceptance.certify_settings",
     "CheckSettings": "labcal.guide.check_settings",
     "CompareSettings": "labcal.evaluate.comparison.compare_settings",
@@ -115,6 +121,7 @@ _HOMES = {
     "RehearseSettings": "labcal.guide.rehearsal.settings",
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
+    "SourceSettings": "labcal.capture.settings",
     "UndistortSettings": "labcal.correspond.undistortion",
     "detect_settings": "labcal.detect.settings",
     "detections_of": "labcal.correspond.measure",

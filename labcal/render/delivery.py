@@ -50,7 +50,24 @@ def deliver(
     if photometry.format is PictureFormat.EXR:
         write_exr(destination.path, expose(light, photometry, exposure), destination.texts)
         return
-    picture = read_sensor(light, photometry, exposure, shot)
-    if photometry.stage is Stage.PICTURE:
-        picture = develop(picture, photometry, exposure)
+    picture = sensor_picture(light, photometry, exposure, shot)
     write_picture(destination.path, picture, jpeg_quality=photometry.jpeg_quality)
+
+
+def sensor_picture(
+    light: np.ndarray, photometry: Photometry, exposure: Exposure, shot: Shot | None
+) -> np.ndarray:
+    """Return the picture that a camera makes of light, before it is put into a file.
+
+    Parameters
+    ----------
+    light, photometry, exposure, shot
+        As of :func:`deliver`.
+
+    Returns
+    -------
+    ndarray, shape (height, width) or (height, width, 3)
+        uint8 or uint16.
+    """
+    picture = read_sensor(light, photometry, exposure, shot)
+    return develop(picture, photometry, exposure) if photometry.stage is Stage.PICTURE else picture

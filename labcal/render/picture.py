@@ -5,13 +5,16 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from labcal.cameras.record import CameraRecord
-from labcal.render.delivery import Destination, deliver
+from labcal.render.delivery import Destination, deliver, sensor_picture
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.sensor_response import Exposure, Shot
 from labcal.render.variant import COLOUR, MONO, renderer
 from labcal.scene.model import Scene
+from labcal.scene.photometry import Photometry
 
 
 @dataclass(frozen=True)
@@ -36,12 +39,28 @@ def render_picture(job: Job) -> float:
         The file cannot be written.
     """
     began = time.perf_counter()
+    deliver(*_exposed(job), Destination(job.path, _texts(job)))
+    return time.perf_counter() - began
+
+
+def picture_of(job: Job) -> np.ndarray:
+    """Render one picture, and return it: uint8 or uint16, shape (height, width) or (height, width, 3).
+
+    Raises
+    ------
+    DeviceError
+        Dr.Jit has no LLVM library to compile with.
+    """
+    return sensor_picture(*_exposed(job))
+
+
+def _exposed(job: Job) -> tuple[np.ndarray, Photometry, Exposure, Shot | None]:
+    """Return the light of a picture, and all that makes a picture of it."""
     scene, case, photometry = job.scene, job.case, job.case.take.photometry(job.scene.photometry)
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
         light = render_light(Laboratories(mi, scene, case.seed), case)
     shot = Shot(case.seed, case.view, case.camera) if scene.noise else None
-    deliver(light, photometry, job.exposure, shot, Destination(job.path, _texts(job)))
-    return time.perf_counter() - began
+    return light, photometry, job.exposure, shot
 
 
 def _texts(job: Job) -> dict[str, str]:

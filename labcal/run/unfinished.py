@@ -73,16 +73,16 @@ def unfinished_folder(path: Path, command: str, *, force: bool) -> Iterator[Path
         require_working_place(path, command, force=force)
         theirs = begun_in(working)
         if theirs not in {None, ours}:
-            with _held(working, theirs):
+            with held(working, theirs):
                 remove_made(working)  # nothing in it is foreign, as has just been seen
-        _begin(working, ours)
-        with _held(working, ours):
-            _require_no_linked_folder(working)
-            _remove_scraps(working)
+        begin(working, ours)
+        with held(working, ours):
+            require_no_linked_folder(working)
+            remove_scraps(working)
             reopen(working)
             note_made(working, working)
             yield working
-            _remove_scraps(working)  # of workers that were killed
+            remove_scraps(working)  # of workers that were killed
             _finish(working, path, command, force=force)
     except OutputError:
         raise
@@ -119,7 +119,7 @@ def require_working_place(path: Path, command: str | None, *, force: bool) -> No
             "this version of labcal. Move it elsewhere, or choose another name."
         )
     if theirs is not None:
-        with _held(working, theirs):
+        with held(working, theirs):
             pass
     if theirs is None or command is None or theirs == (ours := Begun.now(command)):
         return
@@ -149,7 +149,7 @@ def abandon(working: Path) -> None:
     remove_made(working)
 
 
-def _begin(working: Path, ours: Begun) -> None:
+def begin(working: Path, ours: Begun) -> None:
     """Make the folder, and mark it unless it is marked; only one of several processes does so."""
     working.mkdir(parents=True, exist_ok=True)
     if begun_in(working) is not None:
@@ -168,7 +168,7 @@ def _begin(working: Path, ours: Begun) -> None:
 
 
 @contextmanager
-def _held(working: Path, begun: Begun | None) -> Iterator[None]:
+def held(working: Path, begun: Begun | None) -> Iterator[None]:
     """Lock an unfinished folder that has a mark.
 
     Raises
@@ -187,7 +187,7 @@ def _at_work(working: Path) -> OutputError:
     return OutputError(f"Another labcal process works in {working}. Wait until it has ended.")
 
 
-def _require_no_linked_folder(working: Path) -> None:
+def require_no_linked_folder(working: Path) -> None:
     """Raise if an inner folder is a link, through which files elsewhere would be changed."""
     for home, folders, _ in os.walk(working):
         for path in (Path(home, name) for name in folders):
@@ -198,7 +198,7 @@ def _require_no_linked_folder(working: Path) -> None:
                 )
 
 
-def _remove_scraps(working: Path) -> None:
+def remove_scraps(working: Path) -> None:
     """Remove files that were being written when an earlier run was killed."""
     for home, _, names in os.walk(working):
         for name in names:
@@ -212,6 +212,19 @@ def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     flush_tree(working, made.files.keys())
     require_folder_place(path, force=force)  # again: a good deal of time may have gone by
     note_made(path, working)
+    put_in_place(working, path)
+    (path / COMMAND).unlink()
+    flush_folder(path)
+
+
+def put_in_place(working: Path, path: Path) -> None:
+    """Rename a folder to its final name; what labcal made there before is kept until the new one is there.
+
+    Raises
+    ------
+    OutputError
+        What is in the place holds anything that labcal did not make.
+    """
     old, replaces = old_place_of(path), os.path.lexists(path)
     try:
         if replaces:
@@ -226,5 +239,3 @@ def _finish(working: Path, path: Path, command: str, *, force: bool) -> None:
     flush_folder(path.parent)
     if replaces:
         remove_made(old)
-    (path / COMMAND).unlink()
-    flush_folder(path)

@@ -60,14 +60,29 @@ class Shoot(PublicObject):
         return shoot_figure(self)
 
     def _summary(self) -> Mapping[str, object]:
-        summary: dict[str, object] = {"folder": self.folder.as_posix(), "target": self.target.name}
+        summary: dict[str, object] = {"folder": self.folder.as_posix(), "target": self._target_name}
         summary["cameras"] = list(self.cameras)
         return {**summary, "train": len(self.views(Role.TRAIN)), "test": len(self.views(Role.TEST))}
 
     @property
     def target(self) -> AnyTarget:
-        """The target that was shot."""
+        """The target that was shot.
+
+        Raises
+        ------
+        InputError
+            The shoot was captured without naming one.
+        """
+        if self.manifest.target is None:
+            raise InputError(
+                f"The shoot {self.folder} does not tell which target it shows. Name it: `target='NAME'` "
+                "('labcal target list' shows the names)."
+            )
         return self.manifest.target
+
+    @property
+    def _target_name(self) -> str | None:
+        return None if self.manifest.target is None else self.manifest.target.name
 
     @property
     def cameras(self) -> tuple[str, ...]:

@@ -54,8 +54,8 @@ class Manifest(BaseModel):
     """Kind of the file."""
     format_version: Literal[1] = 1
     """Version of the form of the file."""
-    target: DescribedTarget
-    """The target as designed."""
+    target: DescribedTarget | None = None
+    """The target as designed; null where nobody told, as of pictures of cameras without one."""
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
     """Cameras by name."""
     views: tuple[ViewEntry, ...]

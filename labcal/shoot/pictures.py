@@ -129,7 +129,7 @@ def write_single_picture(path: AnyPath, picture: np.ndarray, *, force: bool = Fa
     """Write a picture that is an output by itself, with the mark of labcal; else as :func:`write_picture`."""
     path = as_path(path)
     kind = picture_output(path).kind
-    write_file(path, _encoded(path, picture, _JPEG_QUALITY), kind=kind, force=force)
+    write_file(path, encoded_picture(path, picture, _JPEG_QUALITY), kind=kind, force=force)
 
 
 def write_picture(
@@ -148,11 +148,25 @@ def write_picture(
         The file exists and `force` is not set, or it cannot be written.
     """
     path = as_path(path)
-    write_file(path, _encoded(path, picture, jpeg_quality), force=force)
+    write_file(path, encoded_picture(path, picture, jpeg_quality), force=force)
 
 
-def _encoded(path: Path, picture: np.ndarray, jpeg_quality: int) -> memoryview:
-    """Return the content of a picture's file."""
+def encoded_picture(path: AnyPath, picture: np.ndarray, jpeg_quality: int = _JPEG_QUALITY) -> memoryview:
+    """Return the content of a picture's file, in the format of the file name ending.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        Only its ending counts.
+    picture : ndarray, shape (height, width) or (height, width, 3)
+        Colour in the order red, green, blue.
+
+    Raises
+    ------
+    OutputError
+        No format that is written ends so.
+    """
+    path = as_path(path)
     parameters = [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality] if path.suffix.lower() in {".jpg", ".jpeg"} else []
     ordered = picture if picture.ndim == 2 else picture[..., ::-1]  # noqa: PLR2004 -- grey
     try:

@@ -1,0 +1,1 @@
+"""Pictures from cameras: real ones, replayed ones and simulated ones behind one small interface."""

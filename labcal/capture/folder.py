@@ -1,0 +1,102 @@
+"""Pictures that are in a folder already, replayed in the order of their names."""
+
+from collections.abc import Collection, Iterator
+from itertools import groupby
+from pathlib import Path
+
+from labcal.arrays import Pose
+from labcal.capture.addresses import Address
+from labcal.capture.settings import SourceSettings
+from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
+from labcal.correspond.picture_set import PictureSet, open_pictures
+from labcal.correspond.sources import Source as Picture
+from labcal.errors import InputError
+from labcal.run.file_reading import read_bytes
+from labcal.shoot.manifest import Role
+from labcal.shoot.pictures import MOST_BYTES
+
+
+class FolderSource:
+    """The pictures of a folder or of a shoot; a view is one set.
+
+    Parameters
+    ----------
+    address : Address
+        Its place is the folder.
+    cameras : str, optional
+        Cameras by the end of the names, as of :func:`~labcal.correspond.picture_set.open_pictures`.
+    """
+
+    live = False
+
+    def __init__(self, address: Address, cameras: str | None) -> None:
+        self._address, self._cameras = address, cameras
+        self._infos: tuple[CameraInfo, ...] = ()
+        self._poses: dict[str, Pose] = {}
+        self._roles: dict[str, str] = {}
+        self._sets: Iterator[tuple[str, list[Picture]]] = iter(())
+
+    def open(self) -> None:
+        """Find the pictures, and read the first one of each camera for its size."""
+        found = open_pictures(self._address.place, self._cameras)
+        self._poses = {} if found.shoot is None else found.shoot.nominal_poses()
+        self._roles = found.roles
+        self._infos = tuple(self._info(camera, found) for camera in dict.fromkeys(_cameras(found)))
+        self._sets = iter(
+            [(view, list(pictures)) for view, pictures in groupby(found.sources, lambda one: one.view)]
+        )
+
+    def describe(self) -> tuple[CameraInfo, ...]:
+        """Return the cameras that the names tell of."""
+        return self._infos
+
+    def trigger(self) -> FrameSet | None:
+        """Return the pictures of the next view; one that cannot be read is a reason to refuse the set."""
+        following = next(self._sets, None)
+        if following is None:
+            return None
+        view, pictures = following
+        frames: dict[str, Frame] = {}
+        refusals: list[str] = []
+        for picture in pictures:
+            try:
+                frames[self._name(picture.camera)] = Frame(
+                    picture.read(), encoded=file_of(Path(picture.image))
+                )
+            except InputError as error:  # a damaged file
+                refusals.append(str(error))
+        role = Role(self._roles.get(view, Role.TRAIN))
+        return FrameSet(frames, view, self._poses.get(view), role, tuple(refusals))
+
+    def skip(self, views: Collection[str]) -> None:
+        """Leave out the pictures of these views."""
+        self._sets = iter([one for one in self._sets if one[0] not in views])
+
+    def close(self) -> None:
+        """Forget the pictures."""
+        self._sets = iter(())
+
+    def _name(self, camera: str) -> str:
+        """Return the name of a camera, which that of the address replaces where there is one only."""
+        return self._address.camera or camera
+
+    def _info(self, camera: str, found: PictureSet) -> CameraInfo:
+        first = next(one for one in found.sources if one.camera == camera)
+        picture = first.read()
+        return CameraInfo(
+            self._name(camera), str(self._address), (int(picture.shape[1]), int(picture.shape[0]))
+        )
+
+
+def file_of(path: Path) -> Encoded:
+    """Return a picture's file as it is."""
+    return Encoded(read_bytes(path, "picture", MOST_BYTES), path.suffix.lower())
+
+
+def _cameras(found: PictureSet) -> list[str]:
+    return [one.camera for one in found.sources]
+
+
+def source_of(address: Address, settings: SourceSettings) -> FolderSource:
+    """Return the source of a folder, which is looked at when it is opened."""
+    return FolderSource(address, settings.cameras)

@@ -1,0 +1,159 @@
+"""Pictures into a shoot, view after view; what is there is a whole shoot at every moment."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from labcal.cameras.record import matrix4_record
+from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
+from labcal.run.documents import read_document
+from labcal.run.growing import GrowingFolder
+from labcal.run.made import make_folder
+from labcal.run.names import Name
+from labcal.run.outputs import write_file
+from labcal.shoot.dataset import MANIFEST, write_manifest
+from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
+from labcal.shoot.pictures import encoded_picture
+from labcal.targets.catalogue import AnyTarget
+
+RECORD = "capture.json"
+"""Name of the record of a capture, beside the manifest."""
+
+
+class TakenPicture(BaseModel):
+    """When and with which settings a picture was taken."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    view: Name
+    """Name of the view."""
+    camera: Name
+    """Name of the camera."""
+    image: str
+    """Path of the picture in the shoot."""
+    device: str
+    """The device in its own words."""
+    time_s: float | None
+    """Seconds since 1970, or since the beginning of a recording; null where nothing tells."""
+    exposure_us: float | None
+    """Exposure time, microseconds; null where the device does not tell."""
+    gain: float | None
+    """Gain in the device's unit; null where it does not tell."""
+    number: int | None
+    """Number that the device or the recording gives the picture."""
+
+
+class CaptureRecord(BaseModel):
+    """``capture.json``: how each picture of a captured shoot was taken."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    format: Literal["labcal-capture"] = "labcal-capture"
+    """Kind of the file."""
+    format_version: Literal[1] = 1
+    """Version of the form of the file."""
+    notes: tuple[str, ...] = ()
+    """Settings of the devices that could not be read, set or locked."""
+    pictures: tuple[TakenPicture, ...] = ()
+    """In the order in which they were taken."""
+
+
+@dataclass
+class Recorder:
+    """Writes the sets of a source into a folder that grows.
+
+    Parameters
+    ----------
+    folder : GrowingFolder
+    target : AnyTarget or None
+        The target that the pictures show, where it is known.
+    cameras : sequence of CameraInfo
+    """
+
+    folder: GrowingFolder
+    target: AnyTarget | None
+    cameras: Sequence[CameraInfo]
+
+    def __post_init__(self) -> None:
+        """Read what an interrupted run has recorded already."""
+        path = self.folder.path
+        self._views: list[ViewEntry] = []
+        self._sizes: dict[str, CameraEntry] = {}
+        self._record = CaptureRecord(notes=tuple(note for one in self.cameras for note in one.notes))
+        if (path / MANIFEST).is_file() and (path / RECORD).is_file():
+            begun = read_document(Manifest, "manifest", path / MANIFEST)
+            self._views, self._sizes = list(begun.views), dict(begun.cameras)
+            self._record = read_document(CaptureRecord, "record of a capture", path / RECORD)
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """Names of the views that are in the shoot."""
+        return tuple(view.name for view in self._views)
+
+    def refusal(self, frames: FrameSet) -> str | None:
+        """Return why a set does not fit the shoot: a camera is missing, or its pictures have another size."""
+        missing = [camera.name for camera in self.cameras if camera.name not in frames.frames]
+        if missing:
+            return f"no picture of the camera {', '.join(missing)}"
+        for name, frame in frames.frames.items():
+            known = self._sizes.get(name)
+            if known is not None and known.size != frame.size:
+                return (
+                    f"camera {name}: the picture is {frame.size[0]} x {frame.size[1]}, but those before are "
+                    f"{known.size[0]} x {known.size[1]}"
+                )
+        return None
+
+    def add(self, frames: FrameSet, view: str) -> None:
+        """Write one set; it is in the shoot when this returns, and nothing of it before.
+
+        Raises
+        ------
+        OutputError
+            The disk refuses.
+        """
+        home = self.folder.path
+        make_folder(home / "images")
+        devices = {camera.name: camera.device for camera in self.cameras}
+        images: dict[str, str] = {}
+        taken: list[TakenPicture] = []
+        for name, frame in frames.frames.items():
+            data = _file(frame)
+            images[name] = f"images/{view}_{name}{data.suffix}"
+            write_file(home / images[name], data.data, force=True)
+            taken.append(
+                TakenPicture(
+                    view=view,
+                    camera=name,
+                    image=images[name],
+                    device=devices[name],
+                    time_s=frame.time_s,
+                    exposure_us=frame.exposure_us,
+                    gain=frame.gain,
+                    number=frame.number,
+                )
+            )
+            self._sizes.setdefault(name, CameraEntry(size=frame.size))
+        nominal = frames.T_world_target_nominal
+        self._views.append(
+            ViewEntry(
+                name=view,
+                images=images,
+                role=frames.role,
+                T_world_target_nominal=None if nominal is None else matrix4_record(nominal),
+            )
+        )
+        self._record = self._record.model_copy(update={"pictures": (*self._record.pictures, *taken)})
+        write_file(home / RECORD, self._record.model_dump_json(indent=1) + "\n", force=True)
+        # The manifest comes last: a shoot has the views that it names.
+        write_manifest(home, Manifest(target=self.target, cameras=self._sizes, views=tuple(self._views)))
+        self.folder.show()
+
+
+def _file(frame: Frame) -> Encoded:
+    """Return a picture's file: as it came, or as PNG."""
+    if frame.encoded is not None:
+        return frame.encoded
+    return Encoded(bytes(encoded_picture("picture.png", frame.picture)), ".png")

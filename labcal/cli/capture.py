@@ -1,0 +1,154 @@
+"""``labcal capture``: a shoot from cameras, real, replayed or simulated."""
+
+import sys
+from argparse import Namespace
+from dataclasses import dataclass
+from pathlib import Path
+
+from labcal.cli.options import add_output, add_seed, positive_number
+from labcal.cli.parser import CommandGroup
+from labcal.cli.session import Session
+from labcal.cli.status import ExitStatus
+from labcal.wording import counted
+
+
+def add_parser(commands: CommandGroup) -> None:
+    """Describe the arguments."""
+    parser = commands.add(
+        "capture",
+        run,
+        "Take pictures with cameras into a shoot: webcams (uvc:0), GigE Vision and USB3 Vision cameras "
+        "(genicam:SERIAL), a scene that is rendered (sim:SCENE), pictures that another program drops into a "
+        "folder (watch:PATH) or that are there already (folder:PATH). The shoot is whole after every view.",
+        example="labcal capture left=uvc:0 right=uvc:2 --target paper-13x10 --views 20 -o shoot",
+    )
+    parser.add_argument(
+        "sources",
+        nargs="+",
+        metavar="SOURCE",
+        help="address of a source, KIND:PLACE, with the camera's name before: left=uvc:0; several are "
+        "triggered together",
+    )
+    add_output(parser, "SHOOT", "folder to appear")
+    parser.add_argument("--target", metavar="NAME", help="the target; a scene brings its own")
+    parser.add_argument(
+        "--views", type=positive_number, metavar="N", help="number of views (live cameras: 20)"
+    )
+    parser.add_argument(
+        "--interval",
+        type=float,
+        default=1.0,
+        metavar="S",
+        help="seconds between views of live cameras (default 1)",
+    )
+    parser.add_argument(
+        "--on-enter",
+        action="store_true",
+        help="take each view when the Enter key is pressed, not by the clock",
+    )
+    parser.add_argument(
+        "--stage",
+        type=Path,
+        metavar="poses.csv",
+        help="a stage's readings, one line a view: view,role,X_mm,Y_mm,Z_mm,rx_deg,ry_deg,rz_deg",
+    )
+    parser.add_argument(
+        "--exposure-us", type=float, metavar="T", help="exposure time to set and lock, microseconds"
+    )
+    parser.add_argument("--gain", type=float, metavar="G", help="gain to set and lock, in the device's unit")
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        default=5.0,
+        metavar="S",
+        help="longest wait for a picture, seconds (default 5)",
+    )
+    parser.add_argument(
+        "--max-skew-ms",
+        type=float,
+        default=50.0,
+        metavar="MS",
+        help="refuse sets whose pictures are further apart in time (default 50)",
+    )
+    parser.add_argument(
+        "--cameras",
+        metavar="NAMES",
+        help="of folder: and watch: cameras by the end of the name, '_0=left,_1=right', or by a pattern",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="key=value",
+        dest="overrides",
+        help="of sim: change a value of the scene, such as spp=16",
+    )
+    add_seed(parser)
+
+
+@dataclass(frozen=True)
+class RefusedEntry:
+    """A set that did not enter the shoot, in the JSON document of ``labcal capture``."""
+
+    number: int
+    view: str | None
+    reasons: list[str]
+
+
+@dataclass(frozen=True)
+class CaptureResult:
+    """The JSON document of ``labcal capture``."""
+
+    shoot: str
+    cameras: list[str]
+    views: int
+    images: int
+    refused: list[RefusedEntry]
+    notes: list[str]
+
+
+def run(arguments: Namespace, session: Session) -> ExitStatus:
+    """Take the pictures."""
+    from labcal.pipeline import CaptureSettings, SourceSettings, capture
+
+    sources = SourceSettings(
+        exposure_us=arguments.exposure_us,
+        gain=arguments.gain,
+        timeout_s=arguments.timeout,
+        cameras=arguments.cameras,
+        seed=arguments.seed,
+        overrides=tuple(arguments.overrides),
+    )
+    settings = CaptureSettings(
+        views=arguments.views,
+        interval_s=arguments.interval,
+        most_skew_ms=arguments.max_skew_ms,
+        stage=arguments.stage,
+        sources=sources,
+        force=arguments.force,
+    )
+    ask = _wait_for_enter if arguments.on_enter else None
+    with session.progress() as progress:
+        captured = capture(arguments.sources, arguments.output, arguments.target, settings, ask, progress)
+    for note in captured.notes:
+        session.warn(note)
+    shoot = captured.shoot
+    refused = [RefusedEntry(one.number, one.view, list(one.reasons)) for one in captured.refused]
+    for one in refused:
+        session.warn(f"set {one.number} was refused: {'; '.join(one.reasons)}")
+    images = sum(len(view.images) for view in shoot.views())
+    result = CaptureResult(
+        str(arguments.output), list(shoot.cameras), len(shoot.views()), images, refused, list(captured.notes)
+    )
+    session.emit(
+        result, f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
+    )
+    return ExitStatus.PARTIAL if refused and captured.replayed else ExitStatus.DONE
+
+
+def _wait_for_enter(words: str) -> None:
+    """Ask a person for the next view."""
+    sys.stderr.write(f"{words}, then press Enter. ")
+    sys.stderr.flush()
+    if not sys.stdin.readline():
+        raise EOFError
