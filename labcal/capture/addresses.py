@@ -81,7 +81,7 @@ def parse_address(text: str) -> Address:
     if not (colon and place and kind) or (equals and not is_name(camera)):
         raise InputError(
             f"'{clipped(text)}' is no address of a source. Write KIND:PLACE, such as uvc:0 or "
-            "sim:webcam-plane, or NAME=KIND:PLACE with a camera's name of letters, digits and hyphens, such as "
+            "sim:webcam-plane, or NAME=KIND:PLACE with a camera's name of letters, digits and hyphens, as in "
             f"left=uvc:0. Kinds: {listed(list(KINDS))}."
         )
     if kind not in KINDS:

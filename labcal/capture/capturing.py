@@ -161,8 +161,8 @@ def _reasons(taken: FrameSet, source: Source, recorder: Recorder, run: CaptureRu
             f"the picture of camera {late} was taken {1e3 * skew:.0f} ms after the first one, more than "
             f"{run.settings.most_skew_ms:g} ms: trigger the cameras together"
         )
-    if not reasons and source.live and run.target is not None:
-        after = source.trigger()
+    if not reasons and run.target is not None:
+        after = source.follow()
         moved = {} if after is None else motion_px(taken, after, run.target)
         reasons += [
             f"the target moved by {px:.2f} px in the picture of camera {name} while it was taken: hold it "

@@ -68,6 +68,9 @@ class FolderSource:
         role = Role(self._roles.get(view, Role.TRAIN))
         return FrameSet(frames, view, self._poses.get(view), role, tuple(refusals))
 
+    def follow(self) -> None:
+        """Return nothing: these are stills."""
+
     def skip(self, views: Collection[str]) -> None:
         """Leave out the pictures of these views."""
         self._sets = iter([one for one in self._sets if one[0] not in views])

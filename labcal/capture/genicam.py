@@ -18,6 +18,8 @@ _SERIAL_BYTES = 16
 _NAME_REGISTER = 0xE8  # user-defined name, likewise
 _DISCOVERY_MS = 700
 _TRIES = 3
+_CLOCK_S = 0.005
+"""Error of the camera's clock against the computer's, s."""
 
 
 class GenicamCamera:
@@ -87,11 +89,12 @@ class GenicamCamera:
         """
         holes: list[str] = []
         for _ in range(_TRIES):
+            asked = time.time()
             frame = self._next()
             if frame.is_complete:
-                when = frame.ts_host if frame.ts_host is not None else time.time()
+                when = _plausible(frame.ts_host, asked, self._exposure_us)
                 picture = frame.to_numpy(demosaic=True)
-                taken = Frame(picture, float(when), self._exposure_us, self._gain, int(frame.block_id))
+                taken = Frame(picture, when, self._exposure_us, self._gain, int(frame.block_id))
                 return FrameSet({self._name: taken})
             missing = frame.missing_packets
             holes.append("no end of the picture came" if missing is None else f"{missing} packets missing")
@@ -100,6 +103,10 @@ class GenicamCamera:
             "card or jumbo frames, or fewer cameras on it."
         )
         return FrameSet({}, refusals=(reason,))
+
+    def follow(self) -> FrameSet:
+        """Take one more picture."""
+        return self.trigger()
 
     def skip(self, views: Collection[str]) -> None:
         """Do nothing: the world goes on."""
@@ -201,6 +208,16 @@ class GenicamCamera:
             f"The camera {self._device} {what}{because}. See that it has power "
             "and that its cable is plugged in."
         )
+
+
+def _plausible(stated_s: float | None, asked_s: float, exposure_us: float | None) -> float:
+    """Return when a picture was taken: by the camera's clock, or now where that cannot be.
+
+    A clock that was not set against the computer's, or that stands still, states times before the call.
+    """
+    now = time.time()
+    earliest = asked_s - _CLOCK_S - 1e-6 * (exposure_us or 0.0)
+    return now if stated_s is None or not earliest <= stated_s <= now + _CLOCK_S else float(stated_s)
 
 
 def _usb(library: ModuleType) -> list[Any]:

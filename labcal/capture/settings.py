@@ -25,6 +25,9 @@ class SourceSettings:
     """Values of the scene of `sim` to change, as in ``"spp=16"``."""
     every: int | None = None
     """Of videos: take one frame in so many; the sharpest of each second where left out."""
+    video_offset: float | None = None
+    """Of two videos: how many frames of the second one a moment comes later in it; where left out, it is
+    estimated from the motion of the target."""
 
 
 @dataclass(frozen=True)

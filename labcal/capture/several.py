@@ -1,6 +1,6 @@
 """Several sources triggered together, as the cameras of one rig."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from labcal.capture.source import CameraInfo, Frame, FrameSet, Source
@@ -53,9 +53,17 @@ class SeveralSources:
         DeviceError
             As of the first source that failed.
         """
+        return self._together([source.trigger for source in self._sources])
+
+    def follow(self) -> FrameSet | None:
+        """Take one more set; None where a source has stills only."""
+        return self._together([source.follow for source in self._sources])
+
+    def _together(self, calls: Sequence[Callable[[], FrameSet | None]]) -> FrameSet | None:
+        """Call all at once, and put their pictures together; None when one has none."""
         if self._pool is None:
             raise RuntimeError("Call open() before trigger().")
-        waiting = [self._pool.submit(source.trigger) for source in self._sources]
+        waiting = [self._pool.submit(call) for call in calls]
         sets = [one.result() for one in waiting]
         taken = [one for one in sets if one is not None]
         if len(taken) < len(sets):

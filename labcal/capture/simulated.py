@@ -99,6 +99,9 @@ class SimulatedCameras:
             )
         return FrameSet(frames, view.name, view.T_world_target_nominal, view.role)
 
+    def follow(self) -> None:
+        """Return nothing: these are stills."""
+
     def skip(self, views: Collection[str]) -> None:
         """Leave planned views out."""
         self._views = [view for view in self._views if view.name not in views]

@@ -125,6 +125,15 @@ class Source(Protocol):
             A camera was unplugged, or gave no picture in time; the message names it.
         """
 
+    def follow(self) -> FrameSet | None:
+        """Take a set right after the last one, to judge motion; None where a source has stills only.
+
+        Raises
+        ------
+        DeviceError
+            As of :meth:`trigger`.
+        """
+
     def skip(self, views: Collection[str]) -> None:
         """Leave out views that a shoot has already; a live camera does nothing."""
 

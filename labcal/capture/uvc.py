@@ -92,6 +92,10 @@ class Webcam:
         gain = self._value(cv2.CAP_PROP_GAIN)
         return FrameSet({self._name: Frame(picture, now, self._exposure(), gain, self._number)})
 
+    def follow(self) -> FrameSet:
+        """Take one more picture."""
+        return self.trigger()
+
     def skip(self, views: Collection[str]) -> None:
         """Do nothing: the world goes on."""
 

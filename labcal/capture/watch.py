@@ -83,6 +83,9 @@ class WatchedFolder:
             time.sleep(POLL_S)
         raise DeviceError(self._silence())
 
+    def follow(self) -> None:
+        """Return nothing: these are stills."""
+
     def skip(self, views: Collection[str]) -> None:
         """Do nothing: what is in the folder already is not taken."""
 

@@ -53,6 +53,19 @@ def add_parser(commands: CommandGroup) -> None:
         help="a stage's readings, one line a view: view,role,X_mm,Y_mm,Z_mm,rx_deg,ry_deg,rz_deg",
     )
     parser.add_argument(
+        "--every",
+        type=positive_number,
+        metavar="N",
+        help="of videos: take one frame in N, not the sharpest of each second",
+    )
+    parser.add_argument(
+        "--video-offset",
+        type=float,
+        metavar="FRAMES",
+        help="of two videos: how many frames later a moment comes in the second one; estimated from the "
+        "target's motion where not given",
+    )
+    parser.add_argument(
         "--exposure-us", type=float, metavar="T", help="exposure time to set and lock, microseconds"
     )
     parser.add_argument("--gain", type=float, metavar="G", help="gain to set and lock, in the device's unit")
@@ -117,6 +130,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         timeout_s=arguments.timeout,
         cameras=arguments.cameras,
         seed=arguments.seed,
+        every=arguments.every,
+        video_offset=arguments.video_offset,
         overrides=tuple(arguments.overrides),
     )
     settings = CaptureSettings(

@@ -14,6 +14,7 @@ from labcal.targets.catalogue import AnyTarget, target_of
 if TYPE_CHECKING:
     from labcal.capture.capturing import Captured
     from labcal.capture.settings import CaptureSettings
+    from labcal.capture.source import Source
 
 
 def capture(
@@ -69,6 +70,7 @@ def capture(
     from labcal.capture.several import SeveralSources
     from labcal.capture.simulated import SimulatedCameras
     from labcal.capture.stage import read_stage
+    from labcal.capture.video import videos_together
 
     how = settings_of(settings, CaptureSettings)
     given = [sources] if isinstance(sources, str) else list(texts(sources, "sources"))
@@ -87,5 +89,10 @@ def capture(
         "stage": [one.view for one in readings],
     }
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
-    source = made[0] if len(made) == 1 else SeveralSources(made)
+    if len(made) == 1:
+        source: Source = made[0]
+    elif all(address.kind == "video" for address in addresses):
+        source = videos_together(addresses, shown, how.sources)
+    else:
+        source = SeveralSources(made)
     return capture_shoot(source, as_path(folder), run, progress_of(progress))
