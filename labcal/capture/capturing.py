@@ -43,9 +43,9 @@ class Captured(PublicObject):
     refused: tuple[RefusedSet, ...]
     """Sets that were refused; of live cameras they were taken again."""
     notes: tuple[str, ...]
-    """What the devices could not do, for people."""
+    """Settings that the devices refused, for people."""
     replayed: bool
-    """Whether the sets came from a recording, of which a refused one is lost."""
+    """True if the sets came from a recording, of which a refused one is lost."""
 
     def _summary(self) -> Mapping[str, object]:
         return {
@@ -154,12 +154,12 @@ def _reasons(taken: FrameSet, source: Source, recorder: Recorder, run: CaptureRu
     if unfit is not None and not reasons:
         reasons.append(unfit)
     skew = taken.skew_s
-    if skew is not None and 1e3 * skew > run.settings.most_skew_ms:
+    if skew is not None and 1e3 * skew > run.settings.max_skew_ms:
         times = {name: frame.time_s for name, frame in taken.frames.items() if frame.time_s is not None}
         late = max(times, key=lambda name: times[name])
         reasons.append(
             f"the picture of camera {late} was taken {1e3 * skew:.0f} ms after the first one, more than "
-            f"{run.settings.most_skew_ms:g} ms: trigger the cameras together"
+            f"{run.settings.max_skew_ms:g} ms: trigger the cameras together"
         )
     if not reasons and run.target is not None:
         after = source.follow()

@@ -23,7 +23,7 @@ RECORD = "capture.json"
 
 
 class TakenPicture(BaseModel):
-    """When and with which settings a picture was taken."""
+    """Time and settings of one picture."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -38,11 +38,11 @@ class CaptureSettings:
     """Number of views; of recordings, all that they hold where left out."""
     interval_s: float = 1.0
     """Time from one set of pictures to the next, of live cameras, s."""
-    most_skew_ms: float = 50.0
+    max_skew_ms: float = 50.0
     """Longest time between the pictures of a set, ms; others are refused."""
     stage: AnyPath | None = None
     """``poses.csv``: readings of a stage, one line a view; none for a target in the hand."""
-    sources: SourceSettings = SourceSettings()
+    source_settings: SourceSettings = SourceSettings()
     """Exposure, gain and other settings of the sources."""
     tries: int = 5
     """Sets that may be refused in a row before the capture ends with an error."""
@@ -59,8 +59,8 @@ class CaptureSettings:
         """
         views = None if self.views is None else whole_number(self.views, "views", 1)
         set_checked(self, {"views": views, "tries": whole_number(self.tries, "tries", 1)})
-        if not (self.interval_s >= 0.0 and self.most_skew_ms > 0.0):
+        if not (self.interval_s >= 0.0 and self.max_skew_ms > 0.0):
             raise InputError(
-                "`interval_s` must be 0 or more and `most_skew_ms` more than 0, but "
-                f"{self.interval_s} and {self.most_skew_ms} were given."
+                "`interval_s` must be 0 or more and `max_skew_ms` more than 0, but "
+                f"{self.interval_s} and {self.max_skew_ms} were given."
             )

@@ -47,7 +47,7 @@ class Frame:
     picture: Shaped[np.ndarray, "*shape"]
     """(height, width) or (height, width, 3) in the order red, green, blue; uint8 or uint16."""
     time_s: float | None = None
-    """When it was taken: seconds since 1970 of the computer's clock, or since the beginning of a recording;
+    """Time of exposure: seconds since 1970 of the computer's clock, or since the beginning of a recording;
     None where nothing tells."""
     exposure_us: float | None = None
     """Exposure time, microseconds."""
@@ -95,7 +95,7 @@ class Source(Protocol):
     """
 
     live: bool
-    """Whether the world goes on between two triggers: a live camera waits, a recording does not."""
+    """True where the world goes on between two triggers, as for a real camera; False for a recording."""
 
     def open(self) -> None:
         """Connect to the devices.

@@ -35,7 +35,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--views", type=positive_number, metavar="N", help="number of views (live cameras: 20)"
     )
     parser.add_argument(
-        "--interval",
+        "--interval-s",
         type=float,
         default=1.0,
         metavar="S",
@@ -70,7 +70,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("--gain", type=float, metavar="G", help="gain to set and lock, in the device's unit")
     parser.add_argument(
-        "--timeout",
+        "--timeout-s",
         type=float,
         default=5.0,
         metavar="S",
@@ -82,6 +82,13 @@ def add_parser(commands: CommandGroup) -> None:
         default=50.0,
         metavar="MS",
         help="refuse sets whose pictures are further apart in time (default 50)",
+    )
+    parser.add_argument(
+        "--tries",
+        type=positive_number,
+        default=5,
+        metavar="N",
+        help="of live cameras: end with an error after N refused sets in a row (default 5)",
     )
     parser.add_argument(
         "--cameras",
@@ -123,11 +130,17 @@ class CaptureResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Take the pictures."""
     from labcal.pipeline import CaptureSettings, SourceSettings, capture
+    from labcal.run.begun import begun_in
+    from labcal.run.claims import FolderOutput, claim_outputs
 
+    if begun_in(arguments.output) is None:  # else it is gone on with
+        places = [address.partition(":")[2] for address in arguments.sources]
+        read = [*places, *([arguments.stage] if arguments.stage else [])]
+        claim_outputs([FolderOutput(arguments.output)], read, force=arguments.force)
     sources = SourceSettings(
         exposure_us=arguments.exposure_us,
         gain=arguments.gain,
-        timeout_s=arguments.timeout,
+        timeout_s=arguments.timeout_s,
         cameras=arguments.cameras,
         seed=arguments.seed,
         every=arguments.every,
@@ -136,10 +149,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     )
     settings = CaptureSettings(
         views=arguments.views,
-        interval_s=arguments.interval,
-        most_skew_ms=arguments.max_skew_ms,
+        interval_s=arguments.interval_s,
+        max_skew_ms=arguments.max_skew_ms,
         stage=arguments.stage,
-        sources=sources,
+        source_settings=sources,
+        tries=arguments.tries,
         force=arguments.force,
     )
     ask = _wait_for_enter if arguments.on_enter else None

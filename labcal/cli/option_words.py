@@ -9,10 +9,11 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dots", "dpi", "force",
-        "hold_out", "lens", "log", "method", "note", "only", "plan", "quick", "rectify", "rendered", "rig",
-        "scheduler", "seed", "seeds", "size", "spp", "start", "target", "temperature_c", "tone_curve",
-        "unit", "views", "whole", "workers", "yes",
+        "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dots", "dpi", "every",
+        "exposure_us", "force", "gain", "hold_out", "interval_s", "lens", "max_skew_ms", "log", "method",
+        "note", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
+        "spp", "stage", "start", "target", "temperature_c", "timeout_s", "tone_curve", "tries", "unit",
+        "video_offset", "views", "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",

@@ -75,7 +75,7 @@ def capture(
     how = settings_of(settings, CaptureSettings)
     given = [sources] if isinstance(sources, str) else list(texts(sources, "sources"))
     addresses = named_addresses(given)
-    made = [source_at(address, how.sources) for address in addresses]
+    made = [source_at(address, how.source_settings) for address in addresses]
     simulated = [source for source in made if isinstance(source, SimulatedCameras)]
     if simulated and len(made) > 1:
         raise InputError("A scene has all its cameras. Give sim:SCENE alone.")
@@ -85,14 +85,14 @@ def capture(
         "sources": [str(one) for one in addresses],
         "cameras": [one.camera for one in addresses],
         "target": None if shown is None else shown.model_dump(mode="json"),
-        "settings": {**asdict(how.sources), "views": how.views},
+        "settings": {**asdict(how.source_settings), "views": how.views},
         "stage": [one.view for one in readings],
     }
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
     if len(made) == 1:
         source: Source = made[0]
     elif all(address.kind == "video" for address in addresses):
-        source = videos_together(addresses, shown, how.sources)
+        source = videos_together(addresses, shown, how.source_settings)
     else:
         source = SeveralSources(made)
     return capture_shoot(source, as_path(folder), run, progress_of(progress))

@@ -79,6 +79,7 @@ VERBS = {
     ),
     "undistort": Verb(("undistort", "rig.json", "held"), ("rig.json", "held/shoot.json")),
     "target export": Verb(("target", "export", "square.yaml"), ("square.yaml",), ".svg"),
+    "capture": Verb(("capture", "folder:held"), ("held/shoot.json",)),
     "rehearse": Verb(("rehearse", "plan.yaml"), ("plan.yaml",)),
     "reproduce": Verb(("reproduce", "13", "--quick", "--workers", 1)),
     "bench render": Verb(("bench", "render", "--quick")),

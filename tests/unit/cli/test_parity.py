@@ -16,6 +16,7 @@ from labcal.targets.places import DotPlaces
 
 SETTINGS: dict[str, tuple[type, ...]] = {
     "render": (pipeline.RenderSettings,),
+    "capture": (pipeline.CaptureSettings, pipeline.SourceSettings),
     "inspect": (),
     "detect": (),
     "calibrate": (pipeline.HandheldSettings,),
@@ -42,6 +43,7 @@ TARGET: Place = (labcal.Shoot.showing, "target")
 PLY: dict[str, Place | str] = {"ply": (labcal.write_ply, "path"), "encoding": (labcal.write_ply, "encoding")}
 ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "render": {"output": "folder"},
+    "capture": {"output": "folder", "on_enter": "ask"},
     "inspect": {
         "cameras": CAMERAS,
         "changes": CHANGES,
@@ -140,6 +142,7 @@ PRESENTATION = {"help", "json", "quiet"}
 ONLY_IN_PYTHON = {
     "progress": "the command line draws a bar where a person watches",
     "settings": "its fields are arguments of their own",
+    "source_settings": "as above",
     "eccentricity_rounds": "0 for pixels that are images of centres, which the detector never measures",
 }
 OTHER_DEFAULTS = {
