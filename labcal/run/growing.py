@@ -42,7 +42,7 @@ class GrowingFolder:
 
     @property
     def is_shown(self) -> bool:
-        """Whether the folder is in its place."""
+        """True once the folder is in its place."""
         return self.path == self._place
 
     def show(self) -> None:

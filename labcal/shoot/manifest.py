@@ -55,7 +55,7 @@ class Manifest(BaseModel):
     format_version: Literal[1] = 1
     """Version of the form of the file."""
     target: DescribedTarget | None = None
-    """The target as designed; null where nobody told, as of pictures of cameras without one."""
+    """The target as designed; null where it is not known, as of captured pictures."""
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
     """Cameras by name."""
     views: tuple[ViewEntry, ...]
