@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.arguments import object_of, one_text, positive_number, wrong_type
 from labcal.arrays import AnyArray, float_array
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
 from labcal.cameras.camera_description import camera_description
 from labcal.cameras.camera_pair import CameraPair, camera_pair
