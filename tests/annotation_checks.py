@@ -59,24 +59,36 @@ def _checked_function(fn: FunctionType) -> Callable[..., Any]:
     hints = {name: _resolved(hint, fn.__globals__) for name, hint in fn.__annotations__.items()}
     if not hints:
         return fn
-    annotated = FunctionType(fn.__code__, fn.__globals__, fn.__name__, fn.__defaults__, fn.__closure__)
-    functools.update_wrapper(annotated, fn)
-    del annotated.__wrapped__  # beartype would read the annotations of that
-    annotated.__kwdefaults__, annotated.__annotations__ = fn.__kwdefaults__, hints
-    typed, config = _beartyped(annotated), jaxtyping.config
+    kept: list[Callable[..., Any]] = []
+    config = jaxtyping.config
+
+    def typed() -> Callable[..., Any]:
+        """Return the function with its checks, which are made at its first call: a process calls few of all."""
+        if not kept:
+            kept.append(_typed(fn, hints))
+        return kept[0]
 
     @functools.wraps(fn)
     def without_arrays(*args: Any, **kwargs: Any) -> Any:
-        return fn(*args, **kwargs) if config.jaxtyping_disable else typed(*args, **kwargs)
+        return fn(*args, **kwargs) if config.jaxtyping_disable else typed()(*args, **kwargs)
 
     @functools.wraps(fn)
     def with_arrays(*args: Any, **kwargs: Any) -> Any:
         if config.jaxtyping_disable:
             return fn(*args, **kwargs)
         with _jaxtyped("context"):  # lengths of this call alone
-            return typed(*args, **kwargs)
+            return typed()(*args, **kwargs)
 
     return with_arrays if any(map(_names_arrays, hints.values())) else without_arrays
+
+
+def _typed(fn: FunctionType, hints: dict[str, Any]) -> Callable[..., Any]:
+    """Return a function whose arguments and result beartype checks."""
+    annotated = FunctionType(fn.__code__, fn.__globals__, fn.__name__, fn.__defaults__, fn.__closure__)
+    functools.update_wrapper(annotated, fn)
+    del annotated.__wrapped__  # beartype would read the annotations of that
+    annotated.__kwdefaults__, annotated.__annotations__ = fn.__kwdefaults__, hints
+    return _beartyped(annotated)
 
 
 def _resolved(hint: Any, names: dict[str, Any]) -> Any:
