@@ -3,8 +3,8 @@ from . import pipeline as pipeline
 from .calibrate.calibration import Calibration as Calibration
 from .cameras.camera import Camera as Camera
 from .cameras.rig import Rig as Rig
-from .cameras.rig import read_rig as read_rig
-from .cameras.rig import write_rig as write_rig
+from .cameras.rig_file import read_rig as read_rig
+from .cameras.rig_file import write_rig as write_rig
 from .correspond.detections import Detections as Detections
 from .correspond.detections_csv import read_detections as read_detections
 from .correspond.detections_csv import write_detections as write_detections

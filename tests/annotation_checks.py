@@ -1,4 +1,4 @@
-"""The checks of annotations while testing, made once a call.
+"""The checks of annotations while testing, made once a call, and not at every call of a loop.
 
 ``pytest --jaxtyping-packages`` puts ``jaxtyping.jaxtyped`` on every function of labcal. That binds the
 arguments of every call to the signature, and checks them twice, the second time with the result: two thirds
@@ -20,6 +20,16 @@ from beartype import BeartypeConf, beartype
 
 _jaxtyped = jaxtyping.jaxtyped
 _beartyped = beartype(conf=BeartypeConf(violation_type=jaxtyping.TypeCheckError))
+
+FIRST, EVERY = 10, 20
+"""Calls of a function that are checked in each test: so many first ones, and then every so many-th."""
+_tests = [0]
+"""The number of tests that have begun."""
+
+
+def begin_test() -> None:
+    """Let the first calls of each function be checked again."""
+    _tests[0] += 1
 
 
 def check_once() -> None:
@@ -59,24 +69,44 @@ def _checked_function(fn: FunctionType) -> Callable[..., Any]:
     hints = {name: _resolved(hint, fn.__globals__) for name, hint in fn.__annotations__.items()}
     if not hints:
         return fn
+    kept: list[Callable[..., Any]] = []
+    config, calls, test = jaxtyping.config, 0, _tests[0]
+
+    def is_checked() -> bool:
+        """Count a call, and tell whether it is one of those that are checked."""
+        nonlocal calls, test
+        if test != _tests[0]:
+            calls, test = 0, _tests[0]
+        calls += 1
+        return not ((calls > FIRST and calls % EVERY) or config.jaxtyping_disable)
+
+    def typed() -> Callable[..., Any]:
+        """Return the function with its checks, made at its first call: a process calls few."""
+        if not kept:
+            kept.append(_typed(fn, hints))
+        return kept[0]
+
+    @functools.wraps(fn)
+    def without_arrays(*args: Any, **kwargs: Any) -> Any:
+        return typed()(*args, **kwargs) if is_checked() else fn(*args, **kwargs)
+
+    @functools.wraps(fn)
+    def with_arrays(*args: Any, **kwargs: Any) -> Any:
+        if not is_checked():
+            return fn(*args, **kwargs)
+        with _jaxtyped("context"):  # lengths of this call alone
+            return typed()(*args, **kwargs)
+
+    return with_arrays if any(map(_names_arrays, hints.values())) else without_arrays
+
+
+def _typed(fn: FunctionType, hints: dict[str, Any]) -> Callable[..., Any]:
+    """Return a function whose arguments and result beartype checks."""
     annotated = FunctionType(fn.__code__, fn.__globals__, fn.__name__, fn.__defaults__, fn.__closure__)
     functools.update_wrapper(annotated, fn)
     del annotated.__wrapped__  # beartype would read the annotations of that
     annotated.__kwdefaults__, annotated.__annotations__ = fn.__kwdefaults__, hints
-    typed, config = _beartyped(annotated), jaxtyping.config
-
-    @functools.wraps(fn)
-    def without_arrays(*args: Any, **kwargs: Any) -> Any:
-        return fn(*args, **kwargs) if config.jaxtyping_disable else typed(*args, **kwargs)
-
-    @functools.wraps(fn)
-    def with_arrays(*args: Any, **kwargs: Any) -> Any:
-        if config.jaxtyping_disable:
-            return fn(*args, **kwargs)
-        with _jaxtyped("context"):  # lengths of this call alone
-            return typed(*args, **kwargs)
-
-    return with_arrays if any(map(_names_arrays, hints.values())) else without_arrays
+    return _beartyped(annotated)
 
 
 def _resolved(hint: Any, names: dict[str, Any]) -> Any:

@@ -11,6 +11,11 @@ from labcal.report.row_verdict import RowVerdict
 from labcal.targets.grid import DotGrid, Rings
 
 
+def pytest_runtest_setup() -> None:
+    """Check the first calls of each function in each test."""
+    annotation_checks.begin_test()
+
+
 @pytest.fixture
 def grid() -> DotGrid:
     """A small target with different pitches, so that x and y cannot be exchanged unseen."""

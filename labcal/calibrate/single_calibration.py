@@ -23,7 +23,8 @@ from labcal.calibrate.lens_start import (
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.parallel_views import refuse_parallel_views
 from labcal.calibrate.rig_start import SingleCamera
-from labcal.cameras.rig import Rig, read_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.paths import AnyPath

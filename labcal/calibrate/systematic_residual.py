@@ -12,9 +12,9 @@ from jaxtyping import Bool, Float64
 
 from labcal.arrays import Vectors3
 from labcal.calibrate.triangulation_check import scatter_of
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
 from labcal.cameras.parameter_derivatives import parameter_count, parameter_derivatives, parameter_slices
-from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches
 from labcal.distributions import chi2_upper
 

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.matching import Matches, rows_by_name
 from labcal.distributions import chi2_quantile
 

@@ -1,4 +1,4 @@
-"""A rig: cameras by name in one world, and its file ``rig.json``."""
+"""A rig: cameras by name in one world."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -8,55 +8,23 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.arguments import object_of, one_text, positive_number, wrong_type
 from labcal.arrays import AnyArray, float_array
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
 from labcal.cameras.camera_description import camera_description
 from labcal.cameras.camera_pair import CameraPair, camera_pair
 from labcal.cameras.expected_errors import ExpectedErrors, expected_errors
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
-from labcal.cameras.support import CalibrationSupport
+from labcal.cameras.rig_covariance import RigCovariance
 from labcal.errors import InputError, UnknownNameError
-from labcal.paths import AnyPath, as_path
+from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
-from labcal.run.documents import read_document
-from labcal.run.file_kinds import beginning_with
-from labcal.run.names import Name, differ_in_case, is_name
-from labcal.run.outputs import write_file
+from labcal.run.names import Name, is_name
 from labcal.wording import clipped, counted, printable
 
 if TYPE_CHECKING:
     import matplotlib.figure
     import pandas
     import xarray
-
-KIND = beginning_with("a rig.json", b'{\n  "format": "labcal-rig"')
-Pixel = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-"""A length in px."""
-
-
-class CalibrationRecord(BaseModel):
-    """Agreement of cameras when they were calibrated; what is not known is left out of files."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    triangulation_rms_px: Pixel | None = None
-    """RMS triangulation residual of the dots that they were calibrated from."""
-    scatter_px: Pixel | None = None
-    """Variance component beyond the dots' covariances, as a standard deviation of pixels along each axis."""
-    systematic_px: Pixel | None = None
-    """RMS of what shifts, rotations and changes of scale of whole pictures explain of these residuals."""
-    inconsistent: tuple[str, ...] = ()
-    """Causes of contradictions between the views, the likeliest first; empty if there are none."""
-    dot_places: Literal["freed"] | None = None
-    """``freed`` where places of dots were estimated with the cameras; left out where they are as declared."""
-    support: CalibrationSupport | None = None
-    """Hulls of the dots that they were calibrated from; left out of files if not known."""
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_known(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
-        """Leave out what older files do not have, so that they keep their bytes."""
-        newer = ("systematic_px", "dot_places", "support")
-        return {key: value for key, value in dump(self).items() if key not in newer or value is not None}
 
 
 class Rig(PublicObject, BaseModel):
@@ -206,11 +174,13 @@ class Rig(PublicObject, BaseModel):
 
     @classmethod
     def load(cls, path: AnyPath) -> "Rig":
-        """Read ``rig.json``; as :func:`read_rig`, which lists its errors."""
+        """Read ``rig.json``; as :func:`~labcal.cameras.rig_file.read_rig`, which lists its errors."""
+        from labcal.cameras.rig_file import read_rig  # noqa: PLC0415 -- it imports this module
+
         return read_rig(path)
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
-        """Write ``rig.json``; as :func:`write_rig`, which lists its errors.
+        """Write ``rig.json``; as :func:`~labcal.cameras.rig_file.write_rig`, which lists its errors.
 
         Examples
         --------
@@ -221,6 +191,8 @@ class Rig(PublicObject, BaseModel):
         ...     Rig.load(f"{folder}/rig.json") == examples.rig()
         True
         """
+        from labcal.cameras.rig_file import write_rig  # noqa: PLC0415 -- it imports this module
+
         write_rig(path, self, force=force)
 
     def to_pandas(self) -> "pandas.DataFrame":
@@ -303,96 +275,3 @@ def contradiction_note(rig: Rig) -> str | None:
         f"the views that this rig was calibrated from contradict each other (likely "
         f"{rig.calibration.inconsistent[0]}): do not rely on it. Calibrate again."
     )
-
-
-def write_rig(path: AnyPath, rig: Rig, *, force: bool = False) -> None:
-    """Write ``rig.json``.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file to appear.
-    rig : Rig
-        What to write.
-    force : bool
-        Replace a rig.json of labcal's that exists.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        It is no rig, or names of cameras differ in capital letters alone.
-    OutputError
-        The file exists and `force` is not set, or it cannot be written.
-
-    Examples
-    --------
-    >>> from labcal import examples, read_rig, write_rig
-    >>> write_rig("rig.json", examples.rig())
-    >>> read_rig("rig.json") == examples.rig()
-    True
-    """
-    _require_names_apart(object_of(rig, Rig, "rig"), "The rig cannot be written")
-    write_file(as_path(path), rig.model_dump_json(indent=2) + "\n", kind=KIND, force=force)
-
-
-def read_rig(path: AnyPath) -> Rig:
-    """Read ``rig.json``.
-
-    Parameters
-    ----------
-    path : str or os.PathLike
-        The file.
-
-    Returns
-    -------
-    Rig
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, is no rig, comes from a newer version, or a camera in it is impossible.
-
-    Examples
-    --------
-    >>> from labcal import examples, read_rig
-    >>> examples.rig().save("rig.json")
-    >>> read_rig("rig.json")
-    Rig(cameras=['left', 'right'], lens=brown5, baseline=200.0 mm)
-    """
-    return checked_rig(read_document(Rig, "rig", as_path(path)), str(path))
-
-
-def checked_rig(rig: Rig, source: str) -> Rig:
-    """Return a rig that was read, whatever its file: the one place that asks whether its cameras can be.
-
-    Parameters
-    ----------
-    rig : Rig
-    source : str
-        Where it comes from, at the beginning of a sentence.
-
-    Raises
-    ------
-    InputError
-        A camera is impossible, or its lens images nothing in the middle of its picture.
-    """
-    _require_names_apart(rig, source)
-    for name, record in rig.cameras.items():
-        try:
-            record.sensible_camera(name)
-        except InputError as error:
-            raise InputError(f"{source}: {error}") from error
-    wrong = None if rig.covariance is None else wrong_parameters(rig.cameras, rig.covariance)
-    if wrong is not None:
-        raise InputError(f"{source}: {wrong}. Take the file as 'labcal calibrate' wrote it.")
-    return rig
-
-
-def _require_names_apart(rig: Rig, source: str) -> None:
-    """Raise where names of cameras differ in capital letters alone."""
-    alike = differ_in_case(rig.cameras)
-    if alike is not None:
-        raise InputError(
-            f"{source}: the cameras '{alike[0]}' and '{alike[1]}' differ only in capital letters, so that "
-            "their files would be the same ones on many disks. Rename one of them."
-        )

@@ -67,7 +67,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and write the rig."""
-    from labcal.cameras.rig import KIND, write_rig
+    from labcal.cameras.rig_file import KIND, write_rig
     from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.cli.page import asked_page
     from labcal.correspond.dot_source import open_dots

@@ -63,7 +63,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Check, write what is asked for, report."""
-    from labcal.cameras.rig import KIND
+    from labcal.cameras.rig_file import KIND
     from labcal.cli.page import asked_page
     from labcal.correspond.paths_read import paths_read
     from labcal.pipeline import CheckSettings, check

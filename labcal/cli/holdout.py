@@ -37,7 +37,7 @@ def refuse_without_holdout(arguments: Namespace) -> None:
 def run_held_out(arguments: Namespace, session: Session) -> ExitStatus:
     """Calibrate and measure part by part, and report."""
     from labcal.calibrate.handheld import HandheldSettings
-    from labcal.cameras.rig import read_rig
+    from labcal.cameras.rig_file import read_rig
     from labcal.correspond.dot_source import open_dots
     from labcal.pipeline import evaluate_held_out
     from labcal.report.error_tables import error_table

@@ -12,7 +12,8 @@ from labcal.bounds import LEAST_MM, MOST_MM
 from labcal.cameras.camera import Camera
 from labcal.cameras.ideal import ideal_camera, rectified_pair, whole_ideal_camera
 from labcal.cameras.remapping import source_pixels
-from labcal.cameras.rig import Rig, contradiction_note, write_rig
+from labcal.cameras.rig import Rig, contradiction_note
+from labcal.cameras.rig_file import write_rig
 from labcal.correspond.picture_set import PictureSet
 from labcal.correspond.refused_pictures import no_picture_left, shared_reasons
 from labcal.correspond.sources import Source

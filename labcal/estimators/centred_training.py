@@ -12,8 +12,8 @@ from labcal.calibrate.resection.lens_choice import camera_of_lens, chosen_camera
 from labcal.calibrate.resection.resected import ResectedCamera, resect
 from labcal.calibrate.triangulation_check import calibration_record
 from labcal.calibrate.triangulation_residuals import MOST_PX
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import CalibrationRecord
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData

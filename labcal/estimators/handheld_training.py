@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.calibrate.eccentricity import CorrectedEccentricity, Discs, eccentricities_at_poses
 from labcal.calibrate.handheld_calibration import HandheldCalibration
-from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.correspond.training import TrainingData

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig import CalibrationRecord, Rig
+from labcal.cameras.rig import Rig
 from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
 from labcal.errors import InputError
 from labcal.estimators.expected_error import ExpectedError

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.bounds import MOST_PICTURES, Side
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig import CalibrationRecord
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.errors import InputError
 from labcal.run.json_reading import json_content, read_json

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.arguments import settings_of
-from labcal.cameras.rig import Rig, read_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.errors import InputError

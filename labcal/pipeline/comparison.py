@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 from labcal.arguments import settings_of
-from labcal.cameras.rig import Rig, read_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.pages import claimed_page, page_maker
 

@@ -112,7 +112,7 @@ def undistort(
     >>> done.images[:2]
     ['images/hand-0_left.png', 'images/hand-0_right.png']
     """
-    from labcal.cameras.rig import read_rig
+    from labcal.cameras.rig_file import read_rig
     from labcal.correspond.paths_read import paths_read
     from labcal.correspond.picture_set import open_pictures
     from labcal.correspond.undistortion import UndistortSettings, undistort_pictures

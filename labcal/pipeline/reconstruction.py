@@ -169,7 +169,7 @@ def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPl
 
 def _origin_of(rig: Rig | Model | Collection[str] | AnyPath | None) -> "PointOrigin | None":
     """Return the rig in whose world points are, read where a path was given; None of anything else."""
-    from labcal.cameras.rig import read_rig
+    from labcal.cameras.rig_file import read_rig
     from labcal.estimators.model_file import ModelKind, model_kind, placing_rig
     from labcal.evaluate.aligned_budget import PointOrigin
 

@@ -12,7 +12,9 @@ from labcal.calibrate.eccentricity import CorrectedEccentricity, centred, eccent
 from labcal.calibrate.systematic_residual import SystematicResidual, systematic_residual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
-from labcal.cameras.rig import CalibrationRecord, Rig, read_rig
+from labcal.cameras.calibration_record import CalibrationRecord
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match, require_on_target

@@ -30,10 +30,10 @@ def budget_shares(budget: PointBudget | FramedBudget | ScaledBudget) -> BudgetSh
 
 
 def budget_words(budget: BudgetShares | None) -> str:
-    """Return the shares for people, to go on with after a result; nothing of a fitted method."""
+    """Return the shares as a line for people, after those of a result; nothing of a fitted method."""
     if budget is None:
         return ""
-    words = f"; RMS sigma of a point by noise {budget.noise_mm:.3g} mm, by the calibration "
+    words = f"\nRMS sigma of a point by noise {budget.noise_mm:.3g} mm, by the calibration "
     known = budget.calibration_mm
     return words + ("not in the covariances" if known is None else f"{known:.3g} mm")
 

@@ -1,5 +1,7 @@
 """The page of ``labcal compare``: differences and budgets over the pictures and over the volume."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float64
 
@@ -113,17 +115,24 @@ def _camera_parts(camera: CameraComparison) -> list[Part]:
     outlines = [camera.one.outline, camera.other.outline]
     size, main = camera.one.camera.size, camera.main
     r = main.remaining
-    lengths = [part.remaining.length[part.remaining.tested] for part in camera.differences]
-    most = _ROOM * float(np.percentile(np.concatenate(lengths), _HIGHEST))
+    near = [part for part in camera.differences if np.isfinite(part.distance_mm[0])]
+    most = _end_of_colours(near or camera.differences)
     charts: list[Part] = []
     for part in camera.differences:
         name = f"{camera.name}-{distance_text(part)}"
-        svg = difference_map(name, part.q, part.remaining.length, size, outlines, most)
+        end = most if np.isfinite(part.distance_mm[0]) else _end_of_colours([part])
+        svg = difference_map(name, part.q, part.remaining.length, size, outlines, end)
         charts.append(Chart(name, svg, f"{camera.name}: difference at {_at(part)}."))
     for which, of in (("first", r.one), ("second", r.other)):
         if of is not None:
             charts.append(_budget(camera, which, r.expected(of), most))
     return [Beside(tuple(charts))]
+
+
+def _end_of_colours(parts: Sequence[LensDifference]) -> float:
+    """Return where the colours of maps end, px, by the lengths within the supported region."""
+    lengths = [part.remaining.length[part.remaining.tested] for part in parts]
+    return _ROOM * float(np.percentile(np.concatenate(lengths), _HIGHEST))
 
 
 def _budget(camera: CameraComparison, which: str, expected: Float64[np.ndarray, " n"], most: float) -> Chart:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from labcal.arrays import Pixels
 from labcal.report.error_colours import ERROR_COLOURS
 from labcal.report.inline_svg import GROUND, TEXT, inline_svg, page_style
-from labcal.report.page_axes import plain_axes
+from labcal.report.page_axes import picture_axes
 
 _STYLES = ("solid", "dashed")
 
@@ -53,12 +53,7 @@ def difference_map(
         for outline, style in zip(outlines, _STYLES, strict=False):
             if len(outline):
                 axes.plot(*np.vstack([outline, outline[:1]]).T, color=TEXT.drawn, linestyle=style)
-        axes.set_xlim(-0.5, width - 0.5)
-        axes.set_ylim(height - 0.5, -0.5)
-        axes.set_xlabel("x (px)")
-        axes.set_ylabel("y (px)")
-        plain_axes(axes)
-        axes.grid(visible=False)
+        picture_axes(axes, size)
         shades = ScalarMappable(scale, ERROR_COLOURS)
         bar = figure.colorbar(shades, ax=axes, label="px", extend="max", aspect=30)
         bar.outline.set_edgecolor(GROUND.drawn)

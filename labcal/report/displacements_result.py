@@ -50,11 +50,12 @@ def displacements_result(file: AnyPath, found: Displacements) -> DisplacementsRe
 
 
 def displacements_words(result: DisplacementsResult) -> str:
-    """Return the displacements for people, to go on with after a result: those of the last view."""
+    """Return the displacements as lines for people, after those of a result: those of the last view."""
     last = result.views[-1]
-    words = f"; displacements in {counted(len(result.views), 'view')} since '{result.reference_view}' in "
-    words += f"{result.file}; "
-    words += f"in '{last.view}' RMS {last.rms_mm:.4g} mm, sigma {last.sigma_mm:.2g} mm"
+    words = f"\n{result.file}: displacements in {counted(len(result.views), 'view')} since "
+    words += (
+        f"'{result.reference_view}'\nin '{last.view}' RMS {last.rms_mm:.4g} mm, sigma {last.sigma_mm:.2g} mm"
+    )
     if last.rigid_displacement_mm is not None and last.rotation_deg is not None:
         shift, turn = np.linalg.norm(last.rigid_displacement_mm), np.linalg.norm(last.rotation_deg)
         words += f", rigid motion {shift:.4g} mm and {turn:.3g} degrees, residual {last.rigid_rms_mm:.2g} mm"

@@ -12,8 +12,7 @@ from labcal.detect.marks.picture_marks import MarkFlag, PictureMarks
 from labcal.paths import AnyPath, as_path
 from labcal.reconstruct.found_marks import FoundMarks
 from labcal.report.overlay import Colour, draw_dot, draw_text, draw_uncertainty, grey_canvas, stroke
-from labcal.run.unfinished import unfinished_folder
-from labcal.shoot.pictures import write_picture
+from labcal.report.overlay_folder import write_overlay_folder
 
 # Red, green, blue.
 _COLOURS: dict[MarkFlag, Colour] = {
@@ -91,11 +90,9 @@ def write_mark_overlays(folder: AnyPath, found: FoundMarks, *, force: bool = Fal
     >>> sorted(path.name for path in Path("overlays").glob("*.png"))
     ['hand-0_left.png', 'hand-0_right.png']
     """
-    folder = as_path(folder)
     measured: list[MarkMeasurement] = list(found.measurements)
     command = mark_overlay_command([one.source for one in measured])
-    with unfinished_folder(folder, command, force=force) as working:
-        for one in measured:
-            if one.marks is not None:
-                path = working / f"{one.source.view}_{one.source.camera}.png"
-                write_picture(path, draw_marks(one.source.read(), one.marks), force=True)
+    drawn = (
+        (one.source, draw_marks(one.source.read(), one.marks)) for one in measured if one.marks is not None
+    )
+    write_overlay_folder(as_path(folder), command, drawn, force=force)

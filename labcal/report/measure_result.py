@@ -21,7 +21,12 @@ from labcal.report.displacements_result import (
     displacements_words,
 )
 from labcal.report.marks_result import MarksResult, marks_result, marks_table
-from labcal.report.reconstruct_result import InconsistentPoints, inconsistent_points, residual_words
+from labcal.report.reconstruct_result import (
+    InconsistentPoints,
+    counted_flags,
+    inconsistent_points,
+    residual_words,
+)
 from labcal.wording import counted
 
 
@@ -117,18 +122,18 @@ def measure_report(result: MeasureResult) -> Group | str:
 
 
 def measure_words(result: MeasureResult) -> str:
-    """Return the document for people."""
-    words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
+    """Return the document for people, a line for each statement."""
+    words = counted_flags(result.flags) + residual_words(result)
     words += budget_words(result.budget)
     if result.scale_bars is not None:
         scale = result.scale_bars
-        words += f"; error of the scale by {counted(len(scale.bars), 'measurement')} of scale bars: "
+        words += f"\nerror of the scale by {counted(len(scale.bars), 'measurement')} of scale bars: "
         words += f"{scale.error_ppm:+.4g} ppm, now with sigma {scale.sigma_ppm:.2g} ppm"
-        words += "" if scale.sigma0 is None else f"; residuals {scale.sigma0:.2g} times as expected"
+        words += "" if scale.sigma0 is None else f", residuals {scale.sigma0:.2g} times as expected"
     if result.frame is not None:
         turn, shift = max(result.frame.rotation_sigma_deg), max(result.frame.place_sigma_mm)
         words += (
-            f"; frame '{result.frame.kind}' of {result.frame.points} points in view '{result.frame.view}': "
+            f"\nframe '{result.frame.kind}' of {result.frame.points} points in view '{result.frame.view}': "
         )
         words += f"sigma at most {turn:.2g} degrees and {shift:.2g} mm"
         if result.frame.scale_sigma_ppm is not None:
@@ -139,7 +144,7 @@ def measure_words(result: MeasureResult) -> str:
             words += f" ({result.frame.sigma0:.2g} times what their covariances explain)"
     if result.displacements is not None:
         words += displacements_words(result.displacements)
-    return f"{result.file}: {words}."
+    return f"{result.file}: {words}"
 
 
 def _frame(frame: FittedFrame) -> FrameResult:

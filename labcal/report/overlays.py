@@ -6,8 +6,7 @@ from labcal.correspond.measure import Measurement
 from labcal.correspond.sources import Source
 from labcal.paths import AnyPath, as_path
 from labcal.report.overlay import draw_overlay
-from labcal.run.unfinished import unfinished_folder
-from labcal.shoot.pictures import write_picture
+from labcal.report.overlay_folder import write_overlay_folder
 from labcal.targets.catalogue import AnyTarget
 
 
@@ -46,10 +45,10 @@ def write_overlays(
     >>> sorted(path.name for path in Path("overlays").glob("*.png"))
     ['hand-0_left.png', 'hand-0_right.png']
     """
-    folder = as_path(folder)
     command = overlay_command([found.source for found in measurements])
-    with unfinished_folder(folder, command, force=force) as working:
-        for found in measurements:
-            if found.dots is not None:
-                path = working / f"{found.source.view}_{found.source.camera}.png"
-                write_picture(path, draw_overlay(found.source.read(), found.dots, target), force=True)
+    drawn = (
+        (found.source, draw_overlay(found.source.read(), found.dots, target))
+        for found in measurements
+        if found.dots is not None
+    )
+    write_overlay_folder(as_path(folder), command, drawn, force=force)

@@ -82,8 +82,8 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
 
 
 def reconstruct_words(result: ReconstructResult) -> str:
-    """Return the document for people."""
-    words = ", ".join(f"{count} {flag}" for flag, count in result.flags.items()) + residual_words(result)
+    """Return the document for people, a line for each statement."""
+    words = counted_flags(result.flags) + residual_words(result)
     if result.systematic is not None:
         words += (
             f", of which {result.systematic.rms_px:.4f} px alike all over the pictures (expected "
@@ -91,11 +91,16 @@ def reconstruct_words(result: ReconstructResult) -> str:
         )
     if result.target_scale is not None:
         scale = result.target_scale
-        words += f"; scale of the target {scale.ppm:+.0f} ± {scale.sigma_ppm:.0f} ppm"
+        words += f"\nscale of the target {scale.ppm:+.0f} ± {scale.sigma_ppm:.0f} ppm"
     if result.centre_bias_px is not None:
-        words += f"; corrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
+        words += f"\ncorrected eccentricity: RMS {result.centre_bias_px.rms:.4f} px"
     words += budget_words(result.budget)
-    return f"{result.file}: {words}."
+    return f"{result.file}: {words}"
+
+
+def counted_flags(flags: dict[str, int]) -> str:
+    """Return how many points have each flag, for people."""
+    return ", ".join(f"{count} {flag}" for flag, count in flags.items())
 
 
 @runtime_checkable  # so that tests can check annotations
@@ -116,10 +121,10 @@ class ResidualFigures(Protocol):
 
 
 def residual_words(result: ResidualFigures) -> str:
-    """Return the triangulation residual beside what is expected, for people; nothing without cameras."""
+    """Return a line on the triangulation residual beside what is expected; nothing without cameras."""
     if result.triangulation_rms_px is None:
         return ""
-    words = f"; triangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
+    words = f"\ntriangulation residual: RMS {result.triangulation_rms_px:.4f} px, "
     words += "at most some" if result.expected_assumed else "expected"
     words += f" {result.expected_px:.4f} px"
     if result.expected_px:

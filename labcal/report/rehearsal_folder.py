@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from labcal.cameras.rig import write_rig
+from labcal.cameras.rig_file import write_rig
 from labcal.guide.rehearsal.rehearsal import Rehearsal
 from labcal.report.page.document import INNER_PAGE_KIND
 from labcal.report.page_maker import PageMaker

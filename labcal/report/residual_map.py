@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from labcal.arrays import Pixels
 from labcal.geometry.magnification import round_magnification
 from labcal.report.inline_svg import OURS, QUIET, SECOND, TEXT, inline_svg, page_style
-from labcal.report.page_axes import plain_axes
+from labcal.report.page_axes import picture_axes
 
 CELLS = 10
 """Along the longer side of the picture; a thick arrow is the mean of a cell."""
@@ -65,12 +65,7 @@ def residual_map(
         axes.add_collection(LineCollection(list(ends), colors=QUIET.drawn, linewidths=0.6))
         _draw_means(axes, q[good], residual[good], size, times)
         axes.plot(*q[outlier].T, "x", color=SECOND.drawn, markersize=5)
-        axes.set_xlim(-0.5, width - 0.5)
-        axes.set_ylim(height - 0.5, -0.5)
-        axes.set_xlabel("x (px)")
-        axes.set_ylabel("y (px)")
-        plain_axes(axes)
-        axes.grid(visible=False)
+        picture_axes(axes, size)
         _draw_scale(axes, times, width)
         return inline_svg(figure, f"residuals-{name}", f"Residual vectors over the picture of camera {name}")
 

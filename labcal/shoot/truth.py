@@ -10,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from labcal.arrays import Mask, Pixels, Vectors3
 from labcal.bounds import MOST_INDEX, MOST_MM
 from labcal.cameras.record import CameraRecord, PoseRecord
-from labcal.cameras.rig import Rig, checked_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import checked_rig
 from labcal.paths import AnyPath, as_path
 from labcal.run.documents import read_document
 from labcal.run.made import make_folder

@@ -174,4 +174,4 @@ def read_places(path: AnyPath) -> DotPlaces:
     InputError
         It cannot be read, is no such file, or comes from a newer version.
     """
-    return read_document(DotPlaces, "places of dots", as_path(path))
+    return read_document(DotPlaces, "table of places of dots", as_path(path))

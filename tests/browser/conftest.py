@@ -103,6 +103,39 @@ def evaluation_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def certificate_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The certificate of a rig, with the SHA-256 of its file."""
+    folder = tmp_path_factory.mktemp("certificate")
+    examples.rig().save(folder / "rig.json")
+    path = folder / "certificate.html"
+    pipeline.certify(examples.pixels(), examples.lengths(), rig=folder / "rig.json", page=path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def comparison_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the difference of two calibrations, of four views each."""
+    dots = examples.detections()
+    rigs = [
+        pipeline.calibrate(examples.TARGET, dots, hold_out=held).rig
+        for held in (dots.views[:4], dots.views[4:])
+    ]
+    path = tmp_path_factory.mktemp("comparison") / "comparison.html"
+    pipeline.compare(*rigs, page=path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def check_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the check of a calibration."""
+    rig = pipeline.calibrate(examples.TARGET, examples.detections()).rig
+    folder = tmp_path_factory.mktemp("check")
+    settings = pipeline.CheckSettings(log=folder / "checks.jsonl", temperature_c=21.5)
+    pipeline.check(rig, examples.detections(), examples.TARGET, settings, page=folder / "check.html")
+    return folder / "check.html"
+
+
+@pytest.fixture(scope="session")
 def inspection_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of a shoot, one of whose pictures cannot be read."""
     folder = tmp_path_factory.mktemp("inspection")

@@ -17,7 +17,16 @@ MOST_BYTES = 10_000_000
 READABLE_S, SPACE_S = 2.0, 6.0
 PHONE = 375
 Open = Callable[..., Any]
-FILES = ("calibration_file", "evaluation_file", "inspection_file", "reproduction_file", "distortion_file")
+FILES = (
+    "calibration_file",
+    "evaluation_file",
+    "inspection_file",
+    "reproduction_file",
+    "distortion_file",
+    "certificate_file",
+    "comparison_file",
+    "check_file",
+)
 
 
 def processor_seconds() -> float:
@@ -47,7 +56,7 @@ class Stopwatch:
         return min(time.monotonic() - self._began, processor_seconds() - self._spent)
 
 
-OFTEN = ("calibration_file", "reproduction_file", "distortion_file")
+OFTEN = ("calibration_file", "reproduction_file", "distortion_file", "certificate_file")
 ALL = [pytest.param(file, marks=[] if file in OFTEN else pytest.mark.slow) for file in FILES]
 
 

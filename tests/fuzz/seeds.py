@@ -10,8 +10,9 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import write_rig_files
-from labcal.cameras.rig import Rig, write_rig
+from labcal.cameras.rig import Rig
 from labcal.cameras.rig_covariance import RigCovariance, parameter_names
+from labcal.cameras.rig_file import write_rig
 from labcal.cameras.window import FlatWindow
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import detections_csv

@@ -11,7 +11,7 @@ import pytest
 
 from labcal.bench.detect.bias import bench_camera, bench_target, hand_poses
 from labcal.bench.hand_views import dots_at
-from labcal.cameras.rig import read_rig
+from labcal.cameras.rig_file import read_rig
 from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.geometry.poses import transform
 from labcal.shoot.pictures import read_picture, write_picture

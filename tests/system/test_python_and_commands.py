@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labcal import examples, pipeline
-from labcal.cameras.rig import read_rig
+from labcal.cameras.rig_file import read_rig
 from labcal.correspond.detections_csv import detections_csv
 from labcal.errors import InputError, OutputError
 from labcal.report.rehearsal_result import rehearse_result

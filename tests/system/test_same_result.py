@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labcal import pipeline
-from labcal.cameras.rig import read_rig, write_rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.cli.option_words import in_options
 from labcal.correspond.detections_csv import detections_csv, read_detections
 from labcal.correspond.points_csv import points_csv, read_points

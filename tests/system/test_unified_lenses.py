@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labcal.cameras.rig import read_rig
+from labcal.cameras.rig_file import read_rig
 from tests.system.conftest import Run
 
 LENSES = {

@@ -7,7 +7,7 @@ from typing import no_type_check
 import jaxtyping
 import numpy as np
 import pytest
-from annotation_checks import check_once, checked
+from annotation_checks import EVERY, FIRST, begin_test, check_once, checked
 from jaxtyping import Float64, TypeCheckError
 
 from labcal.targets.grid import DotGrid
@@ -125,6 +125,26 @@ def test_checks_can_be_switched_off(checker: Checker) -> None:
         assert functions[1](1.5) == "1.5 mm"
     finally:
         jaxtyping.config.update("jaxtyping_disable", False)
+
+
+def test_every_test_checks_the_first_calls_and_some_of_a_loop() -> None:
+    two, three = np.zeros(2), np.zeros(3)
+    one = checked(total)
+    for _ in range(FIRST):
+        with pytest.raises(TypeCheckError):
+            one(two, three)
+    wrong = []
+    for _ in range(3 * EVERY):
+        try:
+            one(two, three)
+        except TypeCheckError:
+            wrong.append("checked")
+        except ValueError:
+            wrong.append("numpy's own")
+    assert wrong.count("checked") == 3
+    begin_test()
+    with pytest.raises(TypeCheckError):
+        one(two, three)
 
 
 def test_labcal_is_checked_once_a_call() -> None:

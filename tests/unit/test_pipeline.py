@@ -16,7 +16,8 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord, matrix4_record
-from labcal.cameras.rig import Rig, read_rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.cli import main
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import detections_csv

@@ -8,8 +8,9 @@ import numpy as np
 
 from labcal import examples
 from labcal.bench.marks.drawn_picture import INK, PAPER, finer
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import CalibrationRecord, Rig
+from labcal.cameras.rig import Rig
 from labcal.detect.marks.tags import tag_name
 from labcal.rng import generator
 from labcal.targets.charuco import MarkerDictionary

@@ -12,7 +12,8 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     SourceText,
 )
-from labcal.cameras.rig import KIND, Rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import KIND
 from labcal.errors import InputError
 from labcal.run.json_reading import read_json
 

@@ -19,7 +19,8 @@ from labcal.cameras.interop.exchange import (
 )
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig import Rig, checked_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import checked_rig
 from labcal.errors import InputError
 from labcal.geometry.poses import inverse
 from labcal.paths import AnyPath, as_path

@@ -20,7 +20,6 @@ from labcal.errors import InputError
 from labcal.evaluate.acceptance.reference_lengths import ReferenceLengths
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
-from labcal.wording import shown
 
 LINES, LENGTHS, SPACE = 7, 5, 3
 LONGEST_SHARE = 2.0 / 3.0
@@ -97,7 +96,10 @@ def volume_sides(volume_mm: AnyArray) -> tuple[float, float, float]:
     """
     sides = float_array(volume_mm, ("n",), "volume_mm").tolist()
     if len(sides) != SPACE or not all(isfinite(side) and LEAST_MM <= side <= MOST_MM for side in sides):
-        raise InputError(f"`volume_mm` takes three positive numbers of mm, but {shown(sides)} was given.")
+        raise InputError(
+            f"`volume_mm` takes three numbers from {LEAST_MM:g} to {MOST_MM:g} mm, but "
+            f"{clipped(', '.join(f'{side:g}' for side in sides))} was given."
+        )
     return (sides[0], sides[1], sides[2])
 
 

@@ -59,7 +59,9 @@ class CompareSettings:
         distances = float_array(np.atleast_1d(self.distances_mm), ("n",), "distances_mm")
         for distance in distances.tolist():
             if not (isfinite(distance) and 0.0 < distance <= MOST_MM):
-                raise InputError(f"`distances_mm` are positive numbers of mm, but {distance:g} was given.")
+                raise InputError(
+                    f"`distances_mm` are positive numbers up to {MOST_MM:g} mm, but {distance:g} was given."
+                )
         pictures = None if self.pictures is None else choice_of(self.pictures, Pictures, "pictures")
         values = {"cameras": names, "distances_mm": tuple(distances.tolist()), "pictures": pictures}
         set_checked(self, values)

@@ -7,7 +7,7 @@ import numpy as np
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.dot_image import dot_images
-from labcal.cameras.rig import write_rig
+from labcal.cameras.rig_file import write_rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import write_detections
 from labcal.correspond.dot_source import dots_of_shoot

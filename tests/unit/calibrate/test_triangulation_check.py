@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from labcal.calibrate.triangulation_check import calibration_record
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import CalibrationRecord, Rig
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match
 from labcal.reconstruct.reconstruction import Reconstruction, reconstruct_centres

@@ -16,7 +16,8 @@ from labcal.cameras.interop.held_lenses import held_lenses, holding_formats, hol
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.lens import LENSES, lens_by_name, register_lens
 from labcal.cameras.mathematics import Mathematics, Number
-from labcal.cameras.rig import Rig, read_rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError, InputTypeError
 from labcal.targets.grid import DotGrid

@@ -8,7 +8,8 @@ import pytest
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig import Rig, read_rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.errors import InputError, OutputError
 
 

@@ -11,7 +11,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import read_rig_files, write_rig_files
 from labcal.cameras.record import CameraRecord
-from labcal.cameras.rig import Rig, read_rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.errors import InputError
 
 K = np.array([[702.0, 0.0, 320.0], [0.0, 700.0, 240.0], [0.0, 0.0, 1.0]])

@@ -14,7 +14,8 @@ from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.mathematics import NUMPY
 from labcal.cameras.pupil import ParallelPupil
 from labcal.cameras.remapping import source_pixels
-from labcal.cameras.rig import Rig, read_rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.cameras.triangulation import epipolar_distances, triangulate, triangulation_limit
 from labcal.cameras.window import FlatWindow, Wave, WavyWindow
 from labcal.errors import InputError

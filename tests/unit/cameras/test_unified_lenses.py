@@ -12,7 +12,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.interop.exchange import SourceText
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import read_rig_files
-from labcal.cameras.rig import Rig, read_rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig, write_rig
 from labcal.cameras.window import FlatWindow
 from labcal.errors import InputError
 

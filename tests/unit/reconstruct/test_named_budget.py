@@ -11,7 +11,7 @@ from scipy import stats
 import labcal
 from labcal import Camera, InputError, NamedPixels, NamedReconstruction, Rig, examples, pipeline
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
-from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.matching import match
 from labcal.correspond.named_points_csv import named_points_csv

@@ -7,7 +7,7 @@ from scipy import stats
 
 from labcal import Camera, InputError, NamedPixels, Rig, examples, pipeline
 from labcal.calibrate.agreement.exchange.decision import ExchangedPicturesError
-from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.correspond.matching import match
 from labcal.errors import UnknownNameError
 from labcal.estimators.affine import Affine

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labcal import NamedPixels, Rig, examples
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.dot_image import SAMPLES, outlined_images
-from labcal.cameras.rig import CalibrationRecord
 from labcal.correspond.mark_measurement import MarkPixels
 from labcal.reconstruct.plain_dots import MatchedDots, matched_dots
 

@@ -10,8 +10,8 @@ from scipy.stats import chi2
 import labcal
 from labcal import InputError, Points, Reconstruction, Rig, examples
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import CalibrationRecord
 from labcal.cameras.rig_covariance import RigCovariance, parameter_names
 from labcal.cameras.triangulation import triangulate
 from labcal.cameras.triangulation_derivatives import triangulation_derivatives

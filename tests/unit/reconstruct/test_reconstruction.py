@@ -9,7 +9,8 @@ import pytest
 
 from labcal.calibrate.triangulation_residuals import MOST_PX
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import Rig, write_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import write_rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
 from labcal.errors import InputError

@@ -10,7 +10,7 @@ from labcal import Detections, Reconstruction, examples, load_target, pipeline
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
 from labcal.calibrate.calibration import Calibration
 from labcal.calibrate.systematic_residual import systematic_residual
-from labcal.cameras.rig import CalibrationRecord
+from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import PointFlag

@@ -15,7 +15,8 @@ from pydantic import BaseModel, ConfigDict
 from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.cameras.camera import Camera
-from labcal.cameras.rig import Rig, read_rig
+from labcal.cameras.rig import Rig
+from labcal.cameras.rig_file import read_rig
 from labcal.cli import main
 from labcal.correspond.detections import Detections
 from labcal.detect.detector import detect_dots
