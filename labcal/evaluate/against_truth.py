@@ -230,16 +230,15 @@ def errors_against_truth(
 def _shapes(
     kept: Points, true: Vectors3, origin: PointOrigin | None, detections: Detections | None, truth: Truth
 ) -> ShapeCoverage:
-    """Return the coverage of planes and motions of a rig's points, whose world is its first camera's frame."""
+    """Return the coverage of planes and motions of a rig's points, told in its first camera's frame."""
     if origin is None or not origin.triangulated or detections is None:
         return ShapeCoverage()
     first = next(iter(origin.rig.cameras))
     own = first in truth.cameras and np.allclose(origin.rig.camera(first).T_cam_world, np.eye(4))
     if not own:
         return ShapeCoverage()
-    return shape_coverage(
-        kept, transform(truth.cameras[first].camera().T_cam_world, true), origin, detections
-    )
+    in_first = transform(truth.cameras[first].camera().T_cam_world, true)
+    return shape_coverage(kept, in_first, origin, detections)
 
 
 def _require_same_cameras(shoot: Shoot, file: str, cameras: Collection[str]) -> None:

@@ -5,6 +5,7 @@ a part of their errors away.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -74,10 +75,7 @@ def shape_coverage(
     error = points.point - true
     lines = [np.flatnonzero(points.view == view) for view in points.views]
     planes = [_plane(budget, error, true, own) for own in lines if len(own) >= _FEWEST]
-    motions = [
-        _motion(budget, error, true, *_common(points, one, other))
-        for one, other in zip(lines, lines[1:], strict=False)
-    ]
+    motions = [_motion(budget, error, true, *_common(points, one, other)) for one, other in pairwise(lines)]
     squares = [square for square in planes if square is not None]
     moved = [square for square in motions if square is not None]
     return ShapeCoverage(_share(squares, 3), _share(moved, 6), len(squares), len(moved))
