@@ -77,7 +77,7 @@ class StageErrors(BaseModel):
 
     def fits(self, cameras: Sequence[Camera]) -> bool:
         """Tell whether the covariance has the size that the parameters of these cameras have."""
-        return len(self.lower) == posed_slices(cameras)[-1].stop
+        return len(self.lower) == int(posed_slices(cameras)[-1].stop)
 
     def share(
         self, cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
