@@ -83,7 +83,15 @@ def read_pixels(path: AnyPath) -> NamedPixels:
     NamedPixels(views=1, cameras=['left', 'right'], points=5, pixels=10, with_covariance=10)
     """
     place = as_path(path)
-    header = HEADER if b"var_xx" in first_line(place) else SHORT_HEADER
+    begin = first_line(place)
+    if begin and not all(name.encode() in begin for name in SHORT_HEADER):
+        raise InputError(
+            f"{place} is no table of pixels: its first line should be {','.join(SHORT_HEADER)}, and where "
+            f"known {','.join(HEADER[5:])}. 'labcal convert --from' makes one from tables of DeepLabCut and "
+            "anipose (dlc), COLMAP (colmap-tracks), DICe (dice-subsets) and any with columns that you name "
+            "(columns)."
+        )
+    header = HEADER if b"var_xx" in begin else SHORT_HEADER
     views, cameras, points = dict[str, int](), dict[str, int](), dict[str, int]()
     read = [
         _columns(part, views, cameras, points) for part in table_parts(header, "pixels", place, MOST_BYTES)

@@ -125,3 +125,9 @@ def test_what_is_read_has_the_numbers_of_its_names(tmp_path: Path) -> None:
         np.testing.assert_array_equal(pixels.view_number, again.view_number)
         np.testing.assert_array_equal(pixels.point_number, again.point_number)
     np.testing.assert_array_equal(again.point_number, [0, 1, 0, 0, 1])
+
+
+def test_a_table_of_another_program_is_told_how_to_become_one(tmp_path: Path) -> None:
+    path = table(tmp_path, "scorer,net,net\nbodyparts,tip,tip\ncoords,x,y\n0,1,2\n")
+    with pytest.raises(InputError, match=r"is no table of pixels: .*'labcal convert --from' makes one"):
+        read_pixels(path)
