@@ -16,6 +16,7 @@ def calibration_share(
     parameters: Float64[np.ndarray, "parameters parameters"],
     p: Vectors3,
     covariance: Float64[np.ndarray, "n cameras 2 2"],
+    places: Sequence[slice] | None = None,
 ) -> PointCovariances:
     """Return the covariances of points by errors of the cameras that triangulated them, mm squared.
 
@@ -29,6 +30,8 @@ def calibration_share(
         Mm; NaN where there is none.
     covariance : ndarray, shape (n, cameras, 2, 2)
         Of their pixels, px squared, by which they were triangulated.
+    places : sequence of slice, optional
+        Of each camera's parameters, where the world is not the first camera's (`posed_slices`).
 
     Returns
     -------
@@ -38,7 +41,7 @@ def calibration_share(
     share = np.empty((len(p), 3, 3))
     for first in range(0, len(p), RUN):
         rows = slice(first, first + RUN)
-        by = triangulation_derivatives(cameras, p[rows], covariance[rows])
+        by = triangulation_derivatives(cameras, p[rows], covariance[rows], places)
         carried = (by.reshape(-1, by.shape[2]) @ parameters).reshape(by.shape)
         share[rows] = carried @ by.transpose(0, 2, 1)
     return share

@@ -59,6 +59,12 @@ def parameter_slices(cameras: Sequence[Camera]) -> list[slice]:
     return places
 
 
+def posed_slices(cameras: Sequence[Camera]) -> list[slice]:
+    """Return the same where the world is not the first camera's, which then has a pose, too."""
+    last = np.cumsum([INTRINSICS + camera.model.coefficients + POSE for camera in cameras]).tolist()
+    return [slice(first, end) for first, end in zip([0, *last], last, strict=False)]
+
+
 def parameter_count(cameras: Sequence[Camera]) -> int:
     """Return the number of parameters: each camera's lens, and the pose of all but the first."""
     return int(parameter_slices(cameras)[-1].stop)

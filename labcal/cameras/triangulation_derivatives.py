@@ -8,13 +8,16 @@ from jaxtyping import Float64
 from labcal.arrays import Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import RUN
-from labcal.cameras.parameter_derivatives import parameter_count, parameter_derivatives, parameter_slices
+from labcal.cameras.parameter_derivatives import parameter_derivatives, parameter_slices
 
 _PAIR = 2
 
 
 def triangulation_derivatives(
-    cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
+    cameras: Sequence[Camera],
+    p: Vectors3,
+    covariance: Float64[np.ndarray, "n cameras 2 2"],
+    places: Sequence[slice] | None = None,
 ) -> Float64[np.ndarray, "n 3 parameters"]:
     """Return the derivatives of points, where pixels stay and cameras change.
 
@@ -27,6 +30,9 @@ def triangulation_derivatives(
     covariance : ndarray, shape (n, cameras, 2, 2)
         Of their pixels, px squared, by which they were triangulated; NaN of cameras that took no part in a
         point, which then does not depend on them.
+    places : sequence of slice, optional
+        Of each camera's parameters, as of :func:`parameter_slices` (the first camera is the world), or of
+        :func:`posed_slices`.
 
     Returns
     -------
@@ -40,22 +46,26 @@ def triangulation_derivatives(
     G are the derivatives of pixels by the point and by the cameras, W the inverse covariances of pixels;
     second derivatives times residuals are left out, as in Gauss-Newton.
     """
-    found = np.full((len(p), 3, parameter_count(cameras)), np.nan)
+    places = parameter_slices(cameras) if places is None else places
+    found = np.full((len(p), 3, places[-1].stop), np.nan)
     taking_part = np.isfinite(covariance).all(axis=(2, 3))
     usable = np.flatnonzero(np.isfinite(p).all(axis=1) & (taking_part.sum(axis=1) >= _PAIR))
     for first in range(0, len(usable), RUN):
         rows = usable[first : first + RUN]
-        found[rows] = _of_some(cameras, p[rows], covariance[rows])
+        found[rows] = _of_some(cameras, places, p[rows], covariance[rows])
     return found
 
 
 def _of_some(
-    cameras: Sequence[Camera], p: Vectors3, covariance: Float64[np.ndarray, "n cameras 2 2"]
+    cameras: Sequence[Camera],
+    places: Sequence[slice],
+    p: Vectors3,
+    covariance: Float64[np.ndarray, "n cameras 2 2"],
 ) -> Float64[np.ndarray, "n 3 parameters"]:
     """Return the derivatives of points that two cameras or more image."""
     normal = np.zeros((len(p), 3, 3))
-    gradient = np.zeros((len(p), 3, parameter_count(cameras)))
-    for number, (camera, place) in enumerate(zip(cameras, parameter_slices(cameras), strict=True)):
+    gradient = np.zeros((len(p), 3, places[-1].stop))
+    for number, (camera, place) in enumerate(zip(cameras, places, strict=True)):
         at = np.isfinite(covariance[:, number]).all(axis=(1, 2))
         found = parameter_derivatives(camera, p[at])
         weighted = found.by_point.transpose(0, 2, 1) @ np.linalg.inv(covariance[at, number])

@@ -73,6 +73,19 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_dot_places(parser, " (of a hand-held target)")
     parser.add_argument(
+        "--stage-sigma-mm",
+        type=float,
+        metavar="MM",
+        help="standard deviation of the stage's places of the target along each axis, independent between "
+        "views; covariances of points then hold what it adds",
+    )
+    parser.add_argument(
+        "--stage-sigma-deg",
+        type=float,
+        metavar="DEG",
+        help="the same of its rotations of the target about each axis through the target's origin",
+    )
+    parser.add_argument(
         "--no-rehearsal",
         action="store_true",
         help="be quick: leave out surrogate validation, that is, the expected error and the flag "
@@ -105,6 +118,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         dot_treatment(arguments),
         not arguments.no_rehearsal,
         arguments.hold_out or (),
+        arguments.stage_sigma_mm,
+        arguments.stage_sigma_deg,
     )
     estimators = named_estimators(arguments.method, settings)
     _refuse_idle_seed(arguments, estimators)

@@ -9,7 +9,7 @@ from labcal.run.user_code import SEPARATOR
 
 if TYPE_CHECKING:
     from labcal.estimators.estimator import PointEstimator
-    from labcal.estimators.fitting import FitSettings
+    from labcal.estimators.fit_settings import FitSettings
 
 
 def named_methods(text: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -72,7 +73,9 @@ def match_named(pixels: NamedPixels, cameras: Sequence[str]) -> NamedMatches:
         A point is listed twice for a picture.
     """
     place = {name: number for number, name in enumerate(cameras)}
-    camera = np.array([place.get(name, -1) for name in pixels.camera.tolist()], dtype=np.int64)
+    camera = np.fromiter(
+        map(place.get, pixels.camera.tolist(), repeat(-1)), dtype=np.int64, count=len(pixels)
+    )
     names = int(pixels.point_number.max(initial=0)) + 1
     keys, first, point = np.unique(
         pixels.view_number * names + pixels.point_number, return_index=True, return_inverse=True
@@ -96,6 +99,8 @@ def _refuse_repeated(
     pixels: NamedPixels, lines: Int64[np.ndarray, " n"], key: Int64[np.ndarray, " n"]
 ) -> None:
     """Raise where two lines are of the same point in a picture."""
+    if not len(key) or np.bincount(key).max() == 1:
+        return
     order = np.argsort(key, kind="stable")
     again = np.flatnonzero(np.diff(key[order]) == 0)
     if len(again):

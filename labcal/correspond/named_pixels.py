@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from labcal.arrays import AnyArray, float_array, text_array
+from labcal.arrays import AnyArray, PixelCovariances, float_array, text_array
 from labcal.correspond.table_lines import PictureLines
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable
@@ -72,6 +72,22 @@ class NamedPixels(PictureLines):
     def point_number(self) -> Int64[np.ndarray, " n"]:
         """Of each line, the place of its point among the names of points, in order of appearance."""
         return numbers_of_names(self.point.tolist(), {})
+
+    def with_covariances(self, covariance: PixelCovariances) -> "NamedPixels":
+        """Return the same pixels with other covariances, px squared."""
+        made = NamedPixels(self.view, self.camera, self.point, self.position, covariance)
+        return made.numbered(self.view_number, self.point_number)
+
+    def numbered(self, view: Int64[np.ndarray, " n"], point: Int64[np.ndarray, " n"]) -> "NamedPixels":
+        """Return these pixels, whose views and points are numbered already, which saves time with many.
+
+        Parameters
+        ----------
+        view, point : ndarray, shape (n,)
+            What :attr:`view_number` and :attr:`point_number` are.
+        """
+        self.__dict__.update(view_number=view, point_number=point)  # where a cached property keeps its value
+        return self
 
     @property
     def has_covariance(self) -> Bool[np.ndarray, " n"]:

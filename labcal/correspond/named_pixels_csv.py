@@ -1,6 +1,7 @@
 """``pixels.csv``: its columns, read line by line with checks, and written."""
 
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -46,14 +47,14 @@ def pixels_csv(pixels: NamedPixels) -> str:
     return columns_text(HEADER if known else SHORT_HEADER, _parts(pixels, 5 if known else 2))
 
 
-def _parts(pixels: NamedPixels, figures: int) -> Iterator[list[list[object]]]:
+def _parts(pixels: NamedPixels, figures: int) -> Iterator[list[list[object] | np.ndarray]]:
     """Yield the columns of some lines of a table after the others, with so many figures in each."""
     for first in range(0, len(pixels), _BLOCK):
         part = slice(first, first + _BLOCK)
         upper = pixels.covariance[part].reshape(-1, 4)[:, [0, 1, 3]]
         numbers = np.column_stack([pixels.position[part], upper])[:, :figures]
         names = (pixels.view[part].tolist(), pixels.camera[part].tolist(), pixels.point[part].tolist())
-        yield [*names, *numbers.T.tolist()]
+        yield [*names, *numbers.T]
 
 
 def read_pixels(path: AnyPath) -> NamedPixels:
@@ -82,7 +83,15 @@ def read_pixels(path: AnyPath) -> NamedPixels:
     NamedPixels(views=1, cameras=['left', 'right'], points=5, pixels=10, with_covariance=10)
     """
     place = as_path(path)
-    header = HEADER if b"var_xx" in first_line(place) else SHORT_HEADER
+    begin = first_line(place)
+    if begin and not all(name.encode() in begin for name in SHORT_HEADER):
+        raise InputError(
+            f"{place} is no table of pixels: its first line should be {','.join(SHORT_HEADER)}, and where "
+            f"known {','.join(HEADER[5:])}. 'labcal convert --from' makes one from tables of DeepLabCut and "
+            "anipose (dlc), COLMAP (colmap-tracks), DICe (dice-subsets) and any with columns that you name "
+            "(columns)."
+        )
+    header = HEADER if b"var_xx" in begin else SHORT_HEADER
     views, cameras, points = dict[str, int](), dict[str, int](), dict[str, int]()
     read = [
         _columns(part, views, cameras, points) for part in table_parts(header, "pixels", place, MOST_BYTES)
@@ -99,7 +108,7 @@ def read_pixels(path: AnyPath) -> NamedPixels:
         names_of_lines(place, list(points), numbers[:, 2]),
         figures[:, :2],
         figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
-    )
+    ).numbered(numbers[:, 0], numbers[:, 2])
 
 
 def write_pixels(path: AnyPath, pixels: NamedPixels, *, force: bool = False) -> None:
@@ -189,8 +198,9 @@ def _columns(
 def _numbers(part: TableLines, column: str, known: dict[str, int], why: str) -> Int64[np.ndarray, " n"]:
     """Return the number of every line's name; a new name that is none is a fault of its line."""
     cells = part.column(column)
-    new = [name for name in dict.fromkeys(cells) if name not in known]
+    before = len(known)
     numbers = numbers_of_names(cells, known)
+    new = list(islice(reversed(known), len(known) - before))
     right = is_name if column == "camera" else _is_readable
     if column != "camera" and max(map(len, new), default=1) < MOST_LETTERS and "" not in new:
         new = new if has_control("".join(new)) else []  # all at once, where names are good

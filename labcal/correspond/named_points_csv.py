@@ -35,13 +35,13 @@ def named_points_csv(points: NamedPoints) -> str:
     return columns_text(HEADER, _parts(points))
 
 
-def _parts(points: NamedPoints) -> Iterator[list[list[object]]]:
+def _parts(points: NamedPoints) -> Iterator[list[list[object] | np.ndarray]]:
     """Yield the columns of some lines of the table after the others."""
     for first in range(0, len(points), _BLOCK):
         part = slice(first, first + _BLOCK)
         figures = np.column_stack([points.point[part], points.covariance[part][:, UPPER[0], UPPER[1]]])
         names = (points.view[part].tolist(), points.name[part].tolist())
-        yield [*names, *figures.T.tolist(), points.flag[part].tolist()]
+        yield [*names, *figures.T, points.flag[part].tolist()]
 
 
 def read_named_points(path: AnyPath) -> NamedPoints:

@@ -18,6 +18,7 @@ from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
+from labcal.estimators.stage_errors import StageErrors
 from labcal.geometry.arrangement import on_one_plane
 from labcal.targets.target import Target
 
@@ -44,6 +45,8 @@ class CentredTraining:
     """The triangulation residual of the cameras on the training data."""
     covariance: RigCovariance | None = None
     """Joint covariance of the cameras, where they placed a target held in the hand."""
+    stage: StageErrors | None = None
+    """Errors of the cameras by those of a stage, where these are stated."""
 
 
 def centred_training(

@@ -4,7 +4,7 @@ It is computed by `surrogate_validation.py` beside this file, on points drawn wi
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, isnan
 
 LEAST_COVERAGE = 0.92
 """Least acceptable coverage of 95% ellipsoids; its standard deviation with a thousand points is 0.007."""
@@ -27,17 +27,23 @@ class ExpectedError:
     adjustment_mm : float
         Root mean square of the errors that the adjustment of a hand-held target adds to all points, which
         are not in the figures above; 0 where a stage placed the target, NaN where it is not known.
+    stage_mm : float
+        The same of the errors of a stage's readings; 0 without a stage, NaN where they are not stated.
     """
 
     rmse_mm: float
     limit_mm: float
     coverage95: float
     adjustment_mm: float = 0.0
+    stage_mm: float = 0.0
 
     @property
     def total_mm(self) -> float:
-        """Root mean square of all errors, those of the adjustment included; NaN where these are not known."""
-        return hypot(self.rmse_mm, self.adjustment_mm)
+        """Root mean square of all errors, those of the adjustment included; NaN where these are not known.
+
+        Errors of a stage are included where they are stated.
+        """
+        return hypot(self.rmse_mm, self.adjustment_mm, 0.0 if isnan(self.stage_mm) else self.stage_mm)
 
     @property
     def misfit(self) -> bool:

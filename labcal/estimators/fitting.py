@@ -6,13 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.arguments import (
-    choice_of,
     object_of,
-    one_text,
-    set_checked,
     settings_of,
-    truth_value,
-    whole_number,
     wrong_type,
 )
 from labcal.calibrate.calibration import Calibration, calibrated
@@ -24,60 +19,21 @@ from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections
 from labcal.correspond.training import TrainingData, training_data
-from labcal.correspond.view_roles import HoldOut, checked_hold_out
 from labcal.errors import InputError
 from labcal.estimators.centred_training import CentredTraining, centred_training
 from labcal.estimators.estimator import PointEstimator
+from labcal.estimators.fit_settings import FitSettings
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.scikit_learn import clone
+from labcal.estimators.stage_errors import StageSigma, stage_errors
 from labcal.estimators.surrogate_validation import Surrogate, fit_unless_surrogate, surrogate_of, validate_on
 from labcal.public_object import PublicObject
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.targets.catalogue import AnyTarget, target_of
-
-
-@dataclass(frozen=True)
-class FitSettings:
-    """Settings of a fit.
-
-    Examples
-    --------
-    >>> from labcal.pipeline import FitSettings
-    >>> FitSettings(lens="brown5", hold_out=("view-3", "view-7")).hold_out
-    ('view-3', 'view-7')
-    """
-
-    lens: str = AUTO
-    """Lens of methods with cameras, and of the adjustment that places a hand-held target."""
-    seed: int = 0
-    """Seed of whatever is random in a method."""
-    dot_places: DotTreatment | str = DotTreatment.AUTO
-    """As in :class:`~labcal.calibrate.handheld.HandheldSettings`, of a hand-held target."""
-    rehearsal: bool = True
-    """True to validate each method on a surrogate, which gives its expected error."""
-    hold_out: HoldOut = ()
-    """Views of a hand-held target that do not enter."""
-
-    def __post_init__(self) -> None:
-        """Check the settings.
-
-        Raises
-        ------
-        InputError, InputTypeError
-            One is of a wrong type, or the seed is negative.
-        """
-        values = {
-            "lens": one_text(self.lens, "lens"),
-            "seed": whole_number(self.seed, "seed", 0),
-            "dot_places": choice_of(self.dot_places, DotTreatment, "dot_places"),
-            "rehearsal": truth_value(self.rehearsal, "rehearsal"),
-            "hold_out": checked_hold_out(self.hold_out),
-        }
-        set_checked(self, values)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -168,15 +124,34 @@ def training_of(
         _refuse_of_held(settings)
         data = training_data(source, detections)
         centred = centred_training(data, source.target, source.nominal_poses())
+        if settings.stage_sigma is not None:
+            centred = _with_stage_errors(centred, source, settings.stage_sigma)
         return Training(centred, None, _unused_views(source, data), tested)
     if isinstance(source, Shoot):
         trained = [view.name for view in source.views(Role.TRAIN)]
         detections = detections.where(np.isin(detections.view, trained))
+    if settings.stage_sigma is not None:
+        raise InputError(
+            "`stage_sigma_mm` and `stage_sigma_deg` are for a target on a stage, but this one was held in "
+            "the hand. Leave them out."
+        )
     target = source.target if isinstance(source, Shoot) else source
     how = HandheldSettings(dot_places=settings.dot_places)
     found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
     dots = handheld_training(found.found, detections, target)
     return Training(dots, found, found.warnings, (*found.held_out, *tested))
+
+
+def _with_stage_errors(centred: CentredTraining, shoot: Shoot, sigma: StageSigma) -> CentredTraining:
+    """Return training data with what errors of the stage do to their cameras."""
+    if centred.cameras is None:
+        raise InputError(
+            "`stage_sigma_mm` and `stage_sigma_deg` are propagated by the cameras that the training dots "
+            f"determine, but there are none: {centred.reason}. Leave them out; no covariance then holds the "
+            "errors of the stage."
+        )
+    errors = stage_errors(centred.cameras, centred.data, shoot.nominal_poses(), sigma)
+    return replace(centred, stage=errors)
 
 
 def _refuse_of_held(settings: FitSettings) -> None:
@@ -289,11 +264,12 @@ def fit_methods(
     if settings.rehearsal:
         surrogate = surrogate_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
     adjustment_mm = 0.0 if surrogate is None else _adjustment_mm(training, surrogate)
+    stage_mm = 0.0 if surrogate is None else _stage_mm(training, surrogate)
     progress.advance()
     for estimator in estimators:
         try:
             model = fit_method(data, estimator, training.centred.cameras, surrogate)
-            fitted.append(_with_its_origin(model, training, adjustment_mm))
+            fitted.append(_with_its_origin(model, training, adjustment_mm, stage_mm))
         except InputError as error:
             fitted.append(error)
         progress.advance()
@@ -311,17 +287,31 @@ def _adjustment_mm(training: Training, surrogate: Surrogate) -> float:
     return float(np.sqrt(np.trace(share, axis1=1, axis2=2).mean()))
 
 
-def _with_its_origin(model: Model, training: Training, adjustment_mm: float) -> Model:
+def _stage_mm(training: Training, surrogate: Surrogate) -> float:
+    """Return the RMS error that a stage's readings add to the points of a surrogate."""
+    centred = training.centred
+    if training.held is not None:
+        return 0.0
+    if centred.cameras is None or centred.stage is None:
+        return float("nan")
+    share = centred.stage.share(centred.cameras, surrogate.p, surrogate.covariance)
+    return float(np.sqrt(np.trace(share, axis1=1, axis2=2).mean()))
+
+
+def _with_its_origin(model: Model, training: Training, adjustment_mm: float, stage_mm: float) -> Model:
     """Return a model that tells what it was fitted to, and what that adds to its errors."""
     centred, expected = training.centred, model.rehearsed
     return replace(
         model,
-        rehearsed=None if expected is None else replace(expected, adjustment_mm=adjustment_mm),
+        rehearsed=None
+        if expected is None
+        else replace(expected, adjustment_mm=adjustment_mm, stage_mm=stage_mm),
         calibration=centred.calibration,
         covariance=centred.covariance,
         calibrated_on=training.calibrated_on,
         held_out=training.held_out,
         warnings=training.warnings,
+        stage=centred.stage,
     )
 
 

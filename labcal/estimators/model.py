@@ -14,6 +14,7 @@ from labcal.cameras.rig import Rig
 from labcal.cameras.rig_covariance import RigCovariance, wrong_parameters
 from labcal.errors import InputError
 from labcal.estimators.expected_error import ExpectedError
+from labcal.estimators.stage_errors import StageErrors
 from labcal.paths import AnyPath
 from labcal.public_object import PublicObject
 from labcal.wording import counted, listed
@@ -88,6 +89,9 @@ class Model(PublicObject):
         Names of the held-out views, on which it is to be tested.
     warnings : tuple of str
         What was not as it should be when it was fitted, for people; not kept in the file.
+    stage : StageErrors, optional
+        Errors of the resected cameras by those of the stage that the target stood on; None where they are not
+        stated, and so in no covariance.
 
     Raises
     ------
@@ -116,6 +120,7 @@ class Model(PublicObject):
     calibrated_on: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    stage: StageErrors | None = None
 
     @property
     def misfit(self) -> bool:
@@ -215,7 +220,7 @@ class Model(PublicObject):
         arrays = {one.attribute: getattr(estimator, one.attribute) for one in estimator.stored_arrays()}
         facts = {name: getattr(estimator, name) for name in estimator.fitted_facts}
         kept = (self.cameras, self.image_sizes, self.box, self.resected, self.rehearsed)
-        fitted = (self.calibration, self.covariance, self.calibrated_on, self.held_out)
+        fitted = (self.calibration, self.covariance, self.calibrated_on, self.held_out, self.stage)
         return (type(estimator), estimator.stored_parameters(), arrays, facts, kept, fitted)
 
     def __post_init__(self) -> None:
@@ -238,6 +243,8 @@ class Model(PublicObject):
                 raise InputError(
                     f"The cameras of a model and their covariance differ: {wrong}. Fit it again."
                 )
+        if self.stage is not None and not (self.resected and self.stage.fits(self.resected)):
+            raise InputError("The cameras of a model and the errors of its stage differ. Fit it again.")
         if len(set(self.cameras)) < len(self.cameras):
             raise InputError(
                 f"Every camera needs a name of its own, but the names are {', '.join(self.cameras)}."

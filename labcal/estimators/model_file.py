@@ -120,6 +120,7 @@ def save_model(path: AnyPath, model: Model, *, force: bool = False) -> None:
         rehearsed=None if model.rehearsed is None else _figures(model.rehearsed),
         calibration=model.calibration,
         covariance=model.covariance,
+        stage=model.stage,
         calibrated_on=model.calibrated_on or None,
         held_out=model.held_out or None,
     ).signed(arrays)
@@ -207,6 +208,7 @@ def load_model(path: AnyPath, method: object | None = None) -> Model:
         header.covariance,
         header.calibrated_on or (),
         header.held_out or (),
+        stage=header.stage,
     )
 
 
@@ -272,7 +274,7 @@ def _figures(rehearsed: ExpectedError) -> dict[str, float | None]:
 def _rehearsed(path: Path, figures: dict[str, float | None]) -> ExpectedError:
     """Return the expected error of a mapping."""
     known = {field.name for field in fields(ExpectedError)}
-    if not known - {"adjustment_mm"} <= figures.keys() <= known:  # which older files do not have
+    if not known - {"adjustment_mm", "stage_mm"} <= figures.keys() <= known:  # which older files do not have
         raise InputError(
             f"The model {path} has an expected error in a form that this version of labcal does not know."
         )

@@ -13,14 +13,15 @@ from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.errors import InputError
+from labcal.estimators.stage_errors import StageErrors
 from labcal.run.json_reading import json_content, read_json
 from labcal.run.names import Name
 
-OLDEST, VERSION = 4, 6
+OLDEST, VERSION = 4, 7
 """Of the files that are read, and of those that are written.
 
 Before 5, waves of a field had no directions; before 6, a model did not tell the covariance of the cameras
-that placed a target held in the hand.
+that placed a target held in the hand; before 7, none of errors of a stage.
 """
 
 _MOST_COLUMNS = 2000
@@ -57,6 +58,8 @@ class ModelHeader(BaseModel):
         How well the resected cameras agreed on the training data; left out where that is not known.
     covariance : RigCovariance, optional
         Joint covariance of the resected cameras where they placed the target; left out where a stage did.
+    stage : StageErrors, optional
+        Errors of the resected cameras by those of the stage; left out where they are not stated.
     calibrated_on : tuple of str, optional
         Names of the views that it was fitted to; left out where they are not known, as in older files.
     held_out : tuple of str, optional
@@ -82,6 +85,7 @@ class ModelHeader(BaseModel):
     rehearsed: dict[str, Annotated[float, Field(ge=0)] | None] | None = None
     calibration: CalibrationRecord | None = None
     covariance: RigCovariance | None = None
+    stage: StageErrors | None = None
     calibrated_on: Annotated[tuple[str, ...], Field(max_length=MOST_PICTURES)] | None = None
     held_out: Annotated[tuple[str, ...], Field(max_length=MOST_PICTURES)] | None = None
 

@@ -20,7 +20,8 @@ def predicted(model: "Model", matches: Matches) -> tuple[Vectors3, PointCovarian
     """Return the points of a method that was read from a file, mm, and their covariances, mm squared.
 
     A target that was held in the hand lay where the adjustment of its pictures placed it, which is in error
-    as the cameras of that adjustment are: a method learns places that are off. The covariances hold it.
+    as the cameras of that adjustment are: a method learns places that are off. The covariances hold it,
+    and the errors of a stage where these are stated.
 
     Raises
     ------
@@ -32,6 +33,8 @@ def predicted(model: "Model", matches: Matches) -> tuple[Vectors3, PointCovarian
         with np.errstate(all="ignore"):
             outputs, covariance = estimator.predict_with_covariance(matches.X, matches.covariance)
             point = np.ascontiguousarray(outputs[:, :3])
+            if model.stage is not None and model.resected is not None:
+                return point, covariance + model.stage.share(model.resected, point, matches.covariance)
             if placed_by is None or placed_by.covariance is None:
                 return point, covariance
             cameras = [placed_by.camera(name) for name in placed_by.cameras]

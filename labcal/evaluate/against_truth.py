@@ -15,6 +15,7 @@ from labcal.errors import InputError
 from labcal.evaluate.aligned_budget import PointOrigin, aligned_covariance
 from labcal.evaluate.distance_coverage import distance_coverage
 from labcal.evaluate.scored_views import OfScoredViews, ScoredPart, ScoredViews
+from labcal.evaluate.shape_coverage import ShapeCoverage, shape_coverage
 from labcal.evaluate.statistics import ErrorStatistics, coverage, error_statistics
 from labcal.geometry.covariances import positive_definite
 from labcal.geometry.hull import inside_hull
@@ -81,6 +82,14 @@ class TruthErrors(OfScoredViews, ErrorStatistics):
     coverage95_distances: float = float("nan")
     """Share of distances of two points within 95% of their truth by sigmas from the joint covariance of the
     rig; NaN without rig and detections."""
+    coverage95_planes: float = float("nan")
+    """The same of the planes through the points of each view, in the frame of the first camera."""
+    coverage95_motions: float = float("nan")
+    """The same of the rigid motions of the target from each view to the next one."""
+    n_planes: int = 0
+    """Planes that were scored. All share the errors of one calibration: they are alike."""
+    n_motions: int = 0
+    """Motions that were scored, as alike as the planes."""
 
     @property
     def true_points(self) -> Vectors3:
@@ -191,6 +200,7 @@ def errors_against_truth(
             covariance = covariance if left is None else left
         predicted, covariance = transform(T_true_model, predicted), R @ covariance @ R.T
     figures = error_statistics(predicted, true)
+    shapes = _shapes(kept, true, origin, detections, truth)
     return TruthErrors(
         n=figures.n,
         mean_signed_mm=figures.mean_signed_mm,
@@ -210,7 +220,25 @@ def errors_against_truth(
         error=predicted - true,
         points=kept,
         T_true_model=T_true_model,
+        coverage95_planes=shapes.planes,
+        coverage95_motions=shapes.motions,
+        n_planes=shapes.n_planes,
+        n_motions=shapes.n_motions,
     )
+
+
+def _shapes(
+    kept: Points, true: Vectors3, origin: PointOrigin | None, detections: Detections | None, truth: Truth
+) -> ShapeCoverage:
+    """Return the coverage of planes and motions of a rig's points, told in its first camera's frame."""
+    if origin is None or not origin.triangulated or detections is None:
+        return ShapeCoverage()
+    first = next(iter(origin.rig.cameras))
+    own = first in truth.cameras and np.allclose(origin.rig.camera(first).T_cam_world, np.eye(4))
+    if not own:
+        return ShapeCoverage()
+    in_first = transform(truth.cameras[first].camera().T_cam_world, true)
+    return shape_coverage(kept, in_first, origin, detections)
 
 
 def _require_same_cameras(shoot: Shoot, file: str, cameras: Collection[str]) -> None:

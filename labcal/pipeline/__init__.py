@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from labcal.correspond.picture_set import open_pictures
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
-    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.estimators.fit_settings import FitSettings
+    from labcal.estimators.fitting import estimators_of, fit_methods, training_of
     from labcal.evaluate.acceptance.certify_settings import CertifySettings
     from labcal.evaluate.acceptance.length_plan import plan_lengths
     from labcal.evaluate.comparison.compare_settings import CompareSettings
@@ -112,7 +113,7 @@ _HOMES = {
     "CompareSettings": "labcal.evaluate.comparison.compare_settings",
     "ConvertSettings": "labcal.cameras.interop.conversion",
     "DetectSettings": "labcal.detect.settings",
-    "FitSettings": "labcal.estimators.fitting",
+    "FitSettings": "labcal.estimators.fit_settings",
     "FoundMarks": "labcal.reconstruct.found_marks",
     "HandheldSettings": "labcal.calibrate.handheld",
     "MarkSearch": "labcal.correspond.mark_search",

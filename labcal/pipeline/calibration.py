@@ -18,7 +18,7 @@ from labcal.targets.catalogue import AnyTarget
 if TYPE_CHECKING:
     from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
-    from labcal.estimators.fitting import FitSettings
+    from labcal.estimators.fit_settings import FitSettings
     from labcal.report.page.output import PageOutput
 
 
@@ -138,7 +138,8 @@ def fit(
     >>> pipeline.fit(examples.TARGET, examples.detections(), "dlt", quick)
     Model(method=dlt, cameras=['left', 'right'], outputs=3, calibrated_on=8 views)
     """
-    from labcal.estimators.fitting import FitSettings, estimators_of, fit_methods, training_of
+    from labcal.estimators.fit_settings import FitSettings
+    from labcal.estimators.fitting import estimators_of, fit_methods, training_of
 
     output = claimed_page(page, [source, detections])
     settings, progress = settings_of(settings, FitSettings), progress_of(progress)

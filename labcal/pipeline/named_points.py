@@ -84,6 +84,7 @@ def measure(
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.reconstruct.scale.adjustment import adjusted_to_bars
     from labcal.reconstruct.scale.scale_bar import ScaleBar
+    from labcal.reconstruct.scale.scaled_budget import ScaledBudget
     from labcal.reconstruct.stated_noise import with_covariances
 
     how = settings_of(settings, MeasureSettings)
@@ -103,7 +104,7 @@ def measure(
         bars = [ScaleBar.of(bar) for bar in how.scale_bars]
         found = adjusted_to_bars(found, bars, None if ppm is None else 1e-6 * ppm)
     if frame is not None:
-        world = found.budget if isinstance(found.budget, PointBudget) else None
+        world = found.budget if isinstance(found.budget, PointBudget | ScaledBudget) else None
         found = found.in_frame(frame.fitted(used, found.with_noise, shown, world))
     return replace(found, warnings=named_warnings(used, found))
 

@@ -44,11 +44,11 @@ def displacements_frame(found: Displacements) -> "pandas.DataFrame":
     return frame
 
 
-def _parts(found: Displacements) -> Iterator[list[list[object]]]:
+def _parts(found: Displacements) -> Iterator[list[list[object] | np.ndarray]]:
     """Yield the columns of some lines of the table after the others."""
     for first in range(0, len(found), _BLOCK):
         part = slice(first, first + _BLOCK)
         upper = found.covariance[part][:, UPPER[0], UPPER[1]]
         figures = np.column_stack([found.displacement[part], upper])
         names = (found.view[part].tolist(), found.name[part].tolist())
-        yield [*names, *figures.T.tolist(), found.flag[part].tolist()]
+        yield [*names, *figures.T, found.flag[part].tolist()]

@@ -61,10 +61,11 @@ class MeasureSettings:
             raise InputError("`frame_view` goes with a frame. Give `frame`, too, or leave it out.")
         bars = [self.scale_bars] if isinstance(self.scale_bars, str | ScaleBar) else self.scale_bars
         values["scale_bars"] = tuple(ScaleBar.of(bar) for bar in bars)
-        if values["scale_bars"] and self.frame is not None:
+        if values["scale_bars"] and self.frame is not None and self.frame.startswith("board:"):
             raise InputError(
-                "`scale_bars` give points in the world of the rig, and no `frame` goes with them. Leave one "
-                "of them out; a frame by known points may have a scale (similarity:known.csv)."
+                "`scale_bars` correct the cameras for the points that they are measured with, and a board's "
+                "dots were measured without them: the frame would have another scale than the points. Leave "
+                "one of them out, or name a frame by points of the same table (points:, rigid:, similarity:)."
             )
         if self.scale_sigma_ppm is not None:
             values["scale_sigma_ppm"] = _ppm(self.scale_sigma_ppm)

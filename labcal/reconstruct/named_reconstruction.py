@@ -56,10 +56,12 @@ class NamedReconstruction(PublicObject):
         """Return these points, which are in the world of their model, in a frame that they determine."""
         inside = self.with_noise
         points = frame.applied(inside)
-        if not isinstance(self.budget, PointBudget):
+        if not isinstance(self.budget, PointBudget | ScaledBudget):
             return replace(self, points=points, frame=frame)
         budget = FramedBudget(self.budget, inside, frame, points.covariance)
-        if budget.kind is Budget.FULL:
+        if isinstance(self.budget, ScaledBudget):
+            budget = replace(budget, noise=budget.whole_noise)
+        if budget.kind is Budget.FULL or isinstance(self.budget, ScaledBudget):
             points = points.with_covariances(budget.noise + budget.calibration)
         return replace(self, points=points, frame=frame, budget=budget)
 
@@ -67,6 +69,8 @@ class NamedReconstruction(PublicObject):
     def with_noise(self) -> NamedPoints:
         """The points with the covariances of their noise alone, in the world of the model."""
         if isinstance(self.budget, PointBudget) and self.budget.kind is Budget.FULL:
+            return self.points.with_covariances(self.budget.noise)
+        if isinstance(self.budget, ScaledBudget):
             return self.points.with_covariances(self.budget.noise)
         return self.points
 

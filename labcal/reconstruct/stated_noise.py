@@ -35,4 +35,4 @@ def with_covariances(pixels: NamedPixels, pixel_sigma: float | None) -> NamedPix
             "All pixels have covariances of their own, so that `pixel_sigma` would be dropped. Leave it out."
         )
     covariance = np.where(unknown[:, None, None], pixel_sigma**2 * np.eye(2), pixels.covariance)
-    return NamedPixels(pixels.view, pixels.camera, pixels.point, pixels.position, covariance)
+    return pixels.with_covariances(covariance)

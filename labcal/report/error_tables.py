@@ -40,7 +40,18 @@ def _against_truth(errors: TruthErrors) -> Table:
         table.add_row(
             "distances within 95% by their own sigmas", f"{100 * errors.coverage95_distances:.1f} %"
         )
+    for name, count, share in shape_shares(errors):
+        table.add_row(name, f"{100 * share:.1f} % of {count}")
     return table
+
+
+def shape_shares(errors: TruthErrors) -> list[tuple[str, int, float]]:
+    """Return the names of planes and motions that were scored, their number, and the share within 95%."""
+    both = (
+        ("planes of views within 95% (of one calibration: alike)", errors.n_planes, errors.coverage95_planes),
+        ("motions from view to view within 95% (alike)", errors.n_motions, errors.coverage95_motions),
+    )
+    return [(name, count, share) for name, count, share in both if count]
 
 
 def _of_lengths(errors: LengthErrors) -> Table:

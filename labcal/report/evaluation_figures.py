@@ -8,6 +8,7 @@ from labcal.evaluate.against_truth import TruthErrors
 from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.verdict.of_truth_errors import over_limit
 from labcal.report.error_histogram import error_histogram
+from labcal.report.error_tables import shape_shares
 from labcal.report.page.chart import Chart
 from labcal.report.page.download import Download, table_download
 from labcal.report.page.part import Part
@@ -42,6 +43,9 @@ def truth_table(errors: TruthErrors) -> PageTable:
         rows.append(["RMS over this limit", f"{over_limit(errors):.2f}"])
     if not np.isnan(errors.coverage95):
         rows.append(["points within the stated 95% ellipsoid", f"{100 * errors.coverage95:.1f}%"])
+    if not np.isnan(errors.coverage95_distances):
+        rows.append(["distances within 95% by their own sigmas", f"{100 * errors.coverage95_distances:.1f}%"])
+    rows += [[name, f"{100 * share:.1f}% of {count}"] for name, count, share in shape_shares(errors)]
     rows.append(["alignment", errors.alignment])
     caption = f"Errors of {errors.scored}; {counted(errors.not_scored, 'other')} not scored."
     return PageTable("figures-table", caption, [Column("figure", Side.LEFT), Column("value")], rows)

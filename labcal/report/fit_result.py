@@ -14,6 +14,7 @@ from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.fitting import Training
 from labcal.estimators.model import Model
+from labcal.estimators.stage_errors import StageSigma
 from labcal.evaluate.statistics import error_statistics
 from labcal.paths import AnyPath
 from labcal.report.handheld_result import HandheldResult, handheld_result
@@ -62,6 +63,8 @@ class FitResult:
     """Training views."""
     held_out: list[str]
     """Held-out views, which are to be scored."""
+    stage: StageSigma | None = None
+    """Stated errors of the stage, which covariances of points hold; null without."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,7 @@ def fit_result(training: Training, outcomes: Sequence[FitOutcome]) -> FitResult:
         warnings=list(training.warnings),
         calibrated_on=list(training.calibrated_on),
         held_out=list(training.held_out),
+        stage=None if centred.stage is None else StageSigma(centred.stage.sigma_mm, centred.stage.sigma_deg),
     )
 
 
@@ -153,6 +157,8 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
         captions.append(
             "no expected error: the training dots do not determine the cameras (are all on one plane?)"
         )
+    if result.handheld is None:
+        captions.append(_stage_words(result))
     if result.centre_bias_px is not None:
         bias = result.centre_bias_px
         captions.append(f"corrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
@@ -194,6 +200,22 @@ def _adjustment_words(result: FitResult) -> str:
     return (
         f"the adjustment that placed the target adds an RMS error of {added:.4f} mm, which points share; "
         "their covariances hold it"
+    )
+
+
+def _stage_words(result: FitResult) -> str:
+    """Return what errors of the stage add to the expected error, or that no sigma holds them."""
+    if result.stage is None:
+        return (
+            "errors of the stage are in no sigma, since none are stated (--stage-sigma-mm, --stage-sigma-deg)"
+        )
+    stated = f"{result.stage.mm:g} mm, {result.stage.deg:g} deg"
+    added = [model.expected.stage_mm for model in result.models if model.expected is not None]
+    if not added:
+        return f"covariances of points hold errors of the stage ({stated})"
+    return (
+        f"errors of the stage ({stated}) add an RMS error of {added[0]:.4f} mm, which points share; their "
+        "covariances hold it"
     )
 
 

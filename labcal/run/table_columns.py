@@ -132,8 +132,10 @@ def _until_bad(lines: Iterator[list[str]], most: int) -> Iterator[list[str] | In
 
 def numbers_of_names(names: Sequence[str], known: dict[str, int]) -> Int64[np.ndarray, " n"]:
     """Return the number of every name; names that are not known yet get the next ones."""
-    for name in dict.fromkeys(names):
-        known.setdefault(name, len(known))
+    if len(names) and names.count(names[0]) == len(names):  # of one view, or camera
+        return np.full(len(names), known.setdefault(names[0], len(known)), dtype=np.int64)
+    new = [name for name in dict.fromkeys(names) if name not in known]
+    known.update(zip(new, range(len(known), len(known) + len(new)), strict=True))
     return np.fromiter(map(known.__getitem__, names), dtype=np.int64, count=len(names))
 
 

@@ -11,6 +11,7 @@ from jaxtyping import Int64
 
 from labcal.errors import InputError
 from labcal.run.file_reading import MOST_OF_A_TABLE, no_text, read_bytes
+from labcal.run.float_texts import float_texts
 from labcal.wording import clipped, counted
 
 MOST_LINES = 2_000_000
@@ -39,38 +40,46 @@ def table_text(header: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-def columns_text(header: Sequence[str], parts: Iterable[Sequence[Sequence[object]]]) -> str:
+def columns_text(header: Sequence[str], parts: Iterable[Sequence[Sequence[object] | np.ndarray]]) -> str:
     """Return the text of a table as :func:`table_text` does, from columns of many lines.
 
     Parameters
     ----------
     header : sequence of str
     parts : iterable of sequences of columns
-        Some lines each: a column is a list of texts, or one of numbers of Python's.
+        Some lines each: a column is a list of texts, one of numbers of Python's, or an array of floats.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     for columns in parts:
-        texts = [bool(column) and isinstance(column[0], str) for column in columns]
+        texts = [len(column) > 0 and isinstance(column[0], str) for column in columns]
         if all(_is_bare(column) for column, of_text in zip(columns, texts, strict=True) if of_text):
             written = [
-                column if of_text else map(repr, column)
+                column if of_text else _number_texts(column)
                 for column, of_text in zip(columns, texts, strict=True)
             ]
             text.writelines(
-                ("\n".join(map(",".join, zip(*written, strict=True))), "\n" if columns[0] else "")
+                ("\n".join(map(",".join, zip(*written, strict=True))), "\n" if len(columns[0]) else "")
             )
             continue
         cells = [
-            list(map(_cell, column)) if of_text else column
+            list(map(_cell, column)) if of_text else _numbers(column)
             for column, of_text in zip(columns, texts, strict=True)
         ]
         writer.writerows(zip(*cells, strict=True))  # which writes floats as `repr` does
     return text.getvalue()
 
 
-def _is_bare(column: Sequence[object]) -> bool:
+def _number_texts(column: Sequence[object] | np.ndarray) -> Iterable[str]:
+    return float_texts(column) if isinstance(column, np.ndarray) else map(repr, column)
+
+
+def _numbers(column: Sequence[object] | np.ndarray) -> Sequence[object]:
+    return column.tolist() if isinstance(column, np.ndarray) else column
+
+
+def _is_bare(column: Sequence[object] | np.ndarray) -> bool:
     """Tell whether the texts of a column are cells as they are, without apostrophes and quotation marks."""
     together = "\n".join(map(str, column))
     lines = together.count("\n") + 1

@@ -65,7 +65,8 @@ def convert_detections(
     if sorted(ends) != [TABLE, CORNERS]:
         raise InputError(
             "Detections are converted from one detections.csv to a corners.vnl, or back. Name both with "
-            "these endings."
+            "these endings. Of tables of pixels, name the program that wrote them: `from_format='dlc'` (or "
+            "colmap-tracks, dice-subsets, columns)."
         )
     settings.refuse(("from_format", "to_format", "unit", "lens"), "goes with cameras, not with detections")
     settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with detections")

@@ -30,7 +30,10 @@ FREE = np.tri(3, k=-1)
 
 @dataclass(frozen=True)
 class FrameCalibration:
-    """The cameras' share in the errors of a frame."""
+    """The share in the errors of a frame of errors that all points have in common.
+
+    They are those of the cameras; after scale bars also the noise of the bars' ends and the bars' lengths.
+    """
 
     by_cameras: Float64[np.ndarray, "parameters cameras"]
     """Derivatives of the frame's parameters by those of the cameras."""

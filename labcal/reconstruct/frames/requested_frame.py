@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from labcal.arrays import AnyArray
 from labcal.cameras.rig import Rig
@@ -16,8 +17,9 @@ from labcal.reconstruct.frames.by_points import frame_by_points
 from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameCalibration, FrameKind
 from labcal.reconstruct.frames.known_points import read_known_points
 from labcal.reconstruct.point_budget import Budget, PointBudget
+from labcal.reconstruct.scale.scaled_budget import ScaledBudget
 from labcal.targets.target import Target
-from labcal.wording import clipped, listed, printable
+from labcal.wording import clipped, counted, listed, printable
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class RequestedFrame:
         model: Model | Rig,
         points: NamedPoints,
         target: Target | None = None,
-        budget: PointBudget | None = None,
+        budget: PointBudget | ScaledBudget | None = None,
     ) -> FittedFrame:
         """Return the frame in the world of a model.
 
@@ -76,7 +78,7 @@ class RequestedFrame:
             In the world of the model, with the covariances of their noise.
         target : Target, optional
             The target that lies in the frame; of `BOARD` alone.
-        budget : PointBudget, optional
+        budget : PointBudget or ScaledBudget, optional
             Of the points, line by line, if they are those of a rig.
 
         Raises
@@ -94,11 +96,11 @@ class RequestedFrame:
             return self._by_board(model, target, None if budget is None else budget.kind)
         return self._by_known(points, budget)
 
-    def _by_points(self, points: NamedPoints, budget: PointBudget | None) -> FittedFrame:
+    def _by_points(self, points: NamedPoints, budget: PointBudget | ScaledBudget | None) -> FittedFrame:
         names = tuple(self.value.split(","))
         if len(names) != 3 or len(set(names)) != 3:  # noqa: PLR2004 -- origin, on x, in the plane
             raise InputError(
-                f"A frame by points takes three names, with commas between them, but `frame` is "
+                f"A frame by points takes three different names, with commas between them, but `frame` is "
                 f"'{clipped(printable(self.value))}'."
             )
         for name in names:
@@ -115,10 +117,16 @@ class RequestedFrame:
         if share is None:
             return frame
         by_cameras = np.einsum("kpi,kic->pc", frame.slopes, share.by_cameras)
-        return replace(frame, calibration=FrameCalibration(by_cameras, share.covariance))
+        frame = replace(frame, calibration=FrameCalibration(by_cameras, share.covariance))
+        return _with_shared_errors(frame, budget, ordered)
 
-    def _by_known(self, points: NamedPoints, budget: PointBudget | None) -> FittedFrame:
+    def _by_known(self, points: NamedPoints, budget: PointBudget | ScaledBudget | None) -> FittedFrame:
         known = read_known_points(Path(self.value))
+        if len(known.name) < 3:  # noqa: PLR2004 -- fewer fix no frame
+            raise InputError(
+                f"A frame by known points takes three of them or more, not on one line, but {self.value} has "
+                f"{counted(len(known.name), 'point')}."
+            )
         rows = self._rows(points, known.name, least=3)
         at = [place for place, name in enumerate(known.name) if name in rows]
         names = tuple(known.name[place] for place in at)
@@ -132,7 +140,7 @@ class RequestedFrame:
             known.sigma_mm[at, None, None] ** 2 * np.eye(3),
             _camera_share(budget, ordered),
         )
-        return frame_by_known(self.kind, given)
+        return _with_shared_errors(frame_by_known(self.kind, given), budget, ordered)
 
     def _by_board(self, model: Model | Rig, target: Target, wanted: Budget | None) -> FittedFrame:
         from labcal.reconstruct.reconstruction import reconstruct_centres  # noqa: PLC0415 -- a board alone needs it
@@ -192,8 +200,28 @@ class RequestedFrame:
         return next(iter(fitting.values()))
 
 
-def _camera_share(budget: PointBudget | None, lines: AnyArray) -> CameraShare | None:
+def _camera_share(budget: PointBudget | ScaledBudget | None, lines: AnyArray) -> CameraShare | None:
     """Return the cameras' share in the errors of some points; None where cameras count as exact."""
+    if isinstance(budget, ScaledBudget):
+        errors = budget.errors(lines)
+        return CameraShare(errors.by_cameras, errors.cameras)
     if budget is None or budget.kind is Budget.NOISE:
         return None
     return CameraShare(budget.derivatives(lines), budget.parameters)
+
+
+def _with_shared_errors(
+    frame: FittedFrame, budget: PointBudget | ScaledBudget | None, lines: AnyArray
+) -> FittedFrame:
+    """Return a frame with all that its points share after scale bars among what all points share.
+
+    Bars leave the noise of their ends and their own lengths in every point, and so in the points of a frame.
+    """
+    if not isinstance(budget, ScaledBudget):
+        return frame
+    errors = budget.errors(lines)
+    by = np.concatenate([errors.by_cameras, errors.by_shared], axis=2)
+    common = FrameCalibration(
+        np.einsum("kpi,kic->pc", frame.slopes, by), np.asarray(block_diag(errors.cameras, errors.shared))
+    )
+    return replace(frame, covariance=errors.own, calibration=common)

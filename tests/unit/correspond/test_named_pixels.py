@@ -111,3 +111,23 @@ def test_named_points_read_back_exactly(tmp_path: Path) -> None:
     table(tmp_path, text.replace("too-few-cameras", "ok"))
     with pytest.raises(InputError, match=r"Line 3 .*coordinates are numbers"):
         read_named_points(tmp_path / "pixels.csv")
+
+
+def test_what_is_read_has_the_numbers_of_its_names(tmp_path: Path) -> None:
+    """Which the reader hands on, so that nobody looks at a million names again."""
+    path = tmp_path / "pixels.csv"
+    path.write_text(
+        "view,camera,point,x_px,y_px\nw,a,p2,1,2\nv,a,p1,1,2\nw,b,p2,1,2\nv,b,p2,3,4\nw,a,p1,5,6\n"
+    )
+    read = read_pixels(path)
+    again = NamedPixels(read.view, read.camera, read.point, read.position)
+    for pixels in (read, read.with_covariances(np.tile(np.eye(2), (5, 1, 1)))):
+        np.testing.assert_array_equal(pixels.view_number, again.view_number)
+        np.testing.assert_array_equal(pixels.point_number, again.point_number)
+    np.testing.assert_array_equal(again.point_number, [0, 1, 0, 0, 1])
+
+
+def test_a_table_of_another_program_is_told_how_to_become_one(tmp_path: Path) -> None:
+    path = table(tmp_path, "scorer,net,net\nbodyparts,tip,tip\ncoords,x,y\n0,1,2\n")
+    with pytest.raises(InputError, match=r"is no table of pixels: .*'labcal convert --from' makes one"):
+        read_pixels(path)

@@ -19,7 +19,8 @@ from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.estimators import registry
 from labcal.estimators.affine import Affine
 from labcal.estimators.estimator import FittedArray, PointEstimator
-from labcal.estimators.fitting import FitSettings, estimators_of
+from labcal.estimators.fit_settings import FitSettings
+from labcal.estimators.fitting import estimators_of
 from labcal.estimators.hybrid import Hybrid
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox

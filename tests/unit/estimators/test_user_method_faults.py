@@ -14,7 +14,8 @@ import pytest
 from labcal.errors import InputError, InputTypeError, LabcalError
 from labcal.estimators import registry
 from labcal.estimators.estimator import FittedArray, PointEstimator
-from labcal.estimators.fitting import FitSettings, estimators_of
+from labcal.estimators.fit_settings import FitSettings
+from labcal.estimators.fitting import estimators_of
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
 from labcal.estimators.model_file import save_model

@@ -35,7 +35,7 @@ def test_the_document_has_its_keys_in_their_order_and_no_arrays() -> None:
     assert list(found) == [
         "n", "mean_signed_mm", "mae_mm", "rmse_mm", "p95_mm", "max_mm", "limit_mm", "coverage95",
         "alignment", "scored", "not_scored", "n_ok", "views_scored", "views_calibrated_on",
-        "coverage95_distances",
+        "coverage95_distances", "coverage95_planes", "coverage95_motions", "n_planes", "n_motions",
     ]  # fmt: skip
     assert found["views_scored"] == ["a", "b"]
     lengths = errors_of_lengths(examples.points(), load_target(examples.TARGET))

@@ -82,6 +82,7 @@ def test_columns_are_written_as_the_writer_of_csv_files_does() -> None:
             for name, figure in zip(chosen, figures, strict=True)
         )
         assert columns_text(HEADER[:2], [[chosen, figures]]) == text.getvalue()
+        assert columns_text(HEADER[:2], [[chosen, np.array(figures)]]) == text.getvalue()
 
 
 @pytest.mark.slow

@@ -14,7 +14,8 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.matching import match, stage_points
 from labcal.correspond.points import PointFlag
 from labcal.errors import InputError, LabcalError
-from labcal.estimators.fitting import FitSettings, Training, fit_method, training_of
+from labcal.estimators.fit_settings import FitSettings
+from labcal.estimators.fitting import Training, fit_method, training_of
 from labcal.estimators.model import Model
 from labcal.estimators.surrogate_validation import Surrogate, surrogate_of
 from labcal.reconstruct.reconstruction import reconstruct_centres

@@ -1,6 +1,7 @@
 """Scale bars against cameras, a scale, pixels and lengths that are drawn anew each time."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,12 +74,13 @@ def bars(rng: np.random.Generator | None = None) -> list[ScaleBar]:
     return found
 
 
-def drawn(ppm: float | None) -> Iterator[NamedReconstruction]:
-    rng, root = np.random.default_rng(7), np.linalg.cholesky(covariance())
+def drawn(ppm: float | None, frame: str | None = None) -> Iterator[NamedReconstruction]:
+    rng, root = np.random.default_rng(7 if frame is None else 11), np.linalg.cholesky(covariance())
     for _ in range(DRAWS):
         scale = float(rng.standard_normal()) * SCALE
         of = rig(root @ rng.standard_normal(len(root)), scale)
-        settings = MeasureSettings(scale_bars=bars(rng), scale_sigma_ppm=ppm)
+        view = None if frame is None else "first"
+        settings = MeasureSettings(scale_bars=bars(rng), scale_sigma_ppm=ppm, frame=frame, frame_view=view)
         yield pipeline.measure(of, pixels(rng), settings=settings)
 
 
@@ -168,8 +170,38 @@ def test_bars_that_are_none_are_refused() -> None:
         MeasureSettings(scale_sigma_ppm=10.0)
     with pytest.raises(InputError, match="from 0 to"):
         MeasureSettings(scale_bars=["a,b,1,1"], scale_sigma_ppm=-1.0)
-    with pytest.raises(InputError, match="no `frame` goes with them"):
-        MeasureSettings(scale_bars=["a,b,1,1"], frame="points:a,b,c")
+    with pytest.raises(InputError, match="a board's dots were measured without them"):
+        MeasureSettings(scale_bars=["a,b,1,1"], frame="board:dots.csv")
+
+
+@pytest.mark.parametrize("kind", ["points", "rigid", "similarity"])
+def test_points_scatter_as_stated_in_a_frame_after_the_bars(kind: str, tmp_path: Path) -> None:
+    """Of a frame by ends of bars and by another point: their errors move all points of the frame."""
+    table = tmp_path / "known.csv"
+    known = dict(zip(NAMES, TRUE, strict=True))
+    lines = [f"{name},{','.join(map(repr, known[name].tolist()))},0.0" for name in "abc"]
+    table.write_text("\n".join(["point,X_mm,Y_mm,Z_mm,sigma_mm", *lines]) + "\n")
+    frame = "points:a,b,c" if kind == "points" else f"{kind}:{table}"
+    settings = MeasureSettings(
+        scale_bars=bars(), scale_sigma_ppm=1e6 * SCALE, frame=frame, frame_view="first"
+    )
+    exact = pipeline.measure(rig(), pixels(), settings=settings)
+    between = labcal.distance(exact, 0, 1).value
+    assert between == pytest.approx(float(np.linalg.norm(TRUE[0] - TRUE[1])))
+    np.testing.assert_allclose(
+        exact.points.covariance, exact.budget.noise + exact.budget.calibration, atol=1e-15
+    )
+    found = list(drawn(1e6 * SCALE, frame))
+    errors = np.array([one.points.point - exact.points.point for one in found])
+    for row in (3, 4, 5, 6, 7):
+        assert agree(errors[:, row], exact.points.covariance[row]), row
+    free = [3, 4, 6]
+    assert agree(errors[:, free].reshape(DRAWS, -1), exact.budget.errors(free).joint)
+    place = exact.points.covariance[:3]
+    if kind == "points":  # the origin is exact by decree, and the point on the axis but for its x
+        assert not errors[:, 0].any()
+        assert not place[0].any()
+        assert agree(errors[:, 1, :1], place[1, :1, :1])
 
 
 def test_a_rig_without_covariance_is_scaled_too() -> None:
