@@ -71,7 +71,7 @@ class CalibrateResult:
     free_dots: FreeDotsResult | None
     """The print, where its dots were freed."""
     lens_choice: LensChoice | None
-    """Of ``--lens auto``."""
+    """Of ``--lens auto``, and where no lens is named; null where one is named, or a rig to start from is."""
     held_out: list[str]
     """Views that did not enter, since they are to be scored."""
     calibrated_on: list[str]
@@ -146,7 +146,9 @@ def calibrate_table(result: CalibrateResult) -> object:
     parts: list[Table | Text | Group | str] = [*camera_tables(result.cameras), Text(caption)]
     parts += [Text("\n".join(pair_lines(result.pairs))), expectation_table(result.expected_errors)]
     if result.lens_choice is not None:
-        parts.append(lens_table(result.lens_choice))
+        if result.lens_choice.trials:
+            parts.append(lens_table(result.lens_choice))
+        parts.append(Text(f"lens {result.lens_choice.lens}: {result.lens_choice.why}"))
     if result.outliers:
         parts.append(_outlier_table(result))
     parts.append(f"dots {result.dot_places.why}")
