@@ -16,10 +16,9 @@ from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.calibrate.lens_choice import LensChoice, choose_lens
 from labcal.calibrate.lens_start import require_adjustable
-from labcal.calibrate.one_lens import TwoLenses
+from labcal.calibrate.lens_warnings import lens_warnings
 from labcal.calibrate.parallel_rig import parallel_notes
-from labcal.calibrate.print_warnings import uneven_message, warnings_of_print
-from labcal.cameras.blind_pixels import blind_pixels
+from labcal.calibrate.print_warnings import warnings_of_print
 from labcal.cameras.camera_pair import CameraPair
 from labcal.cameras.expected_errors import ExpectedErrors
 from labcal.cameras.record import CameraRecord
@@ -330,30 +329,7 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
                 f"the principal point of {name} lies outside its picture: the views do not determine it, or "
                 f"the dots are not those of '{target}'"
             )
-        if found.fits[name].open_lens:
-            warnings.append(
-                f"the dots of {name} leave its lens open towards the picture's border, where only an "
-                "assumption holds it: trust the rig where dots were, or take views with dots in the corners"
-            )
-        if blind := blind_pixels(name, found.rig.camera(name)):
-            warnings.append(blind)
-        left_open = ", ".join(found.fits[name].undetermined)
-        if left_open:
-            warnings.append(
-                f"the views of {name} do not determine {left_open} of the lens '{lens}': trust the rig "
-                "where dots were, but not these numbers, or let `lens='auto'` choose"
-            )
-        misfit, groups = found.fits[name].misfit, found.fits[name].two_lenses
-        if misfit is not None and groups is None:
-            warnings.append(
-                f"the lens model '{lens}' is too simple for {name}: coefficients of '{misfit.larger}' that it "
-                f"does not have are not 0 (p = {misfit.chance:.1g}). Points may be off by more than is "
-                "stated. Name a larger lens model, or none"
-            )
-        if groups is not None:
-            warnings.append(two_lenses_message(name, groups, lens))
-        elif found.freed is None and found.fits[name].uneven:
-            warnings.append(uneven_message(found, name))
+        warnings += lens_warnings(found, lens, name)
     views = found.sources.views
     if views.is_beyond_chance and found.disagreement is None:
         warnings.append(
@@ -365,17 +341,6 @@ def calibration_warnings(found: HandheldCalibration, lens: str, target: str) -> 
     if found.reason in (StopReason.EPOCHS, StopReason.NOT_FINITE):
         warnings.append(f"the adjustment has not come to its end: {found.reason.value}")
     return warnings
-
-
-def two_lenses_message(name: str, found: TwoLenses, lens: str) -> str:
-    """Return the message about two groups of views of a camera, the most likely cause first."""
-    one, other = (", ".join(group) for group in found.groups)
-    return (
-        f"the views of {name} are not those of one lens: {one} want another one than {other}. Its numbers "
-        "are of neither. The likely causes, in order: the pictures of two cameras were taken for one "
-        "(distinguish them with `cameras` of 'detect'); the camera was refocused or zoomed in between; the "
-        f"lens model '{lens}' does not suit (try `lens='auto'`)"
-    )
 
 
 def _middle_inside(camera: CameraRecord) -> bool:

@@ -128,9 +128,7 @@ def _stepped(entered: Entered, camera: Camera) -> tuple[Entered, ViewsEliminated
     if stepped is None or not np.isfinite(problem.cost(stepped)):
         return entered, None
     end = problem.linearize(stepped)
-    return Entered(
-        replace(before, state=stepped, layout=end.layout, prior=prior), entered.observations
-    ), end
+    return Entered(replace(before, state=stepped, layout=end.layout, prior=prior), entered.observations), end
 
 
 def _freedom(entered: Entered, end: ViewsEliminated) -> float:

@@ -106,7 +106,7 @@ def narrow_is_better(wide: Sequence[Camera], narrow: Sequence[Camera], rms_ratio
 
 
 def border_effects(camera: Camera) -> Float64[np.ndarray, " coefficients"]:
-    """Return the most that each coefficient of 1 moves the border of the picture of an undistorted lens, px."""
+    """Return the most that a coefficient of 1 moves the picture's border of an undistorted lens, px."""
     return np.asarray(np.abs(_border_slopes(camera)).max(axis=(0, 1), initial=0.0))
 
 

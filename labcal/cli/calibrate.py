@@ -40,7 +40,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--lens",
         metavar="MODEL",
-        help=f"lens model (default {DEFAULT_LENS}, another one where the views ask for it, or that of --start), "
+        help=f"lens model (default: that of --start, or {DEFAULT_LENS} unless the views ask for another), "
         f"or {AUTO}: all models are tried on views held out",
     )
     add_output(parser, "rig.json", "cameras to write")

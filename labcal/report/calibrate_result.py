@@ -149,6 +149,7 @@ def calibrate_table(result: CalibrateResult) -> object:
         if result.lens_choice.trials:
             parts.append(lens_table(result.lens_choice))
         parts.append(Text(f"lens {result.lens_choice.lens}: {result.lens_choice.why}"))
+    parts += _words_of_omitted(result)
     if result.outliers:
         parts.append(_outlier_table(result))
     parts.append(f"dots {result.dot_places.why}")
@@ -159,6 +160,15 @@ def calibrate_table(result: CalibrateResult) -> object:
             words += f"\ncorrelation of the places by each camera alone: {x:.2f} along x, {y:.2f} along y"
         parts.append(Text(words))
     return Group(*parts)
+
+
+def _words_of_omitted(result: CalibrateResult) -> list[str]:
+    """Return what the errors of points allow for beside noise and print, in words; nothing if nothing."""
+    lacking = {camera.lens: camera.omitted for camera in result.cameras.values() if camera.omitted}
+    return [
+        f"errors of points allow for {', '.join(names)}, which the lens model '{lens}' does not have"
+        for lens, names in lacking.items()
+    ]
 
 
 def _outlier_table(result: CalibrateResult) -> Table:

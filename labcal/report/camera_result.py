@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
+from labcal.calibrate.budget.omitted_lens import omitted_coefficients
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_misfit import LensMisfit
 from labcal.calibrate.one_lens import TwoLenses
@@ -56,6 +57,8 @@ class CameraResult:
     lens_misfit: LensMisfit | None
     """A larger lens model that the views ask for, and the probability that chance alone does; null where the
     lens suits, or no model that contains it was tried."""
+    omitted: list[str]
+    """Coefficients that the lens model does not have, and whose possible size is in the rig's covariance."""
 
     @classmethod
     def of(cls, found: HandheldCalibration, name: str) -> "CameraResult":
@@ -82,6 +85,7 @@ class CameraResult:
             share_without_rays=found.rig.camera(name).share_without_rays,
             two_lenses=fit.two_lenses,
             lens_misfit=fit.misfit,
+            omitted=list(omitted_coefficients(record.lens)) if found.sources.omitted.size else [],
         )  # fmt: skip
 
 

@@ -85,16 +85,24 @@ class ErrorSources:
     def total(
         self, cameras: Float64[np.ndarray, "cameras cameras"]
     ) -> Float64[np.ndarray, "cameras cameras"]:
-        """Return the covariance with all sources, of the one that noise as stated and the prior make.
+        """Return the covariance of the lens models' own parameters, of the one that noise and prior make.
 
         Notes
         -----
         Of C = (H + P)^-1 with the information H of the dots and P of the prior, the factors are of the dots'
-        errors alone: C (f H + P) C = f C + (1 - f) C P C. Print and omitted coefficients add theirs.
+        errors alone: C (f H + P) C = f C + (1 - f) C P C. The print adds its own.
         """
         if self.print_share is None:
             return cameras
         factor = self.noise_factor * self.views.factor
         by_prior = (cameras * self.prior) @ cameras
-        others = self.print_share.covariance + self.omitted @ self.omitted.T
-        return np.asarray(factor * cameras + (1.0 - factor) * by_prior + others)
+        return np.asarray(factor * cameras + (1.0 - factor) * by_prior + self.print_share.covariance)
+
+    def with_omitted(
+        self, cameras: Float64[np.ndarray, "cameras cameras"]
+    ) -> Float64[np.ndarray, "cameras cameras"]:
+        """Return :meth:`total` and the share of coefficients that the lenses do not have.
+
+        What a rig does to points: its parameters as those of lenses which real ones are not quite.
+        """
+        return np.asarray(self.total(cameras) + self.omitted @ self.omitted.T)

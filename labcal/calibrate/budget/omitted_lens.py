@@ -17,6 +17,7 @@ from labcal.calibrate.budget.entered import Entered
 from labcal.calibrate.budget.print_share import reduced_information
 from labcal.calibrate.lens_prior import border_effects
 from labcal.calibrate.lens_start import camera_as_lens
+from labcal.cameras.lens import lens_by_name
 from labcal.cameras.optics import INTRINSICS
 
 _SIMPLE, _NEXT = ("pinhole", "brown-k1k2"), "brown5"
@@ -75,6 +76,12 @@ def omitted_errors(entered: Entered, noise: float) -> Float64[np.ndarray, "camer
     mean = -V @ score
     values, axes = np.linalg.eigh(V + np.outer(mean, mean))
     return np.asarray((A[: entered.cameras] @ axes) * np.sqrt(np.maximum(values, 0.0)))
+
+
+def omitted_coefficients(lens: str) -> tuple[str, ...]:
+    """Return the names of the coefficients that a lens model lacks and the budget allows for."""
+    own = lens_by_name(lens).coefficients
+    return lens_by_name(_NEXT).names[own:] if lens in _SIMPLE else ()
 
 
 def _solved(H: Float64[np.ndarray, "n n"], right: Float64[np.ndarray, "n m"]) -> Float64[np.ndarray, "n m"]:
