@@ -84,10 +84,10 @@ class BothWays:
 def held_out_dots(camera: BothWays, number: int) -> HeldOutDots | None:
     """Predict views of one camera from the others, with the dots as declared and with the dots freed.
 
-    Every :data:`FOLDS`-th view is held out, from view `number` on; None if there is none. From the others follow lens and, where freed, dots; of
-    held-out views only the poses are fitted. Dots in too few of the others do not count, nor do outliers of
-    both. All fits begin at the calibration from all views and end a tenth of a standard deviation from
-    their minimum.
+    Every :data:`FOLDS`-th view is held out, from view `number` on; None if there is none. From the others
+    follow lens and, where freed, dots; of held-out views only the poses are fitted. Dots in too few of the
+    others do not count, nor do outliers of both. All fits begin at the calibration from all views and end a
+    tenth of a standard deviation from their minimum.
 
     Raises
     ------

@@ -67,6 +67,9 @@ def lens_misfit(adjusted: Adjusted, observations: Observations) -> LensMisfit | 
     noise that residuals show, the errors of the print, and the dispersion of views at the end of the step,
     of which the degrees of freedom are those of the F distribution: light, blur and boards that bend move
     neighbouring dots alike, and look like a lens in any one view. The noise alone is tried first.
+
+    Through a long lens the valley is curved, and a step goes beyond what it promised: coefficients count by
+    the share of the expected decrease of the cost that the step really brought.
     """
     (camera,) = adjusted.state.cameras
     views = len(np.unique(observations.view))
@@ -100,13 +103,16 @@ def _chance(entered: Entered, lens: str, least: float) -> float:
     (camera,) = entered.state.cameras
     own, all_ = camera.model.coefficients, lens_by_name(lens).coefficients
     at, more = slice(INTRINSICS + own, INTRINSICS + all_), all_ - own
-    larger, end = _stepped(entered, camera_as_lens(camera, lens, ""))
-    if end is None:
+    step = _stepped(entered, camera_as_lens(camera, lens, ""))
+    if step is None:
         return 1.0
+    larger, end, gain = step
     found = larger.state.cameras[0].dist[own:all_]
     cameras = end.shared_spread()[: end.layout.pose[-1].stop, : end.layout.pose[-1].stop]
     noise = larger.chi_square() / _freedom(larger, end)
-    by_noise = f_tail(_square(found, noise * cameras[at, at]), more, _freedom(larger, end))
+    expected = _square(found, cameras[at, at])
+    gained = min(1.0, gain / expected)
+    by_noise = f_tail(gained * expected / (noise * more), more, _freedom(larger, end))
     if by_noise >= least:
         return by_noise
     by_print = np.zeros_like(cameras)
@@ -115,20 +121,25 @@ def _chance(entered: Entered, lens: str, least: float) -> float:
         share = PrintShare.of_declared(larger)
         by_print, noise = share.covariance, share.noise
     total = noise * max(1.0, views.ratio) * cameras + by_print
-    return f_tail(_square(found, total[at, at]), more, 2.0 / max(views.sigma, 1e-6) ** 2)
+    return f_tail(gained * _square(found, total[at, at]) / more, more, 2.0 / max(views.sigma, 1e-6) ** 2)
 
 
-def _stepped(entered: Entered, camera: Camera) -> tuple[Entered, ViewsEliminated | None]:
-    """Return the adjustment after a step with another lens, and its equations; None where it fails."""
+def _stepped(entered: Entered, camera: Camera) -> tuple[Entered, ViewsEliminated, float] | None:
+    """Return the adjustment after a step with another lens, its equations, and what the cost decreased.
+
+    None where the step fails.
+    """
     before = entered.adjusted
     state = replace(entered.state, cameras=(camera,))
     prior = LensPrior.of(state, entered.observations, Lenses.FREE, PriorWidth.WIDE)
     problem = AdjustmentProblem(entered.observations, before.layout.freedom, prior=prior)
     stepped = problem.linearize(state).stepped(_UNDAMPED)
-    if stepped is None or not np.isfinite(problem.cost(stepped)):
-        return entered, None
+    gain = -1.0 if stepped is None else problem.cost(state) - problem.cost(stepped)
+    if stepped is None or not gain > 0.0:
+        return None
     end = problem.linearize(stepped)
-    return Entered(replace(before, state=stepped, layout=end.layout, prior=prior), entered.observations), end
+    after = replace(before, state=stepped, layout=end.layout, end=end, prior=prior)
+    return Entered(after, entered.observations), end, gain
 
 
 def _freedom(entered: Entered, end: ViewsEliminated) -> float:
@@ -138,5 +149,5 @@ def _freedom(entered: Entered, end: ViewsEliminated) -> float:
 
 
 def _square(found: Float64[np.ndarray, " n"], covariance: Float64[np.ndarray, "n n"]) -> float:
-    """Return the mean square of numbers in units of their covariance."""
-    return float(found @ np.linalg.solve(covariance, found)) / len(found)
+    """Return the sum of squares of numbers in units of their covariance."""
+    return float(found @ np.linalg.solve(covariance, found))
