@@ -9,6 +9,7 @@ import numpy as np
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.budget.shared_errors import measured_places
 from labcal.calibrate.calibration_warnings import calibration_warnings
+from labcal.calibrate.default_lens import calibrate_with_default_lens
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
@@ -44,7 +45,7 @@ class Calibration(PublicObject):
     lens : str
         The lens model.
     choice : LensChoice or None
-        How views held out chose it; None where it was named.
+        How it was chosen, and the reason; None where it was named, or is that of a rig to start from.
     held_out : tuple of str
         Views that the calibration did not see.
     calibrated_on : tuple of str
@@ -206,7 +207,8 @@ def calibrated(
         Only dots flagged ``ok`` enter.
     target : AnyTarget
     lens : str, optional
-        A lens model, or ``auto``; that of the rig to start from, or :data:`DEFAULT_LENS`, where left out.
+        A lens model, or ``auto``: held-out views choose among all candidates. Where left out, that of the rig
+        to start from; without one :data:`DEFAULT_LENS`, unless the views ask for another lens.
     settings : HandheldSettings, optional
     hold_out : int or sequence of str
         Views that do not enter: their names, or how many, spread evenly.
@@ -225,7 +227,10 @@ def calibrated(
     held_out = held_out_views(detections.views, hold_out)
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
-    if lens == AUTO:
+    if lens is None:
+        choice, found = calibrate_with_default_lens(entering, target, settings, progress or NoProgress())
+        lens = choice.lens
+    elif lens == AUTO:
         choice, found = _with_chosen_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     else:
@@ -301,9 +306,12 @@ def refuse_contradictory(lens: str | None, settings: HandheldSettings) -> None:
         raise InputError("The lenses of a rig can be kept only where there is one. Add `start='rig.json'`.")
 
 
-def _lens_of(settings: HandheldSettings) -> str:
-    """Return the lens model where none is named: that of the rig to start from, if all are alike."""
+def _lens_of(settings: HandheldSettings) -> str | None:
+    """Return the lens model where none is named: that of the rig to start from, if all are alike.
+
+    None without such a rig: the views decide.
+    """
     if settings.start_rig is None:
-        return DEFAULT_LENS
+        return None
     lenses = {record.lens for record in settings.start_rig.cameras.values()}
     return lenses.pop() if len(lenses) == 1 else DEFAULT_LENS

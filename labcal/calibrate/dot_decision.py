@@ -9,7 +9,7 @@ from labcal.calibrate.budget.print_share import PrintShare
 from labcal.calibrate.calibration_error import calibration_variance
 from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.handheld_calibration import HandheldCalibration
-from labcal.calibrate.held_out_dots import BothWays, HeldOutDots, held_out_dots
+from labcal.calibrate.held_out_dots import FOLDS, BothWays, HeldOutDots, held_out_dots
 from labcal.calibrate.single_calibration import HandheldSettings, SingleCalibration
 from labcal.cameras.lens import lens_by_name
 from labcal.errors import InputError
@@ -23,6 +23,8 @@ UNEVEN = 3.0
 """Standard normal deviate of the score test from which on a print may be uneven."""
 CHANCE = 0.01
 """Most probable chance of an advantage in held-out views."""
+_FIRST_FOLDS, _SURE_CHANCE = 2, 1e-4
+"""Where the first parts of the views say so surely that freed dots are better, no more are held out."""
 
 Calibrate = Callable[[list[SingleCalibration], DotDecision], HandheldCalibration]
 """Calibrates the rig, of cameras that are calibrated alone with their dots treated as is decided."""
@@ -132,11 +134,16 @@ def _by_held_out_views(
     target: AnyTarget,
 ) -> DotDecision:
     """Return the decision by the prediction of held-out views."""
-    predicted = []
-    for one, other in zip(cameras, on_print, strict=True):
-        declared, freed = one.result.adjusted, other.result.adjusted
-        both = BothWays(declared, freed, one.result.observations, target, one.dots.views)
-        predicted.append(held_out_dots(both))
+    both_ways = [
+        BothWays(one.result.adjusted, other.result.adjusted, one.result.observations, target, one.dots.views)
+        for one, other in zip(cameras, on_print, strict=True)
+    ]
+    predicted: list[HeldOutDots] = []
+    for number in range(FOLDS):
+        parts = [held_out_dots(both, number) for both in both_ways]
+        predicted += [part for part in parts if part is not None]
+        if number + 1 >= _FIRST_FOLDS and HeldOutDots.joined(predicted).chance < _SURE_CHANCE:
+            break
     held = HeldOutDots.joined(predicted)
     found = replace(found, declared_px=held.declared_px, freed_px=held.freed_px, chance=held.chance)
     figures = f"RMS {held.freed_px:.3g} px, {held.declared_px:.3g} px as declared, p = {held.chance:.1g}"

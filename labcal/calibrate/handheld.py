@@ -21,12 +21,14 @@ from labcal.calibrate.dot_decision import decision_at_once, judged
 from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.eccentricity import CorrectedEccentricity, centred
 from labcal.calibrate.handheld_calibration import CameraFit, CameraSigma, HandheldCalibration
+from labcal.calibrate.lens_misfit import lens_misfit
 from labcal.calibrate.lens_prior import PriorWidth
 from labcal.calibrate.lens_start import require_adjustable
 from labcal.calibrate.lens_support import undetermined
 from labcal.calibrate.one_lens import two_lenses
 from labcal.calibrate.outlying_dots import OutlyingDots
 from labcal.calibrate.parallel_rig import with_determined_poses
+from labcal.calibrate.prepared_cameras import PreparedCameras, prepared_cameras, prepared_dots
 from labcal.calibrate.resection.resected import MOST_OFF
 from labcal.calibrate.rig_residuals import RigResiduals
 from labcal.calibrate.rig_start import rig_start
@@ -40,8 +42,6 @@ from labcal.calibrate.single_calibration import (
 from labcal.calibrate.support_record import support_record
 from labcal.calibrate.systematic_residual import systematic_residual
 from labcal.calibrate.triangulation_check import calibration_record
-from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
-from labcal.cameras.lens import lens_by_name
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
@@ -50,7 +50,6 @@ from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
-from labcal.wording import counted
 
 __all__ = ["HandheldSettings", "calibrate_handheld"]
 
@@ -86,23 +85,26 @@ def calibrate_handheld(
     """
     settings = settings or HandheldSettings()
     require_adjustable(lens)
-    if settings.dot_places is DotTreatment.FREED and lens_by_name(lens).parallel:
-        raise InputError(
-            f"Dots cannot be freed behind the lens '{lens}', whose rays are parallel: an uneven print and a "
-            "tilt are not distinguishable there. Keep them as declared: `dot_places='declared'`."
-        )
-    usable = settings.measured(usable_dots(detections, target), target)
-    cameras = _require_all(usable, detections)
-    entering, skipped = in_full_pictures(usable)
-    skipped = (*unmeasured_pictures(detections), *skipped)
+    dots = prepared_dots(detections, target, settings)
+    return calibrate_prepared(prepared_cameras(dots, target, lens, settings), target, settings)
 
-    as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
-    alone = [calibrate_single(name, entering, target, lens, as_declared) for name in cameras]
+
+def calibrate_prepared(
+    cameras: PreparedCameras, target: AnyTarget, settings: HandheldSettings
+) -> HandheldCalibration:
+    """Calibrate a rig of cameras that are calibrated alone.
+
+    Raises
+    ------
+    InputError, ContradictionError
+        As of :func:`calibrate_handheld`.
+    """
+    alone, lens, dots = cameras.alone, cameras.lens, cameras.dots
     decision = decision_at_once(alone, target, settings)
 
     def calibrated(ready: list[SingleCalibration], by: DotDecision) -> HandheldCalibration:
         how = replace(settings, dot_places=by.treatment)
-        return _calibrated(SingleCameras(ready, entering, skipped), target, lens, how, by)
+        return _calibrated(SingleCameras(ready, dots.entering, dots.left_out), target, lens, how, by)
 
     if decision is None:
         return judged(alone, target, settings, calibrated)
@@ -166,18 +168,6 @@ def _rms_alone(found: list[SingleCalibration]) -> float:
     """Return OpenCV's RMS over cameras that were calibrated alone, px."""
     residuals = [one.result.adjusted.residual[~one.result.adjusted.outlier] for one in found]
     return float(np.sqrt((np.concatenate(residuals) ** 2).sum(axis=1).mean()))
-
-
-def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
-    """Return the cameras; raise where one has pictures, but no dot that is a measurement."""
-    for name in detections.cameras:
-        if name not in usable.cameras:
-            views = len(set(detections.view[detections.camera == name].tolist()))
-            raise InputError(
-                f"Camera '{name}' has {counted(views, 'view')}, but not one dot with an id that is measured. "
-                "See the flags in the detections; take its pictures anew, or leave them out."
-            )
-    return usable.cameras
 
 
 def _recorded(
@@ -270,6 +260,7 @@ def _assemble(
             open_lens=result.adjusted.prior_width is PriorWidth.NARROW,
             noise_px=float(np.sqrt(np.median(np.trace(one.dots.covariance, axis1=1, axis2=2)) / 2.0)),
             two_lenses=one.two_lenses,
+            misfit=lens_misfit(result.adjusted, result.observations),
         )
     names = tuple(one.name for one in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)

@@ -15,6 +15,7 @@ from labcal.calibrate.camera_covariance import CameraCovariance
 from labcal.calibrate.dot_treatment import DotDecision
 from labcal.calibrate.eccentricity import CorrectedEccentricity
 from labcal.calibrate.freed_dots import FreedDots
+from labcal.calibrate.lens_misfit import LensMisfit
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.calibrate.outlying_dots import OutlyingDots
 from labcal.calibrate.rig_residuals import RigResiduals
@@ -76,6 +77,8 @@ class CameraFit:
     """Of the dots, along each axis, by their covariances; the median."""
     two_lenses: TwoLenses | None = None
     """Groups of its views that were taken through different lenses; None where one lens explains all."""
+    misfit: LensMisfit | None = None
+    """A larger lens model that its views ask for; None where the lens suits."""
 
     @property
     def uneven(self) -> bool:

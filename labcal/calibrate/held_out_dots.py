@@ -81,13 +81,13 @@ class BothWays:
     """Names, in the order of their numbers."""
 
 
-def held_out_dots(camera: BothWays) -> HeldOutDots:
+def held_out_dots(camera: BothWays, number: int) -> HeldOutDots | None:
     """Predict views of one camera from the others, with the dots as declared and with the dots freed.
 
-    Every :data:`FOLDS`-th view is held out together. From the others follow lens and, where freed, dots; of
-    held-out views only the poses are fitted. Dots in too few of the others do not count, nor do outliers of
-    both. All fits begin at the calibration from all views and end a tenth of a standard deviation from
-    their minimum.
+    Every :data:`FOLDS`-th view is held out, from view `number` on; None if there is none. From the others
+    follow lens and, where freed, dots; of held-out views only the poses are fitted. Dots in too few of the
+    others do not count, nor do outliers of both. All fits begin at the calibration from all views and end a
+    tenth of a standard deviation from their minimum.
 
     Raises
     ------
@@ -95,34 +95,32 @@ def held_out_dots(camera: BothWays) -> HeldOutDots:
         The other views determine no camera or too few dots.
     """
     centres = camera.observations.moved(-camera.declared.eccentricity)
-    fold = np.arange(len(camera.views)) % FOLDS
-    declared, freed = np.zeros(len(camera.views)), np.zeros(len(camera.views))
-    for number in range(FOLDS):
-        held = fold == number
-        if not held.any():
-            continue
-        others = _of_views(centres, ~held)
-        movable = np.bincount(others.dot, minlength=camera.target.count) >= MIN_PICTURES
-        others = others.where(movable[others.dot])
-        judged = _of_views(centres, held)
-        judged = judged.where(movable[judged.dot])
-        if np.bincount(judged.view, minlength=int(held.sum())).min() < MIN_DOTS:
-            raise InputError("Views that are held out show too few dots that the others do.")
-        fits = []
-        for whole in (camera.declared, camera.freed):
-            start = replace(whole.state, T_world_target=whole.state.T_world_target[~held])
-            still = np.zeros((start.dots.size, 0))
-            basis = still
-            if whole is camera.freed:
-                declared_places = replace(camera.declared, state=replace(start, dots=camera.target.points()))
-                hold = datum_constraint(declared_places, others, movable, Lenses.FREE)
-                basis = dot_freedom(camera.target.points(), movable, hold)
-            learned = _adjusted(camera, start, others, Freedom(Lenses.FREE, basis))
-            shown = replace(learned.state, T_world_target=whole.state.T_world_target[held])
-            fits.append(_adjusted(camera, shown, judged, Freedom(Lenses.FIXED, still)))
-        counted = ~(fits[0].outlier & fits[1].outlier)
-        declared[held], freed[held] = (_squares(fit, judged, counted) for fit in fits)
-    return HeldOutDots(camera.views, declared, freed)
+    held = np.arange(len(camera.views)) % FOLDS == number
+    if not held.any():
+        return None
+    others = _of_views(centres, ~held)
+    movable = np.bincount(others.dot, minlength=camera.target.count) >= MIN_PICTURES
+    others = others.where(movable[others.dot])
+    judged = _of_views(centres, held)
+    judged = judged.where(movable[judged.dot])
+    if np.bincount(judged.view, minlength=int(held.sum())).min() < MIN_DOTS:
+        raise InputError("Views that are held out show too few dots that the others do.")
+    fits = []
+    for whole in (camera.declared, camera.freed):
+        start = replace(whole.state, T_world_target=whole.state.T_world_target[~held])
+        still = np.zeros((start.dots.size, 0))
+        basis = still
+        if whole is camera.freed:
+            declared_places = replace(camera.declared, state=replace(start, dots=camera.target.points()))
+            hold = datum_constraint(declared_places, others, movable, Lenses.FREE)
+            basis = dot_freedom(camera.target.points(), movable, hold)
+        learned = _adjusted(camera, start, others, Freedom(Lenses.FREE, basis))
+        shown = replace(learned.state, T_world_target=whole.state.T_world_target[held])
+        fits.append(_adjusted(camera, shown, judged, Freedom(Lenses.FIXED, still)))
+    counted = ~(fits[0].outlier & fits[1].outlier)
+    declared, freed = (_squares(fit, judged, counted) for fit in fits)
+    views = tuple(view for view, is_held in zip(camera.views, held.tolist(), strict=True) if is_held)
+    return HeldOutDots(views, declared, freed)
 
 
 def _adjusted(camera: BothWays, start: RigState, observations: Observations, freedom: Freedom) -> Adjusted:

@@ -54,15 +54,40 @@ class LensTrial:
 
 @dataclass(frozen=True)
 class LensChoice:
-    """The simplest lens model that is as good as the best."""
+    """The lens model that was chosen.
+
+    Attributes
+    ----------
+    lens : str
+        Of the models that were tried, the simplest that is as good as the best.
+    trials : tuple of LensTrial
+        None where nothing was tried: the views do not ask for another lens than the usual one.
+    why : str
+        The reason, for people.
+    """
 
     lens: str
     trials: tuple[LensTrial, ...]
+    why: str
+
+
+@dataclass(frozen=True)
+class LensCandidates:
+    """The lens models to try."""
+
+    lenses: tuple[str, ...]
+    """The simplest first."""
+    needed: tuple[str, ...] = ()
+    """Those that are not refused for coefficients which the views leave open: others of theirs are needed."""
 
 
 @one_blas_thread()
 def choose_lens(
-    detections: Detections, target: AnyTarget, settings: HandheldSettings, progress: Progress
+    detections: Detections,
+    target: AnyTarget,
+    settings: HandheldSettings,
+    progress: Progress,
+    among: LensCandidates | None = None,
 ) -> LensChoice:
     """Try lens models on views that they were not fitted to, each camera alone, as it will be calibrated.
 
@@ -80,6 +105,8 @@ def choose_lens(
         Of the calibration to come; lenses are free, dots are as declared unless they are ``freed``, and the
         rig to start from does not count.
     progress : Progress
+    among : LensCandidates, optional
+        Lens models to try; :data:`OF_VIEWS` where left out.
 
     Raises
     ------
@@ -97,15 +124,17 @@ def choose_lens(
             )
     for pictures in cameras:
         _refuse_parallel(pictures, target, settings.eccentricity_rounds)
-    plenty = min(map(len, cameras)) >= PLENTY
-    lenses = [lens for lens in OF_VIEWS if plenty or lens != LARGE]
+    if among is None:
+        plenty = min(map(len, cameras)) >= PLENTY
+        among = LensCandidates(tuple(lens for lens in OF_VIEWS if plenty or lens != LARGE))
+    lenses = among.lenses
     progress.start("lens models", len(lenses))
     squares: dict[str, Float64[np.ndarray, " pictures"]] = {}
     refused: dict[str, str] = {}
     for lens in lenses:
         try:
             squares[lens] = np.concatenate(
-                [_held_out(pictures, target, lens, settings) for pictures in cameras]
+                [_held_out(pictures, target, (lens, lens in among.needed), settings) for pictures in cameras]
             )
         except InputError as error:
             refused[lens] = str(error)
@@ -114,7 +143,9 @@ def choose_lens(
         raise InputError("The views support no lens model. " + " ".join(dict.fromkeys(refused.values())))
     best = min(squares.values(), key=lambda square: float(square.mean()))
     trials = tuple(_trial(lens, squares.get(lens), best, refused.get(lens)) for lens in lenses)
-    return LensChoice(next(trial.lens for trial in trials if trial.as_good), trials)
+    chosen = next(trial for trial in trials if trial.as_good)
+    why = f"the simplest model that predicts held-out views as well as any (RMS {chosen.held_out_px:.3g} px)"
+    return LensChoice(chosen.lens, trials, why)
 
 
 def _refuse_parallel(pictures: list[Detections], target: AnyTarget, eccentricity_rounds: int) -> None:
@@ -140,16 +171,18 @@ def _trial(
 
 
 def _held_out(
-    pictures: Sequence[Detections], target: AnyTarget, lens: str, settings: HandheldSettings
+    pictures: Sequence[Detections], target: AnyTarget, of: tuple[str, bool], settings: HandheldSettings
 ) -> Float64[np.ndarray, " pictures"]:
     """Return the mean square residual of every picture of one camera when it was held out, px squared.
+
+    `of` is a lens model, and whether it is needed whatever of it is left open.
 
     Raises
     ------
     InputError
         The other views determine no camera, leave coefficients of the lens open, or cannot free the dots.
     """
-    squares, rounds = [], settings.eccentricity_rounds
+    squares, rounds, (lens, needed) = [], settings.eccentricity_rounds, of
     for fold in range(FOLDS):
         held = list(pictures[fold::FOLDS])
         others = [picture for number, picture in enumerate(pictures) if number % FOLDS != fold]
@@ -159,7 +192,7 @@ def _held_out(
         if settings.dot_places is DotTreatment.FREED:
             free = adjust_dots(fitted, entered, target, Lenses.FREE, rounds)
             fitted, entered, judged = free.adjusted, free.observations, judged.at(free.dots)
-        left_open = undetermined(fitted, entered)
+        left_open = () if needed else undetermined(fitted, entered)
         if left_open:
             raise InputError(f"The views do not determine its coefficients {', '.join(left_open)}.")
         known = start_from_camera(held, target, fitted.state.cameras[0])

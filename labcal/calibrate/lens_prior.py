@@ -85,7 +85,7 @@ def coefficient_weights(
     beyond = _BEYOND_BROWN if model.opencv is PERSPECTIVE else ()
     shares = np.array([share_beyond if name in beyond else share for name in model.names])
     if width is PriorWidth.NARROW:
-        effect = np.abs(_border_slopes(camera)).max(axis=(0, 1), initial=0.0)
+        effect = border_effects(camera)
     return np.asarray((effect / (shares * picture_width)) ** 2)
 
 
@@ -103,6 +103,11 @@ def narrow_is_better(wide: Sequence[Camera], narrow: Sequence[Camera], rms_ratio
     """
     lost = [sum(camera.share_without_rays for camera in found) for found in (wide, narrow)]
     return lost[1] <= _LESS * lost[0] and rms_ratio <= _AS_WELL
+
+
+def border_effects(camera: Camera) -> Float64[np.ndarray, " coefficients"]:
+    """Return the most that a coefficient of 1 moves the picture's border of an undistorted lens, px."""
+    return np.asarray(np.abs(_border_slopes(camera)).max(axis=(0, 1), initial=0.0))
 
 
 def _border_slopes(camera: Camera) -> Float64[np.ndarray, "n 2 coefficients"]:

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pose, Vectors3
+from labcal.calibrate.bent_start import as_perspective
 from labcal.calibrate.gross_errors import gross_errors
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.start import camera_with_field, depth_held_mm
 from labcal.cameras.camera import Camera
-from labcal.cameras.lens import LENGTH, PRESCRIPTION, lens_by_name
+from labcal.cameras.lens import FISHEYE, LENGTH, PRESCRIPTION, lens_by_name
 from labcal.cameras.opencv_model import PERSPECTIVE, from_order, to_order
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
@@ -32,6 +33,8 @@ _KEPT_AT_0 = {
     "k3": cv2.CALIB_FIX_K3,
 }
 """OpenCV's flag for what a lens does not have; of those beyond these five none is free at the start."""
+_FAR_OFF_PX = 2.0
+"""RMS of OpenCV's start from which on it is not the lens: another start is tried."""
 _HALF_FIELDS_DEG = np.geomspace(15.0, 170.0, 30)
 _WIDEST_FLAT_DEG = 75.0
 _SCAN_VIEWS = 12
@@ -140,7 +143,7 @@ def _by_opencv(pictures: list[Detections], target: Target, lens: str) -> LensSta
     names = lens_by_name(lens).names
     size = pictures[0].picture_size(pictures[0].cameras[0])
     try:
-        _, K, found, turns, shifts = cv2.calibrateCamera(
+        rms, K, found, turns, shifts = cv2.calibrateCamera(
             [target.points(dots.index).astype(np.float32) for dots in pictures],
             [dots.position.astype(np.float32) for dots in pictures],
             size,
@@ -162,10 +165,28 @@ def _by_opencv(pictures: list[Detections], target: Target, lens: str) -> LensSta
         for turn, shift in zip(turns, shifts, strict=True)
     ]
     camera = Camera(np.asarray(K, dtype=np.float64), lens, dist, np.eye(4), size)
-    if not all(_images_all(camera, T, dots, target) for T, dots in zip(poses, pictures, strict=True)):
+    folds = not all(_images_all(camera, T, dots, target) for T, dots in zip(poses, pictures, strict=True))
+    if folds:
         # OpenCV may end at a lens that folds within the picture; from none the adjustment finds its own.
         camera = replace(camera, dist=np.zeros_like(dist))
-    return LensStart(camera, np.stack(poses))
+    start = LensStart(camera, np.stack(poses))
+    return _bent(pictures, target, start) if folds or rms > _FAR_OFF_PX else start
+
+
+def _bent(pictures: list[Detections], target: Target, other: LensStart) -> LensStart:
+    """Return a start that images angles proportionally, where it explains the dots better than another."""
+    try:
+        equidistant = _by_scan(pictures, target, FISHEYE).camera
+        rays = equidistant.rays(np.concatenate([dots.position for dots in pictures]))
+        widest = float(np.nanmax(np.arccos(np.clip(rays.direction[rays.ok, 2], -1.0, 1.0))))
+        start = start_from_camera(pictures, target, as_perspective(equidistant, other.camera.lens, widest))
+    except InputError:
+        return other
+    seen = list(zip(start.T_cam_target, pictures, strict=True))
+    if not all(_images_all(start.camera, T, dots, target) for T, dots in seen):
+        return other
+    off = [_residual(one.camera, pictures, target) for one in (start, other)]
+    return start if not off[1] <= off[0] else other
 
 
 def _images_all(camera: Camera, T_cam_target: Pose, dots: Detections, target: Target) -> bool:

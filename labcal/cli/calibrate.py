@@ -40,7 +40,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--lens",
         metavar="MODEL",
-        help=f"lens model (default {DEFAULT_LENS}, or that of --start), or {AUTO}: chosen by views held out",
+        help=f"lens model (default: that of --start, or {DEFAULT_LENS} unless the views ask for another), "
+        f"or {AUTO}: all models are tried on views held out",
     )
     add_output(parser, "rig.json", "cameras to write")
     add_dot_places(parser, "; the places go to RIG-dots.json")

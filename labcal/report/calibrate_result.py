@@ -71,7 +71,7 @@ class CalibrateResult:
     free_dots: FreeDotsResult | None
     """The print, where its dots were freed."""
     lens_choice: LensChoice | None
-    """Of ``--lens auto``."""
+    """Of ``--lens auto``, and where no lens is named; null where one is named, or a rig to start from is."""
     held_out: list[str]
     """Views that did not enter, since they are to be scored."""
     calibrated_on: list[str]
@@ -146,7 +146,10 @@ def calibrate_table(result: CalibrateResult) -> object:
     parts: list[Table | Text | Group | str] = [*camera_tables(result.cameras), Text(caption)]
     parts += [Text("\n".join(pair_lines(result.pairs))), expectation_table(result.expected_errors)]
     if result.lens_choice is not None:
-        parts.append(lens_table(result.lens_choice))
+        if result.lens_choice.trials:
+            parts.append(lens_table(result.lens_choice))
+        parts.append(Text(f"lens {result.lens_choice.lens}: {result.lens_choice.why}"))
+    parts += _words_of_omitted(result)
     if result.outliers:
         parts.append(_outlier_table(result))
     parts.append(f"dots {result.dot_places.why}")
@@ -157,6 +160,15 @@ def calibrate_table(result: CalibrateResult) -> object:
             words += f"\ncorrelation of the places by each camera alone: {x:.2f} along x, {y:.2f} along y"
         parts.append(Text(words))
     return Group(*parts)
+
+
+def _words_of_omitted(result: CalibrateResult) -> list[str]:
+    """Return what the errors of points allow for beside noise and print, in words; nothing if nothing."""
+    lacking = {camera.lens: camera.omitted for camera in result.cameras.values() if camera.omitted}
+    return [
+        f"errors of points allow for {', '.join(names)}, which the lens model '{lens}' does not have"
+        for lens, names in lacking.items()
+    ]
 
 
 def _outlier_table(result: CalibrateResult) -> Table:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
+from labcal.calibrate.budget.omitted_lens import omitted_coefficients
 from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.lens_misfit import LensMisfit
 from labcal.calibrate.one_lens import TwoLenses
 from labcal.cameras.lens import lens_by_name
 from labcal.report.expectation_result import plus_minus
@@ -52,6 +54,11 @@ class CameraResult:
     two_lenses: TwoLenses | None
     """Groups of views that were taken through different lenses, so that the numbers are of neither; null
     where one lens explains all."""
+    lens_misfit: LensMisfit | None
+    """A larger lens model that the views ask for, and the probability that chance alone does; null where the
+    lens suits, or no model that contains it was tried."""
+    omitted: list[str]
+    """Coefficients that the lens model does not have, and whose possible size is in the rig's covariance."""
 
     @classmethod
     def of(cls, found: HandheldCalibration, name: str) -> "CameraResult":
@@ -77,6 +84,8 @@ class CameraResult:
             open_lens=fit.open_lens,
             share_without_rays=found.rig.camera(name).share_without_rays,
             two_lenses=fit.two_lenses,
+            lens_misfit=fit.misfit,
+            omitted=list(omitted_coefficients(record.lens)) if found.sources.omitted.size else [],
         )  # fmt: skip
 
 

@@ -1,6 +1,7 @@
 """Bundle adjustment in rounds: adjust, compute eccentricity and variance component, adjust again."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -10,7 +11,7 @@ from labcal.calibrate.adjustment.datum_constraints import DatumConstraints
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.outliers import outliers
 from labcal.calibrate.adjustment.prior_term import LensPrior
-from labcal.calibrate.adjustment.problem import AdjustmentProblem
+from labcal.calibrate.adjustment.problem import AdjustmentProblem, ViewsEliminated
 from labcal.calibrate.adjustment.scatter import Scatter
 from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
 from labcal.calibrate.eccentricity import Discs, dot_eccentricities
@@ -39,10 +40,8 @@ class Adjusted:
     state: RigState
     layout: Layout
     """Positions of parameters in `covariance`."""
-    covariance: Float64[np.ndarray, "shared shared"]
-    """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
-    spread: Float64[np.ndarray, "shared shared"]
-    """The same, with some very large variance for what the views leave open."""
+    end: ViewsEliminated
+    """The normal equations at the end, with the scatter."""
     residual: Float64[np.ndarray, "n 2"]
     """Predicted minus measured, px."""
     eccentricity: Float64[np.ndarray, "n 2"]
@@ -52,12 +51,25 @@ class Adjusted:
     scatter_px: float
     """Variance component as a standard deviation, per axis."""
     reason: StopReason
-    normal: Blocks
-    """The normal equations at the end, with the scatter."""
     prior_width: PriorWidth
     """Width of the prior of lens coefficients."""
     prior: LensPrior
     """The prior itself."""
+
+    @cached_property
+    def covariance(self) -> Float64[np.ndarray, "shared shared"]:
+        """Of what all views share, with the scatter; NaN where the views leave a parameter open."""
+        return self.end.shared_covariance()
+
+    @cached_property
+    def spread(self) -> Float64[np.ndarray, "shared shared"]:
+        """The same, with some very large variance for what the views leave open."""
+        return self.end.shared_spread()
+
+    @property
+    def normal(self) -> Blocks:
+        """The blocks of the normal equations at the end."""
+        return self.end.blocks
 
     @property
     def typical_px(self) -> float:
@@ -165,14 +177,12 @@ class _Rounds:
         return Adjusted(
             state=now.state,
             layout=end.layout,
-            covariance=end.shared_covariance(),
-            spread=end.shared_spread(),
+            end=end,
             residual=now.state.residuals(now.measured),
             eccentricity=now.eccentricity,
             outlier=now.aside,
             scatter_px=float(np.sqrt(now.extra)),
             reason=reasons[-1],
-            normal=end.blocks,
             prior_width=width,
             prior=prior,
         )

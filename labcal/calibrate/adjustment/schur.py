@@ -1,6 +1,7 @@
 """Normal equations of a bundle adjustment, solved by the Schur complement over the views' poses."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -73,16 +74,22 @@ class Reduced:
         rest = np.einsum("vij,vj->vi", self.inverse_root, full.view) - self.reach @ shared
         return Slopes(shared, np.einsum("vji,vj->vi", self.inverse_root, rest))
 
+    @cached_property
+    def _spectrum(self) -> tuple[Float64[np.ndarray, " shared"], Float64[np.ndarray, "shared shared"]]:
+        """Eigenvalues of the matrix, and its eigenvectors in columns."""
+        curvature, axes = np.linalg.eigh(self.matrix)
+        return curvature, axes
+
     def shared_spread(self) -> Float64[np.ndarray, "shared shared"]:
         """Return the covariance of all shared parameters; of what is not observed, some very large one."""
-        curvature, axes = np.linalg.eigh(self.matrix)
+        curvature, axes = self._spectrum
         floor = _OPEN * curvature[-1:]
         return np.asarray((axes / np.maximum(curvature, floor)) @ axes.T / np.outer(self.scale, self.scale))
 
     def shared_covariance(self) -> Float64[np.ndarray, "shared shared"]:
         """Return the covariance of all shared parameters; NaN for those that the observations leave open."""
         covariance = self.shared_spread()
-        curvature, axes = np.linalg.eigh(self.matrix)
+        curvature, axes = self._spectrum
         weak = curvature <= _OPEN * curvature[-1:]
         left_open = (axes[:, weak] ** 2).sum(axis=1) > _TAKES_PART
         covariance[left_open] = covariance[:, left_open] = np.nan

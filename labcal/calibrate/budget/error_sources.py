@@ -10,6 +10,7 @@ from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.budget.entered import Entered
+from labcal.calibrate.budget.omitted_lens import omitted_errors
 from labcal.calibrate.budget.print_share import PrintShare
 from labcal.calibrate.budget.view_dispersion import ViewDispersion
 from labcal.calibrate.freed_dots import FreedDots
@@ -28,11 +29,14 @@ class ErrorSources:
 
     prior : float64 array, (cameras,)
         Inverse variances of the prior of lens coefficients by parameter, 0 elsewhere.
+    omitted : float64 array, (cameras, omitted)
+        Errors of parameters by coefficients that the lenses do not have, one sigma each.
     """
 
     views: ViewDispersion
     print_share: PrintShare | None
     prior: Float64[np.ndarray, " cameras"]
+    omitted: Float64[np.ndarray, "cameras omitted"]
 
     @classmethod
     def of(
@@ -57,12 +61,15 @@ class ErrorSources:
         entered = Entered.of(adjusted, observations)
         fixed = adjusted.layout.freedom.lenses is Lenses.FIXED
         if fixed or entered.with_fixed_dots().reduced is None:
-            return cls(ViewDispersion(1.0, 0.0), None, np.zeros(entered.cameras))
+            nothing = np.zeros(entered.cameras)
+            return cls(ViewDispersion(1.0, 0.0), None, nothing, nothing[:, None][:, :0])
         if freed is None:
             share = PrintShare.of_declared(entered, known)
         else:
             share = PrintShare.of_freed(entered, freed)
-        return cls(ViewDispersion.of(entered, share.residual), share, entered.prior_by_parameter())
+        views = ViewDispersion.of(entered, share.residual)
+        omitted = omitted_errors(entered, share.noise * views.factor)
+        return cls(views, share, entered.prior_by_parameter(), omitted)
 
     @property
     def noise_factor(self) -> float:
@@ -78,15 +85,24 @@ class ErrorSources:
     def total(
         self, cameras: Float64[np.ndarray, "cameras cameras"]
     ) -> Float64[np.ndarray, "cameras cameras"]:
-        """Return the covariance with all sources, of the one that noise as stated and the prior make.
+        """Return the covariance of the lens models' own parameters, of the one that noise and prior make.
 
         Notes
         -----
         Of C = (H + P)^-1 with the information H of the dots and P of the prior, the factors are of the dots'
-        errors alone: C (f H + P) C = f C + (1 - f) C P C.
+        errors alone: C (f H + P) C = f C + (1 - f) C P C. The print adds its own.
         """
         if self.print_share is None:
             return cameras
         factor = self.noise_factor * self.views.factor
         by_prior = (cameras * self.prior) @ cameras
         return np.asarray(factor * cameras + (1.0 - factor) * by_prior + self.print_share.covariance)
+
+    def with_omitted(
+        self, cameras: Float64[np.ndarray, "cameras cameras"]
+    ) -> Float64[np.ndarray, "cameras cameras"]:
+        """Return :meth:`total` and the share of coefficients that the lenses do not have.
+
+        What a rig does to points: its parameters as those of lenses which real ones are not quite.
+        """
+        return np.asarray(self.total(cameras) + self.omitted @ self.omitted.T)

@@ -19,7 +19,7 @@ def with_covariance(rig: Rig, adjusted: Adjusted, sources: ErrorSources) -> Rig:
     if sources.print_share is None:
         return rig
     free = adjusted.layout.pose[-1].stop
-    covariance = sources.total(adjusted.spread[:free, :free])
+    covariance = sources.with_omitted(adjusted.spread[:free, :free])
     if not (np.isfinite(covariance).all() and np.diagonal(covariance).max() <= MOST_PARAMETER_VARIANCE):
         return rig
     record = RigCovariance.of(rig.cameras, covariance).model_copy(
