@@ -132,7 +132,7 @@ def fit_edges(
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
     covariance = light.covariances(table, noise.factor)
     if noise.factor != 1.0:
-        root = matrix_root(noise.by_direction)
+        root = matrix_root(noise.by_direction[None])
         covariance = root @ covariance @ root
         covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
     in_steps = table[:, 5] <= settings.min_blur_px  # the outline runs from pixel to pixel
@@ -153,7 +153,7 @@ def fit_edges(
         dot=dot,
         light_slope=_light_slope(table, board),
         variance=table[:, VARIANCE],
-        noise_factor=factor,
+        noise_factor=noise.factor,
     )
 
 
