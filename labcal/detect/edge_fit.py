@@ -11,7 +11,7 @@ from labcal.detect.edges.edge_model import STATE, TINY
 from labcal.detect.edges.gauss_newton import fit_all
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.one_light import OneLight
-from labcal.detect.edges.outline_noise import outline_factor
+from labcal.detect.edges.outline_noise import outline_noise
 from labcal.detect.edges.residuals import (
     BURNT,
     CLIPPED,
@@ -128,9 +128,13 @@ def fit_edges(
     some = np.flatnonzero(ok)
     some = some[:: max(1, -(-len(some) // settings.noise_outlines))]
     weights = light.select(some).weights(table[some], black)
-    factor = outline_factor(grey, table[some], weights, (hole[some], reach), flat, settings)
+    noise = outline_noise(grey, table[some], weights, (hole[some], reach), flat, settings)
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
-    covariance = light.covariances(table, factor)
+    covariance = light.covariances(table, noise.factor)
+    if noise.factor != 1.0:
+        root = matrix_root(noise.by_direction[None])
+        covariance = root @ covariance @ root
+        covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
     in_steps = table[:, 5] <= settings.min_blur_px  # the outline runs from pixel to pixel
     stepped = np.where(in_steps, settings.stepped_variance_px3 / spots.radius, 0.0)
     covariance = covariance + stepped[:, None, None] * np.eye(2)
@@ -149,7 +153,7 @@ def fit_edges(
         dot=dot,
         light_slope=_light_slope(table, board),
         variance=table[:, VARIANCE],
-        noise_factor=factor,
+        noise_factor=noise.factor,
     )
 
 

@@ -1,6 +1,7 @@
 """Effect of the noise that outlines really have on the covariances of a picture's dots."""
 
 from math import exp, inf, log, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
@@ -8,6 +9,7 @@ from jaxtyping import Float64
 from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.harmonics import Harmonics, harmonic_sums
+from labcal.detect.edges.noise_direction import noise_by_direction
 from labcal.detect.edges.residuals import VARIANCE
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.edge import EdgeSettings
@@ -18,15 +20,24 @@ _LEAST = 1e-12
 """Of a dot's white noise that a harmonic has left, below which it says nothing."""
 
 
-def outline_factor(
+class OutlineNoise(NamedTuple):
+    """The noise of a picture's outlines."""
+
+    factor: float
+    """Its variance over what the fits' residuals say, for a shift, in the mean of both axes."""
+    by_direction: Float64[np.ndarray, "2 2"]
+    """The covariance of a shift in units of that mean."""
+
+
+def outline_noise(
     grey: GreyPicture,
     table: Float64[np.ndarray, "n c"],
     weights: Float64[np.ndarray, "n 2 p"],
     picture: tuple[Float64[np.ndarray, " n"], float],
     flat: float,
     settings: EdgeSettings,
-) -> float:
-    """Return the variance of a picture's outlines over what the fits' residuals say, for a shift.
+) -> OutlineNoise:
+    """Return the noise of a picture's outlines, for a shift; it is alike in all directions if it is white.
 
     Parameters
     ----------
@@ -44,16 +55,21 @@ def outline_factor(
     """
     some = table[:, VARIANCE] > 0.0  # a drawn picture may be without noise
     if not some.any():
-        return flat
+        return OutlineNoise(flat, np.eye(2))
     table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
     radius = float(np.median(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2)))
     harmonics = chosen_harmonics(radius, settings)
     sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
     sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
-    powers = own_powers(sums, (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE]))
+    step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
+    powers = own_powers(sums, step)
     number = harmonics.first + harmonics.stride * np.arange(harmonics.terms)
     ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / number, settings)
-    return beside_flat_parts(ratio, error, flat, settings)
+    factor = beside_flat_parts(ratio, error, flat, settings)
+    if factor == 1.0:
+        return OutlineNoise(factor, np.eye(2))
+    kept = without_shared_shape(sums[..., :2], step)
+    return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], harmonics, settings))
 
 
 def beside_flat_parts(ratio: float, error: float, flat: float, settings: EdgeSettings) -> float:
@@ -110,11 +126,19 @@ def own_powers(
     step : ndarray, shape (n,)
         From dot to board, over the dot's noise.
     """
-    n, kept = len(sums), sums[..., :2]
-    if n > 1:
-        shared = (step[:, None, None] * kept).sum(axis=0) / (step**2).sum()
-        kept = (kept - step[:, None, None] * shared) * np.sqrt(n / (n - 1.0))
+    kept = without_shared_shape(sums[..., :2], step)
     return np.stack([(kept**2).sum(axis=2), sums[..., 2]], axis=2)
+
+
+def without_shared_shape(
+    sums: Float64[np.ndarray, "n k 2"], step: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, "n k 2"]:
+    """Return sums of each dot's residuals without what all dots share; `step` as of :func:`own_powers`."""
+    n = len(sums)
+    if n == 1:
+        return sums
+    shared = (step[:, None, None] * sums).sum(axis=0) / (step**2).sum()
+    return np.asarray((sums - step[:, None, None] * shared) * np.sqrt(n / (n - 1.0)))
 
 
 def long_wave_ratio(

@@ -218,7 +218,7 @@ class EdgeSettings(StageSettings):
         description="Correlation that chance explains. Larger: covariances are widened less often.",
     )
     noise_outlines: int = Field(
-        64,
+        256,
         ge=1,
         le=100_000,
         description="Dots along whose outlines the noise is measured. Larger: slower, steadier.",

@@ -124,6 +124,19 @@ def test_errors_are_as_large_as_stated(kind: str, sheets: list[Sheet]) -> None:
     assert 0.9 < (total < 5.991).mean() < 0.99
 
 
+def test_noise_in_streaks_moves_dots_across_them_as_much_as_stated() -> None:
+    drawn, off = sheet(7.0, 23), []
+    for seed in range(4):
+        white = np.random.default_rng(seed).normal(0.0, 8.0, drawn.light.shape)
+        streaks = cv2.sepFilter2D(white, -1, np.ones(1), np.full(3, 1.0 / 3.0))  # along y
+        found = drawn.fit(np.rint(np.clip(220 * drawn.light + 20 + streaks, 0, 255)).astype(np.uint8))
+        sigma = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
+        off.append((found.centre - drawn.centre) / sigma)
+    squares = (np.concatenate(off) ** 2).mean(axis=0)
+    # Of 560 dots each, in x and y: z of 4. If noise is taken for alike in both, one is twice the other.
+    assert abs(np.log(squares[0] / squares[1])) < 4.0 * np.sqrt(4.0 / 560)
+
+
 def test_a_ragged_print_is_no_noise_of_large_dots() -> None:
     drawn = sheet(20.0, 5, ragged_px=0.05, blur=1.2, cols=4)
     spread = np.std([drawn.fit(KINDS["grey"](drawn.light, seed)).centre for seed in range(4)], axis=0, ddof=1)
