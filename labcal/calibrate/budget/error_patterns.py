@@ -19,7 +19,7 @@ of a whole picture with a change of its scale and shear."""
 REACH = 1.0 / 6.0
 """Standard deviation of the Gaussian correlation of smooth errors, in sides of the target."""
 _PATTERNS = 20
-"""Of smooth errors along an axis, the largest; they hold nine tenths of the variance."""
+"""Of smooth errors along an axis, the largest; they hold nine tenths of the variance, and stand for all."""
 _ANCHORS = 200
 """Dots between which correlations are computed; patterns at others follow."""
 _PLANE = 2
@@ -88,6 +88,7 @@ class ErrorPatterns:
         size, axes = size[::-1][:_PATTERNS], axes[:, ::-1][:, :_PATTERNS]
         known = size > 1e-9 * size[0]
         smooth = _correlation(place, anchors, REACH * side) @ (axes[:, known] / np.sqrt(size[known]))
+        smooth /= np.sqrt((smooth[measured] ** 2).sum(axis=1).mean())
         slopes = (place - place[measured].mean(axis=0)) / (0.5 * side)
         return cls(smooth, np.concatenate([np.ones((len(dots), 1)), slopes], axis=1), cameras)
 
