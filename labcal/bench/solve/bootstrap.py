@@ -77,7 +77,8 @@ class BootstrapScatter:
         cameras = tuple(whole.rig.camera(name) for name in names)
         if len(whole.views) < 2 * _FEWEST_VIEWS or whole.covariance is None:
             raise InputError(
-                f"Of {len(whole.views)} views half are too few for a rig of a pair. Give {2 * _FEWEST_VIEWS} or more."
+                f"Of {len(whole.views)} views half are too few for a rig of a pair. Give {2 * _FEWEST_VIEWS} "
+                "or more."
             )
         observations = observations_of(
             kept.where(np.isin(kept.view, whole.views)), target, names, whole.views

@@ -123,8 +123,8 @@ def _scatter_checks(dots: Detections, target: AnyTarget, seed: int) -> list[Chec
     ratios = {"focal lengths": found.focal, "principal points": found.middle, "baseline": found.baseline}
     return [
         at_most(
-            f"{RENDERED}: scatter of {what} over {SAMPLES} samples of half of the views against stated sigmas, "
-            "factor either way",
+            f"{RENDERED}: scatter of {what} over {SAMPLES} samples of half of the views, "
+            "over stated sigmas, either way",
             float(max(ratio, 1.0 / ratio)),
             SCATTER_FACTOR,
         )

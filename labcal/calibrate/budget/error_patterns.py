@@ -14,8 +14,8 @@ from labcal.calibrate.adjustment.state import POSE
 from labcal.optim.robust import SQUARES
 
 SMOOTH, BOARD, WHOLE = 0, 1, 2
-"""Kinds of patterns: smooth over a picture; smooth over the board, where all cameras see the same; and a shift
-of a whole picture with a change of its scale and shear."""
+"""Kinds of patterns: smooth over a picture; smooth over the board, where all cameras see the same; and a
+shift of a whole picture with a change of its scale and shear."""
 REACH = 1.0 / 6.0
 """Standard deviation of the Gaussian correlation of smooth errors, in sides of the target."""
 _PATTERNS = 20

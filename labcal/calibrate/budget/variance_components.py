@@ -91,8 +91,8 @@ def _covariance_of_squares(
 ) -> Float64[np.ndarray, "components components"]:
     """Return the covariance of the sums of squares, of normal errors with these variances.
 
-    With V the covariance of errors and B = F' P F, squares of F_i' P y and F_j' P y have the covariance 2 |F_i'
-    P V P F_j|^2, where F' P V P F = white B + B D B with the variances D by pattern.
+    With V the covariance of errors and B = F' P F, squares of F_i' P y and F_j' P y have the covariance
+    2 |F_i' P V P F_j|^2, where F' P V P F = white B + B D B with the variances D by pattern.
     """
     white, by_kind = variances
     D = member.T @ by_kind
