@@ -45,7 +45,8 @@ class RigCovariance(BaseModel):
     """Variance of residuals without the print's share, over the one that dots' covariances and the variance
     component state; a factor of the matrix."""
     view_factor: Annotated[float, Field(ge=1, le=1e12, allow_inf_nan=False)] = 1.0
-    """Factor by which views disagree beyond the noise of their dots; a factor of the matrix."""
+    """Factor by which views disagree beyond the noise of their dots; a factor of the matrix, unless it is
+    beyond chance: then errors that dots of a view share have variances of their own in the matrix."""
     print_sigma_mm: Margin = 0.0
     """Standard deviation of the dots' places on the print along each direction; its share is included."""
 

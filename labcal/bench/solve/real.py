@@ -7,6 +7,8 @@ import numpy as np
 
 from labcal.bench.detect.real import PAIR, VARIABLE
 from labcal.bench.groups import Bench, Findings
+from labcal.bench.solve.bootstrap import SAMPLES, BootstrapScatter
+from labcal.bench.solve.half_points import HalfDifference, point_differences
 from labcal.bench.solve.halves import (
     disagreement,
     halves,
@@ -39,6 +41,8 @@ METHODS_COMPARED = ("hybrid", "mlp", "mlp-bayes", "ray-net")
 AGREE_LIMIT = 3.0
 """Standard deviations."""
 LENGTH_LIMIT_MM = 0.010
+SCATTER_FACTOR = 1.3
+"""Between the scatter of samples of views and the one that stated sigmas imply, either way."""
 CONFIDENCE = 0.995
 """Upper end of the interval that holds 99% of chi-square."""
 
@@ -67,7 +71,10 @@ def real_findings(bench: Bench) -> Findings:
             value=float(np.sqrt((apart**2).mean())),
         )
     ]
-    checks.append(_of_chance(RENDERED, one, other))
+    checks.append(_of_chance(f"{RENDERED}, {LENS}", one, other))
+    one, other = (calibrate_handheld(half, target, DEFAULT_LENS) for half in halves(dots))
+    checks += _budgets_hold(RENDERED, one, other, references)
+    checks += _scatter_checks(dots, target, bench.seed)
     target = load_target(PHOTO_TARGET)
     dots = _measured(Path(home) / PHOTOS, target, bench.progress)
     for learned, others, which in zip(halves(dots), halves(dots)[::-1], ("even", "odd"), strict=True):
@@ -82,8 +89,47 @@ def real_findings(bench: Bench) -> Findings:
             references.append(Figure(name=f"{what}, largest, mm", value=lengths.max))
     freed = HandheldSettings(dot_places=DotTreatment.FREED)
     of_photos = [calibrate_handheld(half, target, DEFAULT_LENS, freed) for half in halves(dots)]
-    checks.append(_of_chance(f"{PHOTOS}, freed dots", of_photos[0], of_photos[1]))
+    checks += _budgets_hold(f"{PHOTOS}, freed dots", of_photos[0], of_photos[1], references)
     return Findings(checks, references)
+
+
+def _budgets_hold(
+    name: str, one: HandheldCalibration, other: HandheldCalibration, references: list[Figure]
+) -> list[Check]:
+    """Return the checks that points, lengths and parameters of two halves of the views agree.
+
+    Adds how far points and lengths lie apart to the references.
+    """
+    points, lengths = point_differences(one, other)
+    checks = []
+    for what, found in (("points", points), ("lengths", lengths)):
+        checks.append(_of_differences(f"{name}: {what} of two halves of the views", found))
+        apart = f"{name}: {what} of two halves of the views, RMS difference"
+        references.append(Figure(name=f"{apart}, mm", value=found.rms_mm))
+        references.append(Figure(name=f"{apart} by both budgets, mm", value=found.expected_mm))
+    return [*checks, _of_chance(name, one, other)]
+
+
+def _of_differences(name: str, found: HalfDifference) -> Check:
+    """Return the check that differences are no larger than both budgets explain."""
+    freedom = found.freedom
+    what = f"{name}, squared differences per degree of freedom, of {freedom}"
+    return at_most(what, found.squares / freedom, chi2_quantile(CONFIDENCE, freedom) / freedom)
+
+
+def _scatter_checks(dots: Detections, target: AnyTarget, seed: int) -> list[Check]:
+    """Return the checks that stated sigmas are those by which samples of views scatter."""
+    found = BootstrapScatter.of(dots, target, DEFAULT_LENS, seed)
+    ratios = {"focal lengths": found.focal, "principal points": found.middle, "baseline": found.baseline}
+    return [
+        at_most(
+            f"{RENDERED}: scatter of {what} over {SAMPLES} samples of half of the views, "
+            "over stated sigmas, either way",
+            float(max(ratio, 1.0 / ratio)),
+            SCATTER_FACTOR,
+        )
+        for what, ratio in ratios.items()
+    ]
 
 
 def _of_chance(name: str, one: HandheldCalibration, other: HandheldCalibration) -> Check:

@@ -51,7 +51,7 @@ def assemble(layout: Layout, observations: Observations, loss: Loss) -> Blocks:
     for number in range(len(layout.state.cameras)):
         pictures = [picture for picture in observations.pictures if picture.camera == number]
         seen = np.array([picture.view for picture in pictures], dtype=np.int64)
-        moves = _moves(layout, number, layout.state.T_world_target[seen])
+        moves = picture_moves(layout, number, layout.state.T_world_target[seen])
         squares = np.empty((len(seen), moves.shape[1], moves.shape[1]))
         done = 0
         for run in (run for run in observations.runs if run.camera == number):
@@ -82,7 +82,7 @@ def _squares(rows: Float64[np.ndarray, "width 2 n"], run: Run) -> Float64[np.nda
     return squares
 
 
-def _moves(
+def picture_moves(
     layout: Layout, number: int, T_world_target: Float64[np.ndarray, "pictures 4 4"]
 ) -> Float64[np.ndarray, "pictures width parameters"]:
     """Return the derivatives of what a camera's rows depend on by the parameters, in each of its pictures.

@@ -9,6 +9,7 @@ from jaxtyping import Float64
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.rounds import Adjusted
 from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.budget.correlated_errors import CorrelatedErrors
 from labcal.calibrate.budget.entered import Entered
 from labcal.calibrate.budget.omitted_lens import omitted_errors
 from labcal.calibrate.budget.print_share import PrintShare
@@ -31,12 +32,15 @@ class ErrorSources:
         Inverse variances of the prior of lens coefficients by parameter, 0 elsewhere.
     omitted : float64 array, (cameras, omitted)
         Errors of parameters by coefficients that the lenses do not have, one sigma each.
+    correlated : CorrelatedErrors or None
+        Errors that dots of a view share, where views disagree beyond chance; None where they do not.
     """
 
     views: ViewDispersion
     print_share: PrintShare | None
     prior: Float64[np.ndarray, " cameras"]
     omitted: Float64[np.ndarray, "cameras omitted"]
+    correlated: CorrelatedErrors | None = None
 
     @classmethod
     def of(
@@ -69,7 +73,8 @@ class ErrorSources:
             share = PrintShare.of_freed(entered, freed)
         views = ViewDispersion.of(entered, share.residual)
         omitted = omitted_errors(entered, share.noise * views.factor)
-        return cls(views, share, entered.prior_by_parameter(), omitted)
+        correlated = CorrelatedErrors.of(entered) if views.is_beyond_chance else None
+        return cls(views, share, entered.prior_by_parameter(), omitted, correlated)
 
     @property
     def noise_factor(self) -> float:
@@ -94,9 +99,12 @@ class ErrorSources:
         """
         if self.print_share is None:
             return cameras
-        factor = self.noise_factor * self.views.factor
+        factor, beside = self.noise_factor * self.views.factor, self.print_share.covariance
+        if self.correlated is not None:
+            independent = self.noise_factor / self.print_share.residual
+            factor, beside = independent * self.correlated.white, beside + self.correlated.covariance
         by_prior = (cameras * self.prior) @ cameras
-        return np.asarray(factor * cameras + (1.0 - factor) * by_prior + self.print_share.covariance)
+        return np.asarray(factor * cameras + (1.0 - factor) * by_prior + beside)
 
     def with_omitted(
         self, cameras: Float64[np.ndarray, "cameras cameras"]
