@@ -18,7 +18,9 @@ from labcal.report.rehearsal_result import (
     RehearseResult,
     board_words,
     confirmation_words,
-    freed_words,
+    expected_words,
+    poses_words,
+    print_words,
     rehearse_result,
     views_words,
 )
@@ -44,7 +46,7 @@ def rehearsal_page(found: Rehearsal, maker: PageMaker) -> Page:
         sections=[
             Section(
                 "What would help most",
-                [_limits_table(result), *_freed(result), Prose((_HALVED,), Tone.QUIET)],
+                [_limits_table(result), *_print(result), Prose((_HALVED,), Tone.QUIET)],
             ),
             Section(
                 "Expected errors",
@@ -53,7 +55,7 @@ def rehearsal_page(found: Rehearsal, maker: PageMaker) -> Page:
             Section(
                 "Views",
                 [
-                    Prose((views_words(result),)),
+                    Prose((views_words(result), *poses_words(result))),
                     Chart("views", views_svg(found), "Expected error over the volume by number of views."),
                     Chart("poses", poses_svg(found), _POSES, poses_table(found)),
                 ],
@@ -83,7 +85,6 @@ _IN_SPACE = "Cameras with their fields of view, and the target in the recommende
 
 
 def _opening(result: RehearseResult) -> list[str]:
-    low, high = result.range_mm
     best = result.limits[0]
     helps = (
         f"What would help most: {best.change}, to {millimetres(best.after_mm)} "
@@ -91,17 +92,7 @@ def _opening(result: RehearseResult) -> list[str]:
         if isfinite(best.gain) and best.gain > 0.0
         else "Nothing that was tried would help."
     )
-    expectation = (
-        f"Expect errors of about {millimetres(result.rms_mm)} (RMS, in 3-D) over the working volume: "
-        f"{millimetres(result.depth_mm)} in depth and {millimetres(result.sideways_mm)} sideways. The pixels "
-        f"of the points make {millimetres(result.noise_mm)} of it, the calibration "
-        f"{millimetres(result.calibration_mm)}."
-    )
-    chance = (
-        f"Calibrations differ by chance: after a single one the error is {millimetres(low)} to "
-        f"{millimetres(high)}, in 95 of 100."
-    )
-    return [expectation, chance, helps]
+    return [*expected_words(result), helps]
 
 
 def _limits_table(result: RehearseResult) -> PageTable:
@@ -150,8 +141,8 @@ def _boards_table(result: RehearseResult) -> PageTable:
     return PageTable("boards", "The planned target, printed in other sizes.", columns, rows)
 
 
-def _freed(result: RehearseResult) -> list[Part]:
-    words = freed_words(result)
+def _print(result: RehearseResult) -> list[Part]:
+    words = print_words(result)
     return [Prose(tuple(words))] if words else []
 
 
