@@ -14,7 +14,8 @@ def add_parser(commands: CommandGroup) -> None:
         "rehearse",
         run,
         "Forecast the errors of a planned rig before anything is bought or printed, and what limits them.",
-        example="labcal rehearse webcams -o rehearsal\n  labcal rehearse my-rig.yaml -o rehearsal --confirm 3",
+        example="labcal rehearse webcams -o rehearsal\n"
+        "  labcal rehearse my-rig.yaml -o rehearsal --confirm 3",
     )
     parser.add_argument(
         "plan", metavar="RIG.yaml", help="name of a plan that labcal ships, or path of a YAML file"
@@ -44,7 +45,8 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Rehearse the plan."""
     from labcal.pipeline import RehearseSettings, rehearse
-    from labcal.report.rehearsal_result import rehearse_result, rehearse_table
+    from labcal.report.rehearsal_result import rehearse_result
+    from labcal.report.rehearsal_words import rehearse_table
     from labcal.run.claims import FolderOutput, claim_outputs
 
     claim_outputs([FolderOutput(arguments.output)], [arguments.plan], force=arguments.force)

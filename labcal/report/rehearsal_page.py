@@ -14,17 +14,16 @@ from labcal.report.page.space_view import SpaceView
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 from labcal.report.page_maker import PageMaker
 from labcal.report.rehearsal_figures import map_svg, poses_svg, views_svg
-from labcal.report.rehearsal_result import (
-    RehearseResult,
+from labcal.report.rehearsal_result import RehearseResult, rehearse_result
+from labcal.report.rehearsal_tables import map_table, poses_table
+from labcal.report.rehearsal_words import (
     board_words,
     confirmation_words,
     expected_words,
     poses_words,
     print_words,
-    rehearse_result,
     views_words,
 )
-from labcal.report.rehearsal_tables import map_table, poses_table
 from labcal.report.space import Space
 from labcal.report.target_outline import target_outline
 from labcal.wording import counted

@@ -100,7 +100,9 @@ def view_counts(
     every = [*views, *further]
     counts = sorted({*COUNTS, len(views), 2 * len(views)})
     return tuple(
-        ViewCount(count, rms_or_nan(planned, every[:count], sources)) for count in counts if count <= len(every)
+        ViewCount(count, rms_or_nan(planned, every[:count], sources))
+        for count in counts
+        if count <= len(every)
     )
 
 

@@ -119,9 +119,7 @@ def rms_coordinate(error: Float64[np.ndarray, "n 2"]) -> float:
     return float(np.sqrt((error**2).mean()))
 
 
-def group_rank(
-    square_mm2: Float64[np.ndarray, "sets n"], expected_mm2: Float64[np.ndarray, " n"]
-) -> float:
+def group_rank(square_mm2: Float64[np.ndarray, "sets n"], expected_mm2: Float64[np.ndarray, " n"]) -> float:
     """Return the rank correlation of found and foretold errors in groups of points.
 
     One point tells nothing, since its error is a draw; points with about the same foretold error do.

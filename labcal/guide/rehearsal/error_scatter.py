@@ -54,9 +54,7 @@ class ErrorScatter:
         return cls._of(budget, without_rigid_part(budget.derivatives(np.arange(len(budget))), budget.point))
 
     @classmethod
-    def _of(
-        cls, budget: PointBudget, derivatives: Float64[np.ndarray, "n 3 parameters"]
-    ) -> "ErrorScatter":
+    def _of(cls, budget: PointBudget, derivatives: Float64[np.ndarray, "n 3 parameters"]) -> "ErrorScatter":
         by = derivatives.reshape(-1, derivatives.shape[2]) @ root_of(budget.parameters)
         shares = np.linalg.eigvalsh(by.T @ by / len(budget))[::-1]
         noise = float(np.trace(budget.noise, axis1=1, axis2=2).mean())
@@ -94,8 +92,8 @@ class ErrorScatter:
 
         Notes
         -----
-        The sum of squares has about the distribution of a multiple of a chi-square variable with the same mean
-        and variance (Satterthwaite 1946).
+        The sum of squares is distributed about as a multiple of a chi-square variable of the same mean and
+        variance (Satterthwaite 1946).
         """
         total = float(self.shares.sum())
         if total == 0.0:

@@ -22,10 +22,10 @@ from labcal.guide.rehearsal.confirmation import (
     squares,
 )
 from labcal.guide.rehearsal.error_scatter import ErrorScatter
+from labcal.guide.rehearsal.held_points import HeldPoints
 from labcal.guide.rehearsal.held_scene import held_scene
 from labcal.guide.rehearsal.rehearsal import Rehearsal
 from labcal.guide.rehearsal.settings import RehearseSettings
-from labcal.guide.rehearsal.held_points import HeldPoints
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.progress import Progress
