@@ -25,6 +25,8 @@ class FoundError:
         RMS error of each set.
     sets_needed : int
         Fewest sets whose RMS error is within 15% of the expected one in 95 of 100.
+    relative_sigma : float
+        Standard deviation of the mean square over all sets, over its expectation.
     """
 
     rms_mm: float
@@ -33,6 +35,7 @@ class FoundError:
     highest_mm: float
     by_set_mm: tuple[float, ...]
     sets_needed: int
+    relative_sigma: float
 
     @classmethod
     def of(cls, square_mm2: Float64[np.ndarray, "sets n"], scatter: ErrorScatter) -> "FoundError":
@@ -54,6 +57,7 @@ class FoundError:
             highest_mm=high,
             by_set_mm=tuple(np.sqrt(by_set).tolist()),
             sets_needed=scatter.sets_needed,
+            relative_sigma=scatter.relative_sigma / float(np.sqrt(len(square_mm2))),
         )
 
     @property

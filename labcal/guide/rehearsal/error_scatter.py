@@ -104,6 +104,11 @@ class ErrorScatter:
         )
         return low, high
 
+    @property
+    def relative_sigma(self) -> float:
+        """Standard deviation of the mean square after one calibration, over its expectation."""
+        return sqrt(2.0 * float((self.shares**2).sum())) / self.rms_mm**2
+
     @cached_property
     def sets_needed(self) -> int:
         """Fewest calibrations whose RMS error is within 15% of the expected one in 95 of 100."""

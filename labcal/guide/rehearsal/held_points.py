@@ -1,4 +1,4 @@
-"""The dots of further views of a rehearsal: their places, and the errors foretold of them."""
+"""The dots of all views of a rehearsal: their places, and the errors foretold of them."""
 
 from dataclasses import dataclass
 
@@ -17,10 +17,12 @@ from labcal.reconstruct.point_budget import Budget, PointBudget
 
 @dataclass(frozen=True)
 class HeldPoints:
-    """The dots of the test views, view by view, and the noise of all dots of all views.
+    """The dots of the recommended views, then those of the test views, view by view.
 
     Attributes
     ----------
+    tested : bool array, (n,)
+        Mask of the dots of test views.
     p : float64 array, (n, 3)
         In the frame of the first camera, mm.
     pixels : float64 array, (n, cameras, 2, 2)
@@ -31,6 +33,7 @@ class HeldPoints:
         Of the target.
     """
 
+    tested: Mask
     p: Vectors3
     pixels: Float64[np.ndarray, "n cameras 2 2"]
     variance: dict[tuple[str, str], np.ndarray]
@@ -38,7 +41,7 @@ class HeldPoints:
 
     @classmethod
     def of(cls, found: Rehearsal) -> "HeldPoints":
-        """Return the points of a rehearsal's test views."""
+        """Return the points of a rehearsal."""
         planned, target = PlannedRig.of(found.plan), found.plan.target
         radii = 0.5 * target.outer_diameters_mm()
         variance: dict[tuple[str, str], np.ndarray] = {}
@@ -49,10 +52,10 @@ class HeldPoints:
                 size = minor_semi_axes(dot_images(camera, T, target.points(), radii).outline)
                 variance[f"pose-{number:02d}", name] = found.noise.at(size)
                 covariances.append(found.noise.covariances(size))
-            if number > len(found.views):
-                points.append(transform(T, target.points()))
-                pixels.append(np.stack(covariances, axis=1))
-        return cls(np.concatenate(points), np.concatenate(pixels), variance, target.cols)
+            points.append(transform(T, target.points()))
+            pixels.append(np.stack(covariances, axis=1))
+        tested = np.arange(len(points) * target.count) >= len(found.views) * target.count
+        return cls(tested, np.concatenate(points), np.concatenate(pixels), variance, target.cols)
 
     def budget(self, found: Rehearsal, chosen: Mask) -> PointBudget:
         """Return the foretold budget of some of the points."""

@@ -44,9 +44,11 @@ class RenderedSet:
 
     Attributes
     ----------
-    places, shape : float64 array, (n,)
-        Squared errors of the test views' dots in the frame of the first camera, and after a rigid alignment,
-        mm squared; NaN where a dot was not measured.
+    places : float64 array, (n,)
+        Squared errors of the dots of all views in the frame of the first camera, mm squared; NaN where a dot
+        was not measured.
+    shape, map : float64 array, (n,)
+        The same after a rigid alignment of the dots of the test views, and of all views.
     pixels : float64 array, (m, 2)
         Errors of all measured dots, px.
     pixel_variance : float64 array, (m,)
@@ -57,6 +59,7 @@ class RenderedSet:
 
     places: Float64[np.ndarray, " n"]
     shape: Float64[np.ndarray, " n"]
+    map: Float64[np.ndarray, " n"]
     pixels: Float64[np.ndarray, "m 2"]
     pixel_variance: Float64[np.ndarray, " m"]
     freed: bool
@@ -90,20 +93,24 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
         own = folder if how.confirm == 1 else folder / f"set-{number + 1:02d}"
         own.mkdir(exist_ok=True)
         sets.append(_rendered(found, points, own, how, number, progress))
-    places, shape = (np.stack([getattr(one, name) for one in sets]) for name in ("places", "shape"))
-    measured = np.isfinite(places).any(axis=0)
+    places, shape, over_map = (
+        np.stack([getattr(one, name) for one in sets]) for name in ("places", "shape", "map")
+    )
+    known = np.isfinite(places).any(axis=0)
+    measured = known & points.tested
+    if measured.sum() < _FEWEST:
+        raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
     budget = points.budget(found, measured)
-    scatters = ErrorScatter.of_places(budget), ErrorScatter.of_shape(budget)
     return Confirmation(
         sets=len(sets),
         views=len(found.views),
-        points=int(np.isfinite(places).sum()),
+        points=int(np.isfinite(places[:, points.tested]).sum()),
         freed=sum(one.freed for one in sets),
         dot_rms_px=rms_coordinate(np.concatenate([one.pixels for one in sets])),
         dot_expected_px=float(np.sqrt(np.concatenate([one.pixel_variance for one in sets]).mean())),
-        places=FoundError.of(places[:, measured], scatters[0]),
-        shape=FoundError.of(shape[:, measured], scatters[1]),
-        map_rank=group_rank(shape[:, measured], points.shape_mm2(budget)),
+        places=FoundError.of(places[:, measured], ErrorScatter.of_places(budget)),
+        shape=FoundError.of(shape[:, measured], ErrorScatter.of_shape(budget)),
+        map_rank=group_rank(over_map[:, known], points.shape_mm2(points.budget(found, known))),
     )
 
 
@@ -120,32 +127,36 @@ def _rendered(
     settings = HandheldSettings(dot_places=plan.shoot.dot_places)
     calibration = calibrate_handheld(dots.where(~tested), plan.target, lens, settings)
     write_rig(folder / RIG, calibration.rig, force=True)
-    measured = reconstruct_points(calibration.rig, dots.where(tested), plan.target)
-    places, shape = _point_errors(measured, shoot, plan.target.cols, plan.target.count)
-    return RenderedSet(places, shape, *_pixel_errors(dots, shoot, points), calibration.freed is not None)
+    measured = reconstruct_points(calibration.rig, dots, plan.target)
+    errors = _point_errors(measured, shoot, points)
+    return RenderedSet(*errors, *_pixel_errors(dots, shoot, points), calibration.freed is not None)
 
 
 def _point_errors(
-    measured: Points, shoot: Shoot, cols: int, count: int
-) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
-    """Return squared errors of the dots of test views, in order, without and with a rigid alignment."""
+    measured: Points, shoot: Shoot, points: HeldPoints
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
+    """Return squared errors of all dots in order: as they are, and after both rigid alignments."""
     truth = read_truth(shoot.folder)
     first, T_first_world = next((name, np.array(one.T_cam_world)) for name, one in truth.cameras.items())
     true = {one.view: one.point for one in read_true_dots(shoot.folder) if one.camera == first}
-    names = [view.name for view in shoot.views(Role.TEST)]
+    names = {view.name: number for number, view in enumerate(shoot.views())}
     good = np.isfinite(measured.point).all(axis=1)
-    if good.sum() < _FEWEST:
-        raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
     p, view = measured.point[good], measured.view[good].tolist()
-    dot = measured.index[good, 1] * cols + measured.index[good, 0]
+    dot = measured.index[good, 1] * points.cols + measured.index[good, 0]
     exact = transform(
         T_first_world, np.array([true[name][i] for name, i in zip(view, dot.tolist(), strict=True)])
     )
-    line = np.array([names.index(name) for name in view]) * count + dot
-    places, shape = (np.full(len(names) * count, np.nan) for _ in range(2))
-    places[line] = squares(p - exact)
-    shape[line] = squares(transform(rigid_alignment(exact, p), p) - exact)
-    return places, shape
+    line = np.array([names[name] for name in view]) * len(true[view[0]]) + dot
+    tested = points.tested[line]
+    if tested.sum() < _FEWEST:
+        raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
+    aligned = [transform(rigid_alignment(exact[of], p[of]), p) for of in (tested, np.ones(len(p), bool))]
+    found = []
+    for places in (p, *aligned):
+        square = np.full(len(points.tested), np.nan)
+        square[line] = squares(places - exact)
+        found.append(square)
+    return found[0], found[1], found[2]
 
 
 def _pixel_errors(
