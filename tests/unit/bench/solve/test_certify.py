@@ -4,7 +4,7 @@ import pytest
 
 from labcal.bench.solve.budget_rigs import KINDS
 from labcal.bench.solve.certify import CertifyCase, certified_case
-from labcal.bench.solve.certify_decision import Decided, is_wrong
+from labcal.bench.solve.certify_decision import Decided, clear_cases, is_wrong, share_undecided
 from labcal.evaluate.acceptance.decision import Outcome, Uncertainty
 
 
