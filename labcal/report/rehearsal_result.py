@@ -54,7 +54,10 @@ class ConfirmationResult:
     """Views that calibrated each."""
     points: int
     freed: int
-    """Sets whose calibration freed the dots by itself."""
+    """Sets whose calibration freed the dots."""
+    renderer_px: float
+    """Standard deviation of a coordinate of a dot by the renderer's finitely many rays, which what is
+    foretold here has in it."""
     dot_rms_px: float
     """RMS error of a coordinate of measured dots."""
     dot_expected_px: float
@@ -185,6 +188,7 @@ def _confirmation(one: Confirmation) -> ConfirmationResult:
         views=one.views,
         points=one.points,
         freed=one.freed,
+        renderer_px=one.renderer_px,
         dot_rms_px=one.dot_rms_px,
         dot_expected_px=one.dot_expected_px,
         rms_mm=places.rms_mm,

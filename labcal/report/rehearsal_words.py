@@ -105,6 +105,7 @@ def confirmation_words(one: ConfirmationResult) -> str:
         f"Rendered: {counted(one.sets, 'set')}, {verdict}. Shape and size: {one.shape_rms_mm:.3g} mm found, "
         f"{one.shape_expected_mm:.3g} mm foretold ({least:.2g} to {most:.2g} by chance). In the frame of the "
         f"first camera: {one.rms_mm:.3g} mm found, {one.expected_mm:.3g} mm foretold ({low:.2g} to "
-        f"{high:.2g} by chance).{more} Dots: {one.dot_rms_px:.2g} px found, "
-        f"{one.dot_expected_px:.2g} px foretold. Rank correlation of the map: {one.map_rank:.2f}."
+        f"{high:.2g} by chance).{more} Dots: {one.dot_rms_px:.2g} px found, {one.dot_expected_px:.2g} px "
+        f"foretold, of which the renderer's rays make {one.renderer_px:.2g} px. Rank correlation of the map: "
+        f"{one.map_rank:.2f}."
     )

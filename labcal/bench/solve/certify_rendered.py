@@ -48,6 +48,8 @@ QUICK_SETS = {"webcams": 1}
 LIMITS = 4
 """Limits of each set and kind of uncertainty; 40 cases in all."""
 _TRAIN, _TEST, _SPP = 12, 8, 16
+_SHORTEST = 0.5
+"""Of a planned length, what there is of it at least."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,11 @@ def _planned(volume: WorkingVolume, of: RenderedVolume) -> tuple[LengthPlan, tup
     sides = (volume.width_mm, volume.height_mm, volume.far_mm - volume.near_mm)
     middle = np.array([*volume.centre_mm, 0.5 * (volume.near_mm + volume.far_mm)])
     plan = plan_lengths(sides)
-    a, b = (_nearest(of.true, end + middle) for end in (plan.end_a, plan.end_b))
+    a = np.linalg.norm((plan.end_a + middle)[:, None] - of.true, axis=2).argmin(axis=1)
+    off = np.linalg.norm((plan.end_b + middle)[:, None] - of.true, axis=2)
+    length = np.linalg.norm(of.true[a][:, None] - of.true, axis=2)
+    off[length < _SHORTEST * plan.nominal_mm[:, None]] = np.inf  # dots lie apart: not the same one twice
+    b = off.argmin(axis=1)
     measured = of.measured
     ends, n = np.concatenate([a, b]), len(a)
     views, names = np.tile(plan.lengths().view_a, 2), np.repeat(["a", "b"], n)
@@ -150,8 +156,3 @@ def _planned(volume: WorkingVolume, of: RenderedVolume) -> tuple[LengthPlan, tup
         for point in (of.exact, measured.point)
     )
     return LengthPlan(plan.volume_mm, of.true[a], of.true[b], ()), (exact, noisy)
-
-
-def _nearest(places: Vectors3, wanted: Vectors3) -> np.ndarray:
-    """Return the numbers of the places nearest to those wanted."""
-    return np.asarray(np.linalg.norm(wanted[:, None] - places, axis=2).argmin(axis=1))

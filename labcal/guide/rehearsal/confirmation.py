@@ -87,6 +87,9 @@ class Confirmation:
         Views that calibrated each, and points of further views that were measured.
     freed : int
         Sets whose calibration freed the dots.
+    renderer_px : float
+        Standard deviation of a coordinate of a dot by the renderer's finitely many rays; it is in what is
+        foretold here, and in no camera.
     dot_rms_px, dot_expected_px : float
         RMS error of a coordinate of measured dots, and the foretold one of dots of their sizes.
     places : FoundError
@@ -101,6 +104,7 @@ class Confirmation:
     views: int
     points: int
     freed: int
+    renderer_px: float
     dot_rms_px: float
     dot_expected_px: float
     places: FoundError

@@ -7,9 +7,10 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Vectors3
 from labcal.cameras.dot_image import dot_images
+from labcal.cameras.rig import Rig
 from labcal.geometry.poses import transform
 from labcal.geometry.rigid_part import without_rigid_part
-from labcal.guide.rehearsal.dot_noise import minor_semi_axes
+from labcal.guide.rehearsal.dot_noise import DotNoise, minor_semi_axes
 from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.guide.rehearsal.rehearsal import Rehearsal
 from labcal.reconstruct.point_budget import Budget, PointBudget
@@ -40,8 +41,8 @@ class HeldPoints:
     cols: int
 
     @classmethod
-    def of(cls, found: Rehearsal) -> "HeldPoints":
-        """Return the points of a rehearsal."""
+    def of(cls, found: Rehearsal, noise: DotNoise) -> "HeldPoints":
+        """Return the points of a rehearsal, whose dots have this noise."""
         planned, target = PlannedRig.of(found.plan), found.plan.target
         radii = 0.5 * target.outer_diameters_mm()
         variance: dict[tuple[str, str], np.ndarray] = {}
@@ -50,16 +51,16 @@ class HeldPoints:
             covariances = []
             for name, camera in zip(planned.rig.cameras, planned.cameras, strict=True):
                 size = minor_semi_axes(dot_images(camera, T, target.points(), radii).outline)
-                variance[f"pose-{number:02d}", name] = found.noise.at(size)
-                covariances.append(found.noise.covariances(size))
+                variance[f"pose-{number:02d}", name] = noise.at(size)
+                covariances.append(noise.covariances(size))
             points.append(transform(T, target.points()))
             pixels.append(np.stack(covariances, axis=1))
         tested = np.arange(len(points) * target.count) >= len(found.views) * target.count
         return cls(tested, np.concatenate(points), np.concatenate(pixels), variance, target.cols)
 
-    def budget(self, found: Rehearsal, chosen: Mask) -> PointBudget:
-        """Return the foretold budget of some of the points."""
-        return PointBudget.of(found.rig, self.p[chosen], self.pixels[chosen], Budget.FULL)
+    def budget(self, rig: Rig, chosen: Mask) -> PointBudget:
+        """Return the foretold budget of some of the points, by a rig with its expected covariance."""
+        return PointBudget.of(rig, self.p[chosen], self.pixels[chosen], Budget.FULL)
 
     @staticmethod
     def shape_mm2(budget: PointBudget) -> Float64[np.ndarray, " n"]:

@@ -22,10 +22,14 @@ from labcal.guide.rehearsal.confirmation import (
     squares,
 )
 from labcal.guide.rehearsal.error_scatter import ErrorScatter
+from labcal.guide.rehearsal.forecast import forecast
 from labcal.guide.rehearsal.held_points import HeldPoints
 from labcal.guide.rehearsal.held_scene import held_scene
+from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.guide.rehearsal.rehearsal import Rehearsal
+from labcal.guide.rehearsal.renderer_noise import rendered_noise, renderer_sigma
 from labcal.guide.rehearsal.settings import RehearseSettings
+from labcal.guide.rehearsal.sources import Sources
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.progress import Progress
@@ -69,7 +73,7 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
     """Render the recommended views and further ones into a folder, and compare errors with the forecast.
 
     Every set has the same poses, and a print and noise of its own. It is calibrated as `labcal calibrate`
-    does.
+    does. What is foretold here has the noise of the renderer's finitely many rays in it.
 
     Parameters
     ----------
@@ -87,7 +91,9 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
     OutputError, DeviceError
         As of rendering.
     """
-    points = HeldPoints.of(found)
+    noise = rendered_noise(found.noise, how.spp)
+    made = forecast(PlannedRig.of(found.plan), list(found.views), Sources.of(found.plan, noise))
+    rig, points = found.rig.model_copy(update={"covariance": made.covariance}), HeldPoints.of(found, noise)
     sets = []
     for number in range(how.confirm):
         own = folder if how.confirm == 1 else folder / f"set-{number + 1:02d}"
@@ -100,17 +106,18 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
     measured = known & points.tested
     if measured.sum() < _FEWEST:
         raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
-    budget = points.budget(found, measured)
+    budget = points.budget(rig, measured)
     return Confirmation(
         sets=len(sets),
         views=len(found.views),
         points=int(np.isfinite(places[:, points.tested]).sum()),
         freed=sum(one.freed for one in sets),
+        renderer_px=float(renderer_sigma(np.array([found.noise.size_px]), how.spp)[0]),
         dot_rms_px=rms_coordinate(np.concatenate([one.pixels for one in sets])),
         dot_expected_px=float(np.sqrt(np.concatenate([one.pixel_variance for one in sets]).mean())),
         places=FoundError.of(places[:, measured], ErrorScatter.of_places(budget)),
         shape=FoundError.of(shape[:, measured], ErrorScatter.of_shape(budget)),
-        map_rank=group_rank(over_map[:, known], points.shape_mm2(points.budget(found, known))),
+        map_rank=group_rank(over_map[:, known], points.shape_mm2(points.budget(rig, known))),
     )
 
 

@@ -15,9 +15,9 @@ from labcal.errors import InputError
 from labcal.guide.rehearsal.boards import ViewCount, enough_views, scaled
 from labcal.guide.rehearsal.dot_noise import DotNoise
 from labcal.guide.rehearsal.forecast import forecast, rms, with_known_lenses
+from labcal.guide.rehearsal.held_scene import held_scene
 from labcal.guide.rehearsal.limits import LimitName, farther_apart
 from labcal.guide.rehearsal.planned_rig import PlannedRig
-from labcal.guide.rehearsal.held_scene import held_scene
 from labcal.guide.rehearsal.rehearsal import Rehearsal
 from labcal.guide.rehearsal.sources import Sources
 from labcal.pipeline import RehearseSettings
