@@ -18,10 +18,10 @@ from labcal.report.rehearsal_result import RehearseResult, rehearse_result
 from labcal.report.rehearsal_tables import map_table, poses_table
 from labcal.report.rehearsal_words import (
     board_words,
-    confirmation_words,
     expected_words,
     poses_words,
     print_words,
+    verdict_words,
     views_words,
 )
 from labcal.report.space import Space
@@ -72,9 +72,10 @@ _HALVED = (
     "that all cameras see before and after the change, in the frame of the first camera."
 )
 _MAP = (
-    "Expected errors in slices across the volume, near, in the middle and far: the RMS 3-D error of a point, "
-    "its standard deviation in depth (away from the middle of the cameras), and the share of the "
-    "calibration, which all points have in common. X points right, Y down, Z away from the cameras."
+    "Expected errors in slices across the volume, near, in the middle and far: the RMS 3-D error of a point in "
+    "the frame of the first camera, its standard deviation in depth (away from the middle of the cameras), "
+    "the share of the calibration, which all points have in common, and the error of shape, which a rigid "
+    "alignment leaves. X points right, Y down, Z away from the cameras."
 )
 _POSES = (
     "The target's edge in each recommended view, as the first camera sees it; the dot is its first dot, the "
@@ -98,17 +99,17 @@ def _limits_table(result: RehearseResult) -> PageTable:
     columns = [
         Column("limit", Side.LEFT),
         Column("halved by", Side.WIDE),
-        Column("before, mm"),
-        Column("after, mm"),
         Column("gain"),
+        Column("after, mm"),
+        Column("before, mm"),
     ]
     rows = [
         [
             one.name,
             one.change if one.why_not is None else f"{one.change}: {one.why_not}",
-            f"{one.before_mm:.3g}",
-            f"{one.after_mm:.3g}" if isfinite(one.after_mm) else MISSING,
             f"{100.0 * one.gain:.0f}%" if isfinite(one.gain) else MISSING,
+            f"{one.after_mm:.3g}" if isfinite(one.after_mm) else MISSING,
+            f"{one.before_mm:.3g}",
         ]
         for one in result.limits
     ]
@@ -146,7 +147,25 @@ def _print(result: RehearseResult) -> list[Part]:
 
 
 def _confirmation(result: RehearseResult) -> list[Part]:
-    return [] if result.confirmation is None else [Prose((confirmation_words(result.confirmation),))]
+    one = result.confirmation
+    if one is None:
+        return []
+    columns = [
+        Column("rendered", Side.WIDE),
+        Column("found"),
+        Column("foretold", meaning="With the noise of the renderer's finitely many rays"),
+        Column("by chance", meaning="Range of so many calibrations, in 95 of 100"),
+    ]
+    ranges = [f"{low:.3g} to {high:.3g}" for low, high in (one.shape_range_mm, one.range_mm)]
+    rows = [
+        ["shape and size, mm", f"{one.shape_rms_mm:.3g}", f"{one.shape_expected_mm:.3g}", ranges[0]],
+        ["frame of the first camera, mm", f"{one.rms_mm:.3g}", f"{one.expected_mm:.3g}", ranges[1]],
+        ["dots, px", f"{one.dot_rms_px:.2g}", f"{one.dot_expected_px:.2g}", MISSING],
+        ["rank correlation of the map", f"{one.map_rank:.2f}", MISSING, MISSING],
+    ]
+    title = "RMS errors in rendered pictures beside the foretold ones."
+    table = PageTable("confirmation", title, columns, rows)
+    return [Prose(tuple(verdict_words(one))), table]
 
 
 def _space(found: Rehearsal) -> Space:

@@ -12,7 +12,7 @@ from labcal.wording import counted
 
 def rehearse_table(result: RehearseResult) -> Group:
     """Return the document for people."""
-    head = " ".join(expected_words(result))
+    head = f"{result.plan}: {' '.join(expected_words(result))}"
     table = Table("what helps", "RMS error after it (mm)", "gain")
     for limit in result.limits:
         gain = "-" if limit.why_not else f"{100.0 * limit.gain:.0f}%"
@@ -33,7 +33,7 @@ def expected_words(result: RehearseResult) -> list[str]:
     least, most = result.shape_range_mm
     return [
         (
-            f"{result.plan}: expect errors of shape and size of {millimetres(result.shape_mm)} (RMS, in 3-D) "
+            f"Expect errors of shape and size of {millimetres(result.shape_mm)} (RMS, in 3-D) "
             f"over the working volume, in whatever frame ({least:.2g} to {most:.2g} mm after a single "
             "calibration, in 95 of 100)."
         ),
@@ -93,19 +93,28 @@ def board_words(result: RehearseResult) -> str:
 
 def confirmation_words(one: ConfirmationResult) -> str:
     """Return the confirmation in words."""
-    verdict = "as foretold" if one.holds else "NOT as foretold"
     low, high = one.range_mm
     least, most = one.shape_range_mm
-    more = (
-        ""
-        if one.sets >= one.sets_needed
-        else f" The latter is a test to 15% with {counted(one.sets_needed, 'set')} or more."
+    shape = (
+        f"Shape and size: {one.shape_rms_mm:.3g} mm found, {one.shape_expected_mm:.3g} mm foretold "
+        f"({least:.2g} to {most:.2g} by chance)."
     )
-    return (
-        f"Rendered: {counted(one.sets, 'set')}, {verdict}. Shape and size: {one.shape_rms_mm:.3g} mm found, "
-        f"{one.shape_expected_mm:.3g} mm foretold ({least:.2g} to {most:.2g} by chance). In the frame of the "
-        f"first camera: {one.rms_mm:.3g} mm found, {one.expected_mm:.3g} mm foretold ({low:.2g} to "
-        f"{high:.2g} by chance).{more} Dots: {one.dot_rms_px:.2g} px found, {one.dot_expected_px:.2g} px "
-        f"foretold, of which the renderer's rays make {one.renderer_px:.2g} px. Rank correlation of the map: "
-        f"{one.map_rank:.2f}."
+    places = (
+        f"In the frame of the first camera: {one.rms_mm:.3g} mm found, {one.expected_mm:.3g} mm foretold "
+        f"({low:.2g} to {high:.2g} by chance)."
     )
+    dots = f"Dots: {one.dot_rms_px:.2g} px found, {one.dot_expected_px:.2g} px foretold."
+    rank = f"Rank correlation of the map: {one.map_rank:.2f}."
+    verdict, *rest = verdict_words(one)
+    return " ".join([verdict, shape, places, dots, rank, *rest])
+
+
+def verdict_words(one: ConfirmationResult) -> list[str]:
+    """Return the verdict of a confirmation, and what to know of it, sentence by sentence."""
+    words = [f"Rendered: {counted(one.sets, 'set')}, {'' if one.holds else 'NOT '}as foretold."]
+    if one.sets < one.sets_needed:
+        needed = counted(one.sets_needed, "set")
+        words.append(f"In the frame of the first camera {needed} or more make a test to 15%.")
+    alone = f"{one.renderer_px:.2g} px"
+    words.append(f"The renderer's finitely many rays alone move dots by {alone} (foretold with it).")
+    return words

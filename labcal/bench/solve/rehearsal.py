@@ -132,7 +132,7 @@ def _rendered_findings(title: str, found: Confirmation) -> Findings:
     return Findings(
         [
             at_most(f"{title}: RMS error of shape over the forecast, off 1",
-                    abs(found.shape.ratio - 1.0), WITHIN),
+                    abs(found.shape.ratio - 1.0), found.shape.allowed),
             at_most(f"{title}: RMS error of dots over the forecast, off 1", abs(dots - 1.0), WITHIN),
             at_most(f"{title}: rank correlation of the map of shape, below 1", 1.0 - found.map_rank,
                     1.0 - LEAST_RANK),

@@ -66,13 +66,15 @@ class FoundError:
         return self.rms_mm / self.expected_mm
 
     @property
+    def allowed(self) -> float:
+        """Deviation of that ratio from 1 that counts as foretold: 15%, or more where chance makes more."""
+        by_chance = self.lowest_mm if self.ratio < 1.0 else self.highest_mm
+        return max(WITHIN, abs(by_chance / self.expected_mm - 1.0))
+
+    @property
     def holds(self) -> bool:
         """True if the error found is within 15% of the foretold one, or within what chance makes of it."""
-        low, high = min(self.lowest_mm, self._near(-1.0)), max(self.highest_mm, self._near(1.0))
-        return low <= self.rms_mm <= high
-
-    def _near(self, side: float) -> float:
-        return (1.0 + side * WITHIN) * self.expected_mm
+        return abs(self.ratio - 1.0) <= self.allowed
 
 
 @dataclass(frozen=True)
