@@ -72,10 +72,10 @@ _HALVED = (
     "that all cameras see before and after the change, in the frame of the first camera."
 )
 _MAP = (
-    "Expected errors in slices across the volume, near, in the middle and far: the RMS 3-D error of a point in "
-    "the frame of the first camera, its standard deviation in depth (away from the middle of the cameras), "
-    "the share of the calibration, which all points have in common, and the error of shape, which a rigid "
-    "alignment leaves. X points right, Y down, Z away from the cameras."
+    "Expected errors in slices across the volume, near, in the middle and far: the RMS 3-D error of a point "
+    "in the frame of the first camera, its standard deviation in depth (away from the middle of the "
+    "cameras), the share of the calibration, which all points have in common, and the error of shape, "
+    "which a rigid alignment leaves. X points right, Y down, Z away from the cameras."
 )
 _POSES = (
     "The target's edge in each recommended view, as the first camera sees it; the dot is its first dot, the "
