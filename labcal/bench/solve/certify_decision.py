@@ -17,6 +17,8 @@ _REFERENCE = 0.05
 """Standard uncertainty of calibrated lengths, in units of the largest error."""
 _NEAR = 8.0
 """Standard uncertainties within which limits lie on both sides of the true largest error."""
+_LEAST_LIMIT = 0.95
+"""Of the largest error, by how much a limit lies below it at most."""
 _CLEAR = 5.0
 """The same, beyond which a case should be decided: both guard bands and the error in them."""
 
@@ -85,10 +87,12 @@ def decided_near_limit(
     of_test = np.full(n, sigma)
     if kind is Uncertainty.REPEATED:
         of_test = np.hypot(of_test, measured_lengths(noisy, reference).noise_sigma_mm)
-    off = random.uniform(-_NEAR, _NEAR)
+    # No limit is below zero: where the errors that stay are small, all limits of interest are beyond them.
+    lowest = -_LEAST_LIMIT * float(error[worst] / of_test[worst])
+    off = random.uniform(max(-_NEAR, lowest), _NEAR)
     # One length is enough not to conform; to conform, the most uncertain one must, too.
     unit = float(of_test.max() if off > 0.0 else of_test[worst])
-    limit = max(float(error[worst]) + off * unit, 0.05 * float(error[worst]))
+    limit = float(error[worst]) + off * unit
     settings = CertifySettings(limit_mm=limit, uncertainty=kind, date="2026-01-01")
     outcome = certified(noisy, reference, settings).outcome
     return Decided(
