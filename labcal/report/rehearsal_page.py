@@ -161,7 +161,7 @@ def _confirmation(result: RehearseResult) -> list[Part]:
         ["shape and size, mm", f"{one.shape_rms_mm:.3g}", f"{one.shape_expected_mm:.3g}", ranges[0]],
         ["frame of the first camera, mm", f"{one.rms_mm:.3g}", f"{one.expected_mm:.3g}", ranges[1]],
         ["dots, px", f"{one.dot_rms_px:.2g}", f"{one.dot_expected_px:.2g}", MISSING],
-        ["rank correlation of the map", f"{one.map_rank:.2f}", MISSING, MISSING],
+        ["rank correlation of the map", f"{one.map_rank:.2f}", MISSING, f"{one.map_rank_lowest:.2f} to 1"],
     ]
     title = "RMS errors in rendered pictures beside the foretold ones."
     table = PageTable("confirmation", title, columns, rows)

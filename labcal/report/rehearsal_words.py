@@ -104,7 +104,7 @@ def confirmation_words(one: ConfirmationResult) -> str:
         f"({low:.2g} to {high:.2g} by chance)."
     )
     dots = f"Dots: {one.dot_rms_px:.2g} px found, {one.dot_expected_px:.2g} px foretold."
-    rank = f"Rank correlation of the map: {one.map_rank:.2f}."
+    rank = f"Rank correlation of the map: {one.map_rank:.2f} (at least {one.map_rank_lowest:.2f} by chance)."
     verdict, *rest = verdict_words(one)
     return " ".join([verdict, shape, places, dots, rank, *rest])
 

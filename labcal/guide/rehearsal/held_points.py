@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Vectors3
+from labcal.arrays import Mask, PointCovariances, Vectors3
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.rig import Rig
 from labcal.geometry.poses import transform
@@ -63,8 +63,7 @@ class HeldPoints:
         return PointBudget.of(rig, self.p[chosen], self.pixels[chosen], Budget.FULL)
 
     @staticmethod
-    def shape_mm2(budget: PointBudget) -> Float64[np.ndarray, " n"]:
-        """Return the foretold mean squares of single points after a rigid alignment, mm squared."""
+    def shape_covariances(budget: PointBudget) -> PointCovariances:
+        """Return the foretold covariances of single points after a rigid alignment, mm squared."""
         left = without_rigid_part(budget.derivatives(np.arange(len(budget))), budget.point)
-        total = budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1)
-        return np.asarray(np.trace(total, axis1=1, axis2=2))
+        return np.asarray(budget.noise + left @ budget.parameters @ left.transpose(0, 2, 1))

@@ -18,6 +18,7 @@ from labcal.guide.rehearsal.confirmation import (
     Confirmation,
     FoundError,
     group_rank,
+    lowest_rank,
     rms_coordinate,
     squares,
 )
@@ -107,6 +108,7 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
     if measured.sum() < _FEWEST:
         raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
     budget = points.budget(rig, measured)
+    foretold = points.shape_covariances(points.budget(rig, known))
     return Confirmation(
         sets=len(sets),
         views=len(found.views),
@@ -117,7 +119,8 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
         dot_expected_px=float(np.sqrt(np.concatenate([one.pixel_variance for one in sets]).mean())),
         places=FoundError.of(places[:, measured], ErrorScatter.of_places(budget)),
         shape=FoundError.of(shape[:, measured], ErrorScatter.of_shape(budget)),
-        map_rank=group_rank(over_map[:, known], points.shape_mm2(points.budget(rig, known))),
+        map_rank=group_rank(over_map[:, known], np.trace(foretold, axis1=1, axis2=2)),
+        map_rank_lowest=lowest_rank(foretold, len(sets)),
     )
 
 

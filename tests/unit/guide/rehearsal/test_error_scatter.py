@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from labcal.guide.rehearsal.confirmation import FoundError, group_rank
+from labcal.guide.rehearsal.confirmation import FoundError, group_rank, lowest_rank
 from labcal.guide.rehearsal.error_scatter import ErrorScatter, root_of
 from labcal.rng import generator
 
@@ -58,6 +58,13 @@ def test_the_map_is_compared_in_groups_of_points() -> None:
     square[0, ::7] = np.nan
     assert group_rank(square, expected) > 0.9
     assert group_rank(square, expected[::-1]) < -0.9
+
+
+def test_a_map_that_is_nearly_flat_has_a_low_rank_by_chance() -> None:
+    steep, flat = (np.linspace(1.0, most, 1000)[:, None, None] * np.eye(3) for most in (4.0, 1.1))
+    assert lowest_rank(steep, 1) > 0.9
+    assert lowest_rank(flat, 1) < 0.5
+    assert lowest_rank(flat, 1) < lowest_rank(flat, 40) < lowest_rank(steep, 1)
 
 
 def test_a_root_of_a_covariance_gives_it_back() -> None:
