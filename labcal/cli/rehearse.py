@@ -14,7 +14,8 @@ def add_parser(commands: CommandGroup) -> None:
         "rehearse",
         run,
         "Forecast the errors of a planned rig before anything is bought or printed, and what limits them.",
-        example="labcal rehearse webcams -o rehearsal\n  labcal rehearse my-rig.yaml -o rehearsal --confirm",
+        example="labcal rehearse webcams -o rehearsal\n"
+        "  labcal rehearse my-rig.yaml -o rehearsal --confirm 3",
     )
     parser.add_argument(
         "plan", metavar="RIG.yaml", help="name of a plan that labcal ships, or path of a YAML file"
@@ -22,8 +23,13 @@ def add_parser(commands: CommandGroup) -> None:
     add_output(parser, "DIR", "folder to appear: page, map, recommended poses, planned cameras")
     parser.add_argument(
         "--confirm",
-        action="store_true",
-        help="render the views, calibrate from them, and compare the errors with the forecast: minutes",
+        nargs="?",
+        type=positive_number,
+        const=1,
+        default=0,
+        metavar="SETS",
+        help="render so many sets of the views (1), calibrate from each, and compare the errors with the "
+        "forecast: minutes a set; the result says how many sets tell something",
     )
     parser.add_argument(
         "--spp",
@@ -39,7 +45,8 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Rehearse the plan."""
     from labcal.pipeline import RehearseSettings, rehearse
-    from labcal.report.rehearsal_result import rehearse_result, rehearse_table
+    from labcal.report.rehearsal_result import rehearse_result
+    from labcal.report.rehearsal_words import rehearse_table
     from labcal.run.claims import FolderOutput, claim_outputs
 
     claim_outputs([FolderOutput(arguments.output)], [arguments.plan], force=arguments.force)

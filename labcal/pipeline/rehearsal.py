@@ -35,8 +35,8 @@ def rehearse(
         A plan, the name of one that labcal ships, or the path of a YAML file.
     folder : path, optional
         A folder to make: ``rehearsal.json``, the map (``map.csv``), the planned cameras with their expected
-        covariance (``rig.json``), the recommended poses (``poses.csv``), a page (``index.html``) and, of a
-        confirmation, the rendered shoot and its calibration.
+        covariance (``rig.json``), the recommended poses (``poses.csv``), the scene that renders them
+        (``scene.yaml``), a page (``index.html``) and, of a confirmation, rendered shoots and calibrations.
     settings : RehearseSettings, optional
     progress : Progress, optional
         Of rendering and detection.

@@ -14,15 +14,16 @@ from labcal.report.page.space_view import SpaceView
 from labcal.report.page.table import MISSING, Column, PageTable, Side
 from labcal.report.page_maker import PageMaker
 from labcal.report.rehearsal_figures import map_svg, poses_svg, views_svg
-from labcal.report.rehearsal_result import (
-    RehearseResult,
+from labcal.report.rehearsal_result import RehearseResult, rehearse_result
+from labcal.report.rehearsal_tables import map_table, poses_table
+from labcal.report.rehearsal_words import (
     board_words,
-    confirmation_words,
-    freed_words,
-    rehearse_result,
+    expected_words,
+    poses_words,
+    print_words,
+    verdict_words,
     views_words,
 )
-from labcal.report.rehearsal_tables import map_table, poses_table
 from labcal.report.space import Space
 from labcal.report.target_outline import target_outline
 from labcal.wording import counted
@@ -44,7 +45,7 @@ def rehearsal_page(found: Rehearsal, maker: PageMaker) -> Page:
         sections=[
             Section(
                 "What would help most",
-                [_limits_table(result), *_freed(result), Prose((_HALVED,), Tone.QUIET)],
+                [_limits_table(result), *_print(result), Prose((_HALVED,), Tone.QUIET)],
             ),
             Section(
                 "Expected errors",
@@ -53,7 +54,7 @@ def rehearsal_page(found: Rehearsal, maker: PageMaker) -> Page:
             Section(
                 "Views",
                 [
-                    Prose((views_words(result),)),
+                    Prose((views_words(result), *poses_words(result))),
                     Chart("views", views_svg(found), "Expected error over the volume by number of views."),
                     Chart("poses", poses_svg(found), _POSES, poses_table(found)),
                 ],
@@ -71,9 +72,10 @@ _HALVED = (
     "that all cameras see before and after the change, in the frame of the first camera."
 )
 _MAP = (
-    "Expected errors in slices across the volume, near, in the middle and far: the RMS 3-D error of a point, "
-    "its standard deviation in depth (away from the middle of the cameras), and the share of the "
-    "calibration, which all points have in common. X points right, Y down, Z away from the cameras."
+    "Expected errors in slices across the volume, near, in the middle and far: the RMS 3-D error of a point "
+    "in the frame of the first camera, its standard deviation in depth (away from the middle of the "
+    "cameras), the share of the calibration, which all points have in common, and the error of shape, "
+    "which a rigid alignment leaves. X points right, Y down, Z away from the cameras."
 )
 _POSES = (
     "The target's edge in each recommended view, as the first camera sees it; the dot is its first dot, the "
@@ -83,7 +85,6 @@ _IN_SPACE = "Cameras with their fields of view, and the target in the recommende
 
 
 def _opening(result: RehearseResult) -> list[str]:
-    low, high = result.range_mm
     best = result.limits[0]
     helps = (
         f"What would help most: {best.change}, to {millimetres(best.after_mm)} "
@@ -91,34 +92,24 @@ def _opening(result: RehearseResult) -> list[str]:
         if isfinite(best.gain) and best.gain > 0.0
         else "Nothing that was tried would help."
     )
-    expectation = (
-        f"Expect errors of about {millimetres(result.rms_mm)} (RMS, in 3-D) over the working volume: "
-        f"{millimetres(result.depth_mm)} in depth and {millimetres(result.sideways_mm)} sideways. The pixels "
-        f"of the points make {millimetres(result.noise_mm)} of it, the calibration "
-        f"{millimetres(result.calibration_mm)}."
-    )
-    chance = (
-        f"Calibrations differ by chance: after a single one the error is {millimetres(low)} to "
-        f"{millimetres(high)}, in 95 of 100."
-    )
-    return [expectation, chance, helps]
+    return [*expected_words(result), helps]
 
 
 def _limits_table(result: RehearseResult) -> PageTable:
     columns = [
         Column("limit", Side.LEFT),
         Column("halved by", Side.WIDE),
-        Column("before, mm"),
-        Column("after, mm"),
         Column("gain"),
+        Column("after, mm"),
+        Column("before, mm"),
     ]
     rows = [
         [
             one.name,
             one.change if one.why_not is None else f"{one.change}: {one.why_not}",
-            f"{one.before_mm:.3g}",
-            f"{one.after_mm:.3g}" if isfinite(one.after_mm) else MISSING,
             f"{100.0 * one.gain:.0f}%" if isfinite(one.gain) else MISSING,
+            f"{one.after_mm:.3g}" if isfinite(one.after_mm) else MISSING,
+            f"{one.before_mm:.3g}",
         ]
         for one in result.limits
     ]
@@ -150,13 +141,31 @@ def _boards_table(result: RehearseResult) -> PageTable:
     return PageTable("boards", "The planned target, printed in other sizes.", columns, rows)
 
 
-def _freed(result: RehearseResult) -> list[Part]:
-    words = freed_words(result)
+def _print(result: RehearseResult) -> list[Part]:
+    words = print_words(result)
     return [Prose(tuple(words))] if words else []
 
 
 def _confirmation(result: RehearseResult) -> list[Part]:
-    return [] if result.confirmation is None else [Prose((confirmation_words(result.confirmation),))]
+    one = result.confirmation
+    if one is None:
+        return []
+    columns = [
+        Column("rendered", Side.WIDE),
+        Column("found"),
+        Column("foretold", meaning="With the noise of the renderer's finitely many rays"),
+        Column("by chance", meaning="Range of so many calibrations, in 95 of 100"),
+    ]
+    ranges = [f"{low:.3g} to {high:.3g}" for low, high in (one.shape_range_mm, one.range_mm)]
+    rows = [
+        ["shape and size, mm", f"{one.shape_rms_mm:.3g}", f"{one.shape_expected_mm:.3g}", ranges[0]],
+        ["frame of the first camera, mm", f"{one.rms_mm:.3g}", f"{one.expected_mm:.3g}", ranges[1]],
+        ["dots, px", f"{one.dot_rms_px:.2g}", f"{one.dot_expected_px:.2g}", MISSING],
+        ["rank correlation of the map", f"{one.map_rank:.2f}", MISSING, f"{one.map_rank_lowest:.2f} to 1"],
+    ]
+    title = "RMS errors in rendered pictures beside the foretold ones."
+    table = PageTable("confirmation", title, columns, rows)
+    return [Prose(tuple(verdict_words(one))), table]
 
 
 def _space(found: Rehearsal) -> Space:

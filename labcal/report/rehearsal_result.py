@@ -1,12 +1,10 @@
-"""Result of ``labcal rehearse``: the JSON document, and the same for people."""
+"""Result of ``labcal rehearse``: the JSON document."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
 
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.guide.rehearsal.confirmation import Confirmation
 from labcal.guide.rehearsal.forecast import rms
 from labcal.guide.rehearsal.limits import Limit
@@ -50,8 +48,16 @@ class BoardResult:
 class ConfirmationResult:
     """The rendered rig in the JSON document."""
 
+    sets: int
+    """Shoots that were rendered and calibrated."""
     views: int
+    """Views that calibrated each."""
     points: int
+    freed: int
+    """Sets whose calibration freed the dots."""
+    renderer_px: float
+    """Standard deviation of a coordinate of a dot by the renderer's finitely many rays, which what is
+    foretold here has in it."""
     dot_rms_px: float
     """RMS error of a coordinate of measured dots."""
     dot_expected_px: float
@@ -60,8 +66,22 @@ class ConfirmationResult:
     """RMS 3-D error of the points of further views, in the frame of the first camera."""
     expected_mm: float
     range_mm: tuple[float, float]
-    """Of the error after a single calibration, in 95 of 100."""
+    """Of the error after so many calibrations, in 95 of 100."""
+    by_set_mm: list[float]
+    shape_rms_mm: float
+    """The same after a rigid alignment of each set onto the truth, as `labcal evaluate` does."""
+    shape_expected_mm: float
+    shape_range_mm: tuple[float, float]
+    shape_by_set_mm: list[float]
+    map_rank: float
+    """Rank correlation of the map of errors of shape, found and foretold, in groups of points."""
+    map_rank_lowest: float
+    """That which a true forecast exceeds in 95 of 100, by the noise of so many points."""
+    sets_needed: int
+    """Fewest sets whose error in the frame of the first camera is within 15% of the expected one, in 95 of
+    100."""
     holds: bool
+    """True if both errors are as foretold, up to 15% or to what chance makes of so many sets."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +101,14 @@ class RehearseResult:
     """RMS standard deviations in depth, and across (of one axis)."""
     range_mm: tuple[float, float]
     """Of the RMS error after a single calibration, in 95 of 100."""
+    median_mm: float
+    """RMS error that half of all single calibrations stay below."""
+    shape_mm: float
+    """Expected RMS 3-D error after a rigid alignment onto the truth: of shape and size alone."""
+    shape_range_mm: tuple[float, float]
+    """Of that after a single calibration, in 95 of 100."""
+    other_poses_mm: list[float]
+    """Expected RMS errors with other poses of the target that cover as much."""
     seen: float
     """Share of the working volume that all cameras see."""
     dot_px: float
@@ -96,8 +124,12 @@ class RehearseResult:
     """Numbers of views, each with the RMS 3-D error after it."""
     limited_by: str
     limits: list[LimitResult]
-    free_dots_mm: float
+    dot_places: str
+    """Treatment of the dots by the calibration: freed or declared."""
+    free_dots_mm: float | None
     """RMS 3-D error where the calibration estimates the dots' places, too; null where that does not apply."""
+    keep_dots_mm: float | None
+    """RMS 3-D error where the calibration takes the dots as declared; null for an exact print."""
     boards: list[BoardResult]
     best_board: float | None
     """Scale of the board with the least error of those that fit; null if none does."""
@@ -117,7 +149,11 @@ def rehearse_result(folder: AnyPath, found: Rehearsal) -> RehearseResult:
         calibration_mm=made.calibration_mm,
         depth_mm=rms(made.depth_mm),
         sideways_mm=rms(made.sideways_mm),
-        range_mm=(made.lowest_mm, made.highest_mm),
+        range_mm=made.places.range_mm,
+        median_mm=made.places.median_mm,
+        shape_mm=made.shape_mm,
+        shape_range_mm=made.shapes.range_mm,
+        other_poses_mm=list(found.by_poses_mm),
         seen=float(made.seen.mean()),
         dot_px=found.noise.size_px,
         dot_sigma_px=float(np.sqrt(found.noise.variance)),
@@ -127,7 +163,9 @@ def rehearse_result(folder: AnyPath, found: Rehearsal) -> RehearseResult:
         view_counts=[(one.views, one.rms_mm) for one in found.counts],
         limited_by=found.limited_by,
         limits=[_limit(one) for one in found.limits],
-        free_dots_mm=found.freed_mm,
+        dot_places=made.dot_places.value,
+        free_dots_mm=found.by_dot_places.get(DotTreatment.FREED),
+        keep_dots_mm=found.by_dot_places.get(DotTreatment.DECLARED),
         boards=[
             BoardResult(
                 one.scale, (one.width_mm, one.height_mm), one.dot_px, one.coverage, one.found, one.rms_mm,
@@ -141,81 +179,30 @@ def rehearse_result(folder: AnyPath, found: Rehearsal) -> RehearseResult:
     )  # fmt: skip
 
 
-def rehearse_table(result: RehearseResult) -> Group:
-    """Return the document for people."""
-    low, high = result.range_mm
-    head = (
-        f"{result.plan}: expect {result.rms_mm:.3g} mm RMS in 3-D over the working volume "
-        f"({low:.2g} to {high:.2g} mm after a single calibration, in 95 of 100): {result.noise_mm:.2g} mm by "
-        f"the points' pixels, {result.calibration_mm:.2g} mm by the calibration; {result.depth_mm:.2g} mm in "
-        f"depth, {result.sideways_mm:.2g} mm sideways."
-    )
-    table = Table("what helps", "RMS error after it (mm)", "gain")
-    for limit in result.limits:
-        gain = "-" if limit.why_not else f"{100.0 * limit.gain:.0f}%"
-        table.add_row(limit.change, "-" if limit.why_not else f"{limit.after_mm:.3g}", gain)
-    parts: list[RenderableType] = [Text(head), table]
-    parts += [Text(words) for words in (*freed_words(result), views_words(result), board_words(result))]
-    if result.confirmation is not None:
-        parts.append(Text(confirmation_words(result.confirmation)))
-    parts.append(Text(f"{result.folder}: index.html, rehearsal.json, map.csv, poses.csv, rig.json."))
-    return Group(*parts)
-
-
-def freed_words(result: RehearseResult) -> list[str]:
-    """Return what estimating the dots' places would bring, in words; nothing where it brings nothing."""
-    if not result.free_dots_mm < result.rms_mm:  # of NaN, too
-        return []
-    return [
-        f"Print: estimating the places of the dots, too, would give {result.free_dots_mm:.3g} mm (free_dots)."
-    ]
-
-
-def views_words(result: RehearseResult) -> str:
-    """Return how many views are enough, in words."""
-    if result.enough_views is None:
-        return f"Views: {result.views} are planned, and more help up to the largest number tried."
-    return (
-        f"Views: {result.views} are planned; from {result.enough_views} on, twice as many bring less than a "
-        "tenth."
-    )
-
-
-def board_words(result: RehearseResult) -> str:
-    """Return which board fits, in words."""
-    best = next((one for one in result.boards if one.scale == result.best_board), None)
-    if best is None:
-        return "Board: no size that was tried fits; see rehearsal.json for why."
-    width, height = best.size_mm
-    size = f"{width:.0f} x {height:.0f} mm, dots of {best.dot_px:.1f} px radius"
-    if best.scale == 1.0:
-        return f"Board: the planned size fits best ({size})."
-    return f"Board: printed {best.scale:g} times as large ({size}) it would give {best.rms_mm:.3g} mm."
-
-
-def confirmation_words(one: ConfirmationResult) -> str:
-    """Return the confirmation in words."""
-    low, high = one.range_mm
-    verdict = "within" if one.holds else "OUTSIDE"
-    return (
-        f"Rendered: {one.points} points of further views, RMS error {one.rms_mm:.3g} mm, foretold "
-        f"{one.expected_mm:.3g} mm, {verdict} the range of a single calibration ({low:.2g} to {high:.2g} "
-        f"mm); dots {one.dot_rms_px:.2g} px, foretold {one.dot_expected_px:.2g} px."
-    )
-
-
 def _limit(one: Limit) -> LimitResult:
     return LimitResult(one.name.value, one.change, one.before_mm, one.after_mm, one.gain, one.why_not or None)
 
 
 def _confirmation(one: Confirmation) -> ConfirmationResult:
+    places, shape = one.places, one.shape
     return ConfirmationResult(
+        sets=one.sets,
         views=one.views,
         points=one.points,
+        freed=one.freed,
+        renderer_px=one.renderer_px,
         dot_rms_px=one.dot_rms_px,
         dot_expected_px=one.dot_expected_px,
-        rms_mm=one.rms_mm,
-        expected_mm=one.expected_mm,
-        range_mm=(one.lowest_mm, one.highest_mm),
+        rms_mm=places.rms_mm,
+        expected_mm=places.expected_mm,
+        range_mm=(places.lowest_mm, places.highest_mm),
+        by_set_mm=list(places.by_set_mm),
+        shape_rms_mm=shape.rms_mm,
+        shape_expected_mm=shape.expected_mm,
+        shape_range_mm=(shape.lowest_mm, shape.highest_mm),
+        shape_by_set_mm=list(shape.by_set_mm),
+        map_rank=one.map_rank,
+        map_rank_lowest=one.map_rank_lowest,
+        sets_needed=places.sets_needed,
         holds=one.holds,
     )

@@ -51,11 +51,7 @@ class ListedPlaces(Stage):
 
     @model_validator(mode="after")
     def _names_differ(self) -> "ListedPlaces":
-        names = [view.name for view in self.views]
-        if len(set(names)) != len(names):
-            raise ValueError("two views have the same name")
-        if alike := differ_in_case(names):
-            raise ValueError(f"the views '{alike[0]}' and '{alike[1]}' differ only in capital letters")
+        require_different_names([view.name for view in self.views])
         return self
 
     def places(self, seed: int) -> tuple[StageView, ...]:  # noqa: ARG002 -- nothing is drawn
@@ -185,4 +181,39 @@ class Handheld(BaseModel):
         return self
 
 
-Placement = Annotated[ListedPlaces | Planes | Volume | Handheld, Field(discriminator="kind")]
+class PosedView(BaseModel):
+    """One pose of a target held in the hand."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Name
+    role: Role
+    origin_mm: Vector
+    """Position of dot (0, 0)."""
+    rotation_rad: Vector
+    """Rotation vector from the target's frame to the world."""
+
+
+class HeldPoses(BaseModel):
+    """A target held in the hand at listed poses, which are not nominal poses."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["poses"]
+    views: Annotated[tuple[PosedView, ...], Field(min_length=1, max_length=1000)]
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> "HeldPoses":
+        require_different_names([view.name for view in self.views])
+        return self
+
+
+def require_different_names(names: list[str]) -> None:
+    """Require that views have different names, in capital letters alone, too."""
+    if len(set(names)) != len(names):
+        raise ValueError("two views have the same name")
+    if alike := differ_in_case(names):
+        raise ValueError(f"the views '{alike[0]}' and '{alike[1]}' differ only in capital letters")
+
+
+Placement = Annotated[ListedPlaces | Planes | Volume | Handheld | HeldPoses, Field(discriminator="kind")]

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arrays import Pose
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.scene.handheld import handheld_poses
 from labcal.scene.model import Scene
-from labcal.scene.placement import Stage
+from labcal.scene.placement import HeldPoses, Stage
 from labcal.shoot.manifest import Role
 
 
@@ -46,6 +46,16 @@ def planned_views(scene: Scene, seed: int) -> tuple[PlannedView, ...]:
             T_world_target = pose(np.eye(3), np.array(place.origin_mm) + shift)
             views.append(PlannedView(place.name, place.role, T_world_target, T_world_target))
         return tuple(views)
+    if isinstance(scene.placement, HeldPoses):
+        return tuple(
+            PlannedView(
+                view.name,
+                view.role,
+                from_rotation_vector(np.array(view.rotation_rad), np.array(view.origin_mm)),
+                None,
+            )
+            for view in scene.placement.views
+        )
     poses = handheld_poses(scene, seed)
     roles = [Role.TRAIN] * scene.placement.train + [Role.TEST] * scene.placement.test
     return tuple(

@@ -11,11 +11,12 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections
-from labcal.geometry.poses import transform
+from labcal.geometry.poses import rigid_alignment, transform
 from labcal.guide.rehearsal.catalogue import load_rig_plan
+from labcal.guide.rehearsal.confirmation import squares
 from labcal.guide.rehearsal.dot_noise import DotNoise, minor_semi_axes
-from labcal.guide.rehearsal.forecast import PointNoise
 from labcal.guide.rehearsal.planned_rig import PlannedRig
+from labcal.guide.rehearsal.sources import PointNoise
 from labcal.rng import generator
 
 DRAWS = 10
@@ -24,10 +25,11 @@ DRAWS = 10
 
 @dataclass(frozen=True)
 class RehearsalSet:
-    """A case: name of the plan, the noise of its dots, and a seed."""
+    """A case: name of the plan, the noise of its dots, their treatment by the calibration, and a seed."""
 
     plan: str
     noise: DotNoise
+    dot_places: DotTreatment
     seed: int
 
     @property
@@ -43,6 +45,8 @@ class RehearsalErrors(BaseModel):
 
     square_mm2: tuple[float, ...]
     """Mean square of the 3-D error of each point that all cameras see, in the frame of the first camera."""
+    shape_mm2: tuple[float, ...]
+    """The same after a rigid alignment of all points."""
 
 
 def measured_rehearsal(case: RehearsalSet) -> RehearsalErrors:
@@ -54,20 +58,20 @@ def measured_rehearsal(case: RehearsalSet) -> RehearsalErrors:
     dots = plan.target.points()
     dots[:, :2] += plan.print_sigma_mm * random.standard_normal((len(dots), 2))
     detections = simulated_dots(planned, views, dots, case.noise, random)
-    settings = HandheldSettings(
-        dot_places=DotTreatment.FREED if plan.shoot.free_dots else DotTreatment.DECLARED
-    )
     lens = planned.cameras[0].lens
+    settings = HandheldSettings(dot_places=case.dot_places)
     rig = calibrate_handheld(detections, plan.target, lens, settings).rig
     p = transform(planned.T_first_plan, planned.grid[planned.seen(planned.grid)])
     pixels = PointNoise.of(plan, case.noise).covariances(planned, p)
     clean = np.stack([camera.project(p).q for camera in planned.cameras], axis=1)
     cameras = [rig.camera(name) for name in rig.cameras]
-    square = np.zeros(len(p))
+    square, shape = np.zeros(len(p)), np.zeros(len(p))
     for _ in range(DRAWS):
         q = clean + np.sqrt(pixels[..., 0, 0])[..., None] * random.standard_normal(clean.shape)
-        square += ((triangulate(cameras, q, pixels).point - p) ** 2).sum(axis=1)
-    return RehearsalErrors(square_mm2=tuple((square / DRAWS).tolist()))
+        found = triangulate(cameras, q, pixels).point
+        square += squares(found - p) / DRAWS
+        shape += squares(transform(rigid_alignment(p, found), found) - p) / DRAWS
+    return RehearsalErrors(square_mm2=tuple(square.tolist()), shape_mm2=tuple(shape.tolist()))
 
 
 def simulated_dots(

@@ -7,9 +7,10 @@ import numpy as np
 from labcal.arrays import Pose
 from labcal.errors import InputError
 from labcal.guide.rehearsal.dot_noise import DrawnPicture, drawn_pictures, measured_noise
-from labcal.guide.rehearsal.forecast import Sources, forecast
+from labcal.guide.rehearsal.forecast import forecast
 from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.guide.rehearsal.rig_plan import RigPlan
+from labcal.guide.rehearsal.sources import Sources
 from labcal.targets.grid import DotGrid
 
 SCALES = (0.5, 0.71, 1.0, 1.41, 2.0)
@@ -99,7 +100,9 @@ def view_counts(
     every = [*views, *further]
     counts = sorted({*COUNTS, len(views), 2 * len(views)})
     return tuple(
-        ViewCount(count, _rms_of(planned, every[:count], sources)) for count in counts if count <= len(every)
+        ViewCount(count, rms_or_nan(planned, every[:count], sources))
+        for count in counts
+        if count <= len(every)
     )
 
 
@@ -122,7 +125,8 @@ def coverage_of(pictures: list[DrawnPicture]) -> float:
     return float(np.median([picture.spanned for picture in pictures]))
 
 
-def _rms_of(planned: PlannedRig, views: list[Pose], sources: Sources) -> float:
+def rms_or_nan(planned: PlannedRig, views: list[Pose], sources: Sources) -> float:
+    """Return the RMS 3-D error to expect, mm; NaN where the views do not determine the cameras."""
     try:
         return forecast(planned, views, sources).rms_mm
     except InputError:

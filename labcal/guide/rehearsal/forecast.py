@@ -7,83 +7,16 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, PointCovariances, Pose, Vectors3
 from labcal.calibrate.budget.expected_covariance import ExpectedCovariance
-from labcal.cameras.derivatives import point_derivatives
+from labcal.calibrate.dot_decision import MIN_VIEWS, MOST_DOTS
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
-from labcal.guide.rehearsal.dot_noise import DotNoise, facing_sizes
+from labcal.geometry.rigid_part import without_rigid_part
+from labcal.guide.rehearsal.error_scatter import ErrorScatter
 from labcal.guide.rehearsal.planned_rig import PlannedRig, directions
-from labcal.guide.rehearsal.rig_plan import RigPlan
+from labcal.guide.rehearsal.sources import Sources
 from labcal.reconstruct.point_budget import Budget, PointBudget
-from labcal.rng import generator
-
-DRAWS = 400
-"""Calibrations that are drawn from their covariance, for the range of one."""
-_RANGE = (2.5, 97.5)
-"""Percentiles."""
-
-
-@dataclass(frozen=True)
-class PointNoise:
-    """The noise of the points to be measured: stated, or that of dots of some size that face the cameras.
-
-    Attributes
-    ----------
-    dots : DotNoise
-    radius_mm : float
-    sigma_px : float or None
-        Standard deviation of each coordinate, where it is stated.
-    """
-
-    dots: DotNoise
-    radius_mm: float
-    sigma_px: float | None
-
-    @classmethod
-    def of(cls, plan: RigPlan, dots: DotNoise) -> "PointNoise":
-        """Return the noise of points of a plan: as it states, or as of its target's dots."""
-        return cls(dots, 0.5 * plan.target.dot_diameter_mm, plan.point_sigma_px)
-
-    def times(self, factor: float) -> "PointNoise":
-        """Return noise with a standard deviation that is so many times as large."""
-        sigma = None if self.sigma_px is None else factor * self.sigma_px
-        return PointNoise(self.dots.times(factor), self.radius_mm, sigma)
-
-    def covariances(self, planned: PlannedRig, p: Vectors3) -> Float64[np.ndarray, "n cameras 2 2"]:
-        """Return covariances of the pixels of points, px squared; `p` in the frame of the first camera."""
-        if self.sigma_px is not None:
-            return np.tile(self.sigma_px**2 * np.eye(2), (len(p), len(planned.cameras), 1, 1))
-        found = []
-        for camera in planned.cameras:
-            by_point = point_derivatives(camera, transform(camera.T_cam_world, p)).by_point
-            found.append(self.dots.covariances(facing_sizes(by_point, self.radius_mm)))
-        return np.stack(found, axis=1)
-
-
-@dataclass(frozen=True)
-class Sources:
-    """Sizes of what makes errors.
-
-    Attributes
-    ----------
-    dots : DotNoise
-        Of the target's dots in the views that calibrate.
-    points : PointNoise
-        Of the points that are measured then.
-    print_sigma_mm : float
-    lens_share : float
-        Factor of the standard deviations of all lens parameters, 1 as the views determine them.
-    """
-
-    dots: DotNoise
-    points: PointNoise
-    print_sigma_mm: float
-    lens_share: float = 1.0
-
-    @classmethod
-    def of(cls, plan: RigPlan, dots: DotNoise) -> "Sources":
-        """Return the sources of a plan, whose dots have some noise."""
-        return cls(dots, PointNoise.of(plan, dots), plan.print_sigma_mm)
 
 
 @dataclass(frozen=True)
@@ -98,22 +31,28 @@ class Forecast:
         Mask of the points that all cameras see; the others have no error.
     noise, calibration : float64 array, (n, 3, 3)
         Covariances by the points' own pixels and by the calibration, mm squared; NaN where not seen.
+    shape : float64 array, (n, 3, 3)
+        The calibration's share where points are brought onto the truth by a rigid motion.
     depth : float64 array, (n, 3)
         Unit vectors of depth: away from the middle of the cameras.
-    lowest_mm, highest_mm : float
-        Range of the RMS error of a single calibration, in 95 of 100.
+    places, shapes : ErrorScatter
+        Of RMS errors in the frame of the first camera, and of those that a rigid alignment leaves.
     covariance : RigCovariance
         Of the cameras, as the calibration will state it.
+    dot_places : DotTreatment
+        Treatment of the dots by the calibration: freed or declared.
     """
 
     grid: Vectors3
     seen: Mask
     noise: PointCovariances
     calibration: PointCovariances
+    shape: PointCovariances
     depth: Float64[np.ndarray, "n 3"]
-    lowest_mm: float
-    highest_mm: float
+    places: ErrorScatter
+    shapes: ErrorScatter
     covariance: RigCovariance
+    dot_places: DotTreatment
 
     @property
     def point_mm(self) -> Float64[np.ndarray, " n"]:
@@ -124,6 +63,11 @@ class Forecast:
     def calibration_point_mm(self) -> Float64[np.ndarray, " n"]:
         """The share of the calibration in it."""
         return _length(self.calibration)
+
+    @property
+    def shape_point_mm(self) -> Float64[np.ndarray, " n"]:
+        """RMS length of the 3-D error of each point after a rigid alignment of all."""
+        return _length(self.noise + self.shape)
 
     @property
     def depth_mm(self) -> Float64[np.ndarray, " n"]:
@@ -138,16 +82,21 @@ class Forecast:
 
     @property
     def rms_mm(self) -> float:
-        """RMS length of the 3-D error over all points that are seen."""
+        """RMS length of the 3-D error over all points that are seen, in the frame of the first camera."""
         return rms(self.point_mm)
 
+    @property
+    def shape_mm(self) -> float:
+        """RMS length of the 3-D error over all points that are seen, after a rigid alignment."""
+        return self.shapes.rms_mm
+
     def rms_of(self, points: Mask) -> float:
-        """Return the same of some of the points."""
+        """Return the RMS error of some of the points, in the frame of the first camera."""
         return rms(self.point_mm[points])
 
     @property
     def calibration_mm(self) -> float:
-        """The share of the calibration in it."""
+        """The share of the calibration in the RMS error in the frame of the first camera."""
         return rms(self.calibration_point_mm)
 
 
@@ -159,6 +108,9 @@ def rms(values: Float64[np.ndarray, " n"]) -> float:
 
 def forecast(planned: PlannedRig, views: list[Pose], sources: Sources) -> Forecast:
     """Return the errors to expect of points that are measured after a calibration from these views.
+
+    Where the plan leaves the treatment of the dots to the calibration, it is the one with the smaller errors,
+    as :mod:`~labcal.calibrate.dot_decision` decides of real ones.
 
     Parameters
     ----------
@@ -173,24 +125,59 @@ def forecast(planned: PlannedRig, views: list[Pose], sources: Sources) -> Foreca
         The views do not determine the cameras, or no point of the volume is seen by all cameras.
     """
     plan = planned.plan
-    grid, seen = planned.grid, planned.seen(planned.grid)
-    if not seen.any():
+    if not planned.seen(planned.grid).any():
         raise InputError(
             f"No point of the working volume of the plan '{plan.name}' is seen by all cameras. Move the "
             "volume, or change the distance, the baseline or where the cameras look."
         )
-    expected = _expected(planned, views, sources)
+    if plan.shoot.dot_places is not DotTreatment.AUTO:
+        return _forecast(planned, views, sources, plan.shoot.dot_places)
+    declared = _forecast(planned, views, sources, DotTreatment.DECLARED)
+    if sources.print_sigma_mm == 0.0 or not may_free(planned, len(views)):
+        return declared
+    try:
+        freed = _forecast(planned, views, sources, DotTreatment.FREED)
+    except InputError:
+        return declared
+    return freed if freed.calibration_mm < declared.calibration_mm else declared
+
+
+def may_free(planned: PlannedRig, views: int) -> bool:
+    """Tell whether a calibration may free the dots by itself, as far as target and views are concerned."""
+    target = planned.plan.target
+    return (
+        views >= MIN_VIEWS
+        and target.count <= MOST_DOTS
+        and not target.symmetric_indices(target.indices()[:1])
+    )
+
+
+def _forecast(planned: PlannedRig, views: list[Pose], sources: Sources, dots: DotTreatment) -> Forecast:
+    grid, seen = planned.grid, planned.seen(planned.grid)
+    expected = _expected(planned, views, sources, dots)
     covariance = with_known_lenses(expected.total, expected.lens, sources.lens_share)
     record = RigCovariance.of(planned.rig.cameras, covariance)
     p = transform(planned.T_first_plan, grid[seen])
     pixels = sources.points.covariances(planned, p)
     rig = planned.rig.model_copy(update={"covariance": record})
     budget = PointBudget.of(rig, p, pixels, Budget.FULL)
-    noise, calibration = (np.full((len(grid), 3, 3), np.nan) for _ in range(2))
+    left = without_rigid_part(budget.derivatives(np.arange(len(p))), p)
+    noise, calibration, shape = (np.full((len(grid), 3, 3), np.nan) for _ in range(3))
     R = planned.R_plan_first
     noise[seen], calibration[seen] = R @ budget.noise @ R.T, R @ budget.calibration @ R.T
-    lowest, highest = range_of_one(budget)
-    return Forecast(grid, seen, noise, calibration, directions(planned, grid), lowest, highest, record)
+    shape[seen] = R @ (left @ budget.parameters @ left.transpose(0, 2, 1)) @ R.T
+    return Forecast(
+        grid=grid,
+        seen=seen,
+        noise=noise,
+        calibration=calibration,
+        shape=shape,
+        depth=directions(planned, grid),
+        places=ErrorScatter.of_places(budget),
+        shapes=ErrorScatter.of_shape(budget),
+        covariance=record,
+        dot_places=dots,
+    )
 
 
 def with_known_lenses(
@@ -215,26 +202,13 @@ def with_known_lenses(
     return np.asarray(covariance - (1.0 - share**2) * 0.5 * (known + known.T))
 
 
-def _expected(planned: PlannedRig, views: list[Pose], sources: Sources) -> ExpectedCovariance:
+def _expected(
+    planned: PlannedRig, views: list[Pose], sources: Sources, dots: DotTreatment
+) -> ExpectedCovariance:
     observations = planned.observations(views, sources.dots)
-    of = ExpectedCovariance.of_freed if planned.plan.shoot.free_dots else ExpectedCovariance.of_declared
+    freed = dots is DotTreatment.FREED
+    of = ExpectedCovariance.of_freed if freed else ExpectedCovariance.of_declared
     return of(planned.state(views), observations, sources.print_sigma_mm)
-
-
-def range_of_one(budget: PointBudget) -> tuple[float, float]:
-    """Return within which the RMS error after a single calibration is in 95 of 100.
-
-    All points share the errors of one calibration, so that single ones differ much from their mean.
-    """
-    random = generator(0, "rehearsal", "range")
-    scale = np.sqrt(np.diagonal(budget.parameters))  # so that px, rad and mm are alike
-    variance, axes = np.linalg.eigh(budget.parameters / np.outer(scale, scale))
-    root = scale[:, None] * axes * np.sqrt(np.maximum(variance, 0.0))
-    by = budget.derivatives(np.arange(len(budget))) @ root
-    shift = by.reshape(-1, by.shape[2]) @ random.standard_normal((by.shape[2], DRAWS))
-    square = (shift**2).sum(axis=0) / len(budget) + np.trace(budget.noise, axis1=1, axis2=2).mean()
-    low, high = np.percentile(np.sqrt(square), _RANGE)
-    return float(low), float(high)
 
 
 def _length(covariance: PointCovariances) -> Float64[np.ndarray, " n"]:

@@ -8,10 +8,11 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.errors import InputError
-from labcal.guide.rehearsal.forecast import Forecast, Sources, forecast
+from labcal.guide.rehearsal.forecast import Forecast, forecast
 from labcal.guide.rehearsal.laboratory import places
 from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.guide.rehearsal.rig_plan import ListedGeometry, PairGeometry, RigPlan
+from labcal.guide.rehearsal.sources import Sources
 
 
 class LimitName(StrEnum):

@@ -25,12 +25,13 @@ def map_figure(made: Forecast, colours: str | Colormap = "viridis") -> Figure:
         "3-D error": made.point_mm,
         "in depth": made.depth_mm,
         "by calibration": made.calibration_point_mm,
+        "of shape": made.shape_point_mm,
     }
     shape = CELLS[::-1]
     x, y, z = (np.unique(part) for part in made.grid.T)
     highest = float(np.nanmax(made.point_mm))
     scale = Normalize(0.0, highest)
-    figure = Figure(figsize=(9.4, 6.6), layout="constrained")
+    figure = Figure(figsize=(9.4, 8.4), layout="constrained")
     panels = figure.subplots(len(rows), len(SLICES), sharex=True, sharey=True)
     for line, (name, values) in zip(panels, rows.items(), strict=True):
         for axes, number in zip(line, SLICES, strict=True):

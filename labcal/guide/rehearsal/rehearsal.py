@@ -7,16 +7,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.arrays import Pose
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.extras import optional_module
-from labcal.guide.rehearsal.boards import COUNTS, BoardFit, ViewCount, board_fits, enough_views, view_counts
+from labcal.guide.rehearsal.boards import (
+    COUNTS,
+    BoardFit,
+    ViewCount,
+    board_fits,
+    enough_views,
+    rms_or_nan,
+    view_counts,
+)
 from labcal.guide.rehearsal.confirmation import Confirmation
 from labcal.guide.rehearsal.dot_noise import DotNoise, DrawnPicture, drawn_pictures, measured_noise
-from labcal.guide.rehearsal.forecast import Forecast, Sources, forecast
+from labcal.guide.rehearsal.forecast import Forecast, forecast
 from labcal.guide.rehearsal.limits import Limit, limits_of
 from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.guide.rehearsal.rig_plan import RigPlan
+from labcal.guide.rehearsal.sources import Sources
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.threads import one_blas_thread
 from labcal.wording import counted
@@ -27,6 +37,10 @@ if TYPE_CHECKING:
 
 _DRAWN = 8
 """Views of which pictures are drawn, at most."""
+TEST_VIEWS = 4
+"""Further views, whose dots a confirmation measures."""
+_OTHER_POSES = 3
+"""Further choices of poses, that tell how much the forecast depends on them."""
 _FOUND = 0.9
 """Share of the dots that the detector should measure."""
 _LEAST_SEEN = 0.9
@@ -56,9 +70,12 @@ class Rehearsal(PublicObject):
     boards : tuple of BoardFit
     warnings : tuple of str
         What is not as it should be, for people.
-    freed_mm : float
-        RMS 3-D error where the calibration estimates the dots' places, too; NaN where the plan says so
-        already, the print is exact, or the target does not allow it.
+    test_views : tuple of ndarray, shape (4, 4)
+        Further poses of the target, whose dots a confirmation measures, ``T_first_target``, mm.
+    by_dot_places : mapping of DotTreatment to float
+        RMS 3-D errors with the dots' places estimated, too, and as declared; without what is not possible.
+    by_poses_mm : tuple of float
+        RMS 3-D errors with other poses, chosen in the same way from other random ones.
     confirmation : Confirmation or None
         Errors of the rendered rig; None if it was not asked for.
 
@@ -79,13 +96,20 @@ class Rehearsal(PublicObject):
     counts: tuple[ViewCount, ...]
     boards: tuple[BoardFit, ...]
     warnings: tuple[str, ...]
-    freed_mm: float = float("nan")
+    test_views: tuple[Pose, ...]
+    by_dot_places: Mapping[DotTreatment, float]
+    by_poses_mm: tuple[float, ...]
     confirmation: Confirmation | None = None
 
     @property
     def rms_mm(self) -> float:
-        """RMS 3-D error over the working volume, mm: points' own pixels and the calibration."""
+        """RMS 3-D error over the working volume in the frame of the first camera, mm."""
         return self.forecast.rms_mm
+
+    @property
+    def shape_mm(self) -> float:
+        """The same after a rigid alignment onto the truth: errors of shape and size, mm."""
+        return self.forecast.shape_mm
 
     @property
     def limited_by(self) -> str:
@@ -115,7 +139,7 @@ class Rehearsal(PublicObject):
         return frame
 
     def map_columns(self) -> dict[str, np.ndarray]:
-        """Return the map by column: place, expected RMS 3-D error, its shares, depth and sideways, mm."""
+        """Return the map by column: place, expected RMS 3-D errors, shares, depth and sideways, mm."""
         made = self.forecast
         x, y, z = made.grid.T
         return {
@@ -123,6 +147,7 @@ class Rehearsal(PublicObject):
             "Y_mm": y,
             "Z_mm": z,
             "rms_mm": made.point_mm,
+            "shape_mm": made.shape_point_mm,
             "noise_mm": np.sqrt(np.trace(made.noise, axis1=1, axis2=2)),
             "calibration_mm": made.calibration_point_mm,
             "depth_mm": made.depth_mm,
@@ -139,6 +164,7 @@ class Rehearsal(PublicObject):
         return {
             "plan": self.plan.name,
             "rms": f"{self.rms_mm:.3g} mm",
+            "shape": f"{self.shape_mm:.3g} mm",
             "calibration": f"{self.forecast.calibration_mm:.3g} mm",
             "limited_by": self.limited_by,
             "warnings": len(self.warnings),
@@ -185,20 +211,35 @@ def rehearsed(plan: RigPlan, seed: int) -> Rehearsal:
         counts=view_counts(planned, views, further, sources),
         boards=board_fits(plan, sources, seed),
         warnings=_warnings(pictures, made),
-        freed_mm=_with_freed_dots(plan, views, sources),
+        test_views=tuple(further[:TEST_VIEWS]),
+        by_dot_places=_by_dot_places(plan, views, sources),
+        by_poses_mm=_by_poses(planned, sources, seed + 2),
     )
 
 
-def _with_freed_dots(plan: RigPlan, views: list[Pose], sources: Sources) -> float:
-    """Return the RMS error where the dots are freed; NaN where that is planned already, or of no use."""
-    target = plan.target
-    if plan.shoot.free_dots or plan.print_sigma_mm == 0.0 or target.symmetric_indices(target.indices()[:1]):
-        return float("nan")
-    freed = plan.model_copy(update={"shoot": plan.shoot.model_copy(update={"free_dots": True})})
-    try:
-        return forecast(PlannedRig.of(freed), views, sources).rms_mm
-    except InputError:
-        return float("nan")
+def _by_poses(planned: PlannedRig, sources: Sources, seed: int) -> tuple[float, ...]:
+    """Return the RMS errors with other poses that cover as much."""
+    found = []
+    for number in range(_OTHER_POSES):
+        try:
+            views = planned.views(planned.plan.shoot.views, seed + number)
+        except InputError:
+            continue
+        found.append(rms_or_nan(planned, views, sources))
+    return tuple(one for one in found if np.isfinite(one))
+
+
+def _by_dot_places(plan: RigPlan, views: list[Pose], sources: Sources) -> dict[DotTreatment, float]:
+    """Return the RMS errors by the treatment of the dots, where it makes a difference and is possible."""
+    if plan.print_sigma_mm == 0.0:
+        return {}
+    found = {}
+    for dots in (DotTreatment.FREED, DotTreatment.DECLARED):
+        if dots is DotTreatment.FREED and plan.target.symmetric_indices(plan.target.indices()[:1]):
+            continue
+        shoot = plan.shoot.model_copy(update={"dot_places": dots})
+        found[dots] = rms_or_nan(PlannedRig.of(plan.model_copy(update={"shoot": shoot})), views, sources)
+    return {dots: rms_mm for dots, rms_mm in found.items() if np.isfinite(rms_mm)}
 
 
 def _require_seen_volume(planned: PlannedRig) -> None:

@@ -1,52 +1,88 @@
 """The confirmation of a rehearsal: render, detect, calibrate, measure, and compare with the forecast."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float64
 
-from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
-from labcal.cameras.dot_image import dot_images
 from labcal.cameras.rig_file import write_rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import write_detections
 from labcal.correspond.dot_source import dots_of_shoot
+from labcal.correspond.points import Points
 from labcal.errors import InputError
-from labcal.geometry.poses import transform
-from labcal.guide.rehearsal.confirmation import Confirmation, expected_length, rms_coordinate, rms_length
-from labcal.guide.rehearsal.dot_noise import minor_semi_axes
-from labcal.guide.rehearsal.forecast import Sources, forecast, range_of_one
-from labcal.guide.rehearsal.laboratory import laboratory
+from labcal.geometry.poses import rigid_alignment, transform
+from labcal.guide.rehearsal.confirmation import (
+    Confirmation,
+    FoundError,
+    group_rank,
+    lowest_rank,
+    rms_coordinate,
+    squares,
+)
+from labcal.guide.rehearsal.error_scatter import ErrorScatter
+from labcal.guide.rehearsal.forecast import forecast
+from labcal.guide.rehearsal.held_points import HeldPoints
+from labcal.guide.rehearsal.held_scene import held_scene
 from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.guide.rehearsal.rehearsal import Rehearsal
+from labcal.guide.rehearsal.renderer_noise import rendered_noise, renderer_sigma
 from labcal.guide.rehearsal.settings import RehearseSettings
-from labcal.reconstruct.point_budget import Budget, PointBudget
+from labcal.guide.rehearsal.sources import Sources
 from labcal.reconstruct.reconstruction import reconstruct_points
 from labcal.render.shoot import RenderSettings, render_shoot
 from labcal.run.progress import Progress
-from labcal.scene.model import Scene
+from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.shoot.truth import TrueDots, read_true_dots, read_truth
 
-TEST_VIEWS = 4
-"""Further views, whose dots are measured."""
 SHOOT, DETECTIONS, RIG = "shoot", "detections.csv", "calibrated.json"
-Sizes = dict[tuple[str, str], np.ndarray]
-"""Minor semi-axes of dots by view and camera, px."""
+_FEWEST = 3
+"""Points that a rigid alignment needs."""
+
+
+@dataclass(frozen=True)
+class RenderedSet:
+    """Errors of one rendered set.
+
+    Attributes
+    ----------
+    places : float64 array, (n,)
+        Squared errors of the dots of all views in the frame of the first camera, mm squared; NaN where a dot
+        was not measured.
+    shape, map : float64 array, (n,)
+        The same after a rigid alignment of the dots of the test views, and of all views.
+    pixels : float64 array, (m, 2)
+        Errors of all measured dots, px.
+    pixel_variance : float64 array, (m,)
+        Their foretold variances, px squared.
+    freed : bool
+        True if the calibration freed the dots.
+    """
+
+    places: Float64[np.ndarray, " n"]
+    shape: Float64[np.ndarray, " n"]
+    map: Float64[np.ndarray, " n"]
+    pixels: Float64[np.ndarray, "m 2"]
+    pixel_variance: Float64[np.ndarray, " m"]
+    freed: bool
 
 
 def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: Progress) -> Confirmation:
-    """Render the views of a plan and further ones into a folder, and compare errors with the forecast.
+    """Render the recommended views and further ones into a folder, and compare errors with the forecast.
 
-    The views are chosen together with the further ones, so that they differ from those of the rehearsal; the
-    forecast that is compared is made for them.
+    Every set has the same poses, and a print and noise of its own. It is calibrated as `labcal calibrate`
+    does. What is foretold here has the noise of the renderer's finitely many rays in it.
 
     Parameters
     ----------
     found : Rehearsal
     folder : Path
-        Where the shoot, its dots and its calibrated rig are written.
+        Where shoots, dots and calibrated rigs are written; of several sets each has a folder of its own.
     how : RehearseSettings
+        `confirm` is the number of sets.
     progress : Progress
 
     Raises
@@ -56,83 +92,93 @@ def confirmed(found: Rehearsal, folder: Path, how: RehearseSettings, progress: P
     OutputError, DeviceError
         As of rendering.
     """
+    noise = rendered_noise(found.noise, how.spp)
+    made = forecast(PlannedRig.of(found.plan), list(found.views), Sources.of(found.plan, noise))
+    rig, points = found.rig.model_copy(update={"covariance": made.covariance}), HeldPoints.of(found, noise)
+    sets = []
+    for number in range(how.confirm):
+        own = folder if how.confirm == 1 else folder / f"set-{number + 1:02d}"
+        own.mkdir(exist_ok=True)
+        sets.append(_rendered(found, points, own, how, number, progress))
+    places, shape, over_map = (
+        np.stack([getattr(one, name) for one in sets]) for name in ("places", "shape", "map")
+    )
+    known = np.isfinite(places).any(axis=0)
+    measured = known & points.tested
+    if measured.sum() < _FEWEST:
+        raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
+    budget = points.budget(rig, measured)
+    foretold = points.shape_covariances(points.budget(rig, known))
+    return Confirmation(
+        sets=len(sets),
+        views=len(found.views),
+        points=int(np.isfinite(places[:, points.tested]).sum()),
+        freed=sum(one.freed for one in sets),
+        renderer_px=float(renderer_sigma(np.array([found.noise.size_px]), how.spp)[0]),
+        dot_rms_px=rms_coordinate(np.concatenate([one.pixels for one in sets])),
+        dot_expected_px=float(np.sqrt(np.concatenate([one.pixel_variance for one in sets]).mean())),
+        places=FoundError.of(places[:, measured], ErrorScatter.of_places(budget)),
+        shape=FoundError.of(shape[:, measured], ErrorScatter.of_shape(budget)),
+        map_rank=group_rank(over_map[:, known], np.trace(foretold, axis1=1, axis2=2)),
+        map_rank_lowest=lowest_rank(foretold, len(sets)),
+    )
+
+
+def _rendered(
+    found: Rehearsal, points: HeldPoints, folder: Path, how: RehearseSettings, number: int, progress: Progress
+) -> RenderedSet:
     plan = found.plan
-    rendering = RenderSettings(spp=how.spp, seed=how.seed, workers=how.workers)
-    shoot = render_shoot(_scene(found), folder / SHOOT, rendering, progress)
+    rendering = RenderSettings(spp=how.spp, seed=how.seed + number, workers=how.workers)
+    shoot = render_shoot(held_scene(found), folder / SHOOT, rendering, progress)
     dots = dots_of_shoot(shoot, how.workers, progress)
     write_detections(folder / DETECTIONS, dots, force=True)
-    settings = HandheldSettings(
-        dot_places=DotTreatment.FREED if plan.shoot.free_dots else DotTreatment.DECLARED
-    )
-    testing = {view.name for view in shoot.views(Role.TEST)}
-    tested = np.isin(dots.view, sorted(testing))
+    tested = np.isin(dots.view, [view.name for view in shoot.views(Role.TEST)])
     lens = next(iter(plan.cameras.values())).lens
-    rig = calibrate_handheld(dots.where(~tested), plan.target, lens, settings).rig
-    write_rig(folder / RIG, rig, force=True)
-    truth, planned = read_truth(shoot.folder), PlannedRig.of(plan)
-    T_first_world = np.array(next(iter(truth.cameras.values())).T_cam_world)
-    T_first_target = {
-        name: T_first_world @ np.array(view.T_world_target) for name, view in truth.views.items()
-    }
-    training = [T_first_target[view.name] for view in shoot.views(Role.TRAIN)]
-    made = forecast(planned, training, Sources.of(plan, found.noise))
-    true = {(one.view, one.camera): one for one in read_true_dots(shoot.folder)}
-    points = reconstruct_points(rig, dots.where(tested), plan.target)
-    first = next(iter(truth.cameras))
-    good = np.isfinite(points.point).all(axis=1)
-    if not good.any():
+    settings = HandheldSettings(dot_places=plan.shoot.dot_places)
+    calibration = calibrate_handheld(dots.where(~tested), plan.target, lens, settings)
+    write_rig(folder / RIG, calibration.rig, force=True)
+    measured = reconstruct_points(calibration.rig, dots, plan.target)
+    errors = _point_errors(measured, shoot, points)
+    return RenderedSet(*errors, *_pixel_errors(dots, shoot, points), calibration.freed is not None)
+
+
+def _point_errors(
+    measured: Points, shoot: Shoot, points: HeldPoints
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
+    """Return squared errors of all dots in order: as they are, and after both rigid alignments."""
+    truth = read_truth(shoot.folder)
+    first, T_first_world = next((name, np.array(one.T_cam_world)) for name, one in truth.cameras.items())
+    true = {one.view: one.point for one in read_true_dots(shoot.folder) if one.camera == first}
+    names = {view.name: number for number, view in enumerate(shoot.views())}
+    good = np.isfinite(measured.point).all(axis=1)
+    p, view = measured.point[good], measured.view[good].tolist()
+    dot = measured.index[good, 1] * points.cols + measured.index[good, 0]
+    exact = transform(
+        T_first_world, np.array([true[name][i] for name, i in zip(view, dot.tolist(), strict=True)])
+    )
+    line = np.array([names[name] for name in view]) * len(true[view[0]]) + dot
+    tested = points.tested[line]
+    if tested.sum() < _FEWEST:
         raise InputError("No dot of the further views was measured in all cameras of the rendered shoot.")
-    number = points.index[:, 1] * plan.target.cols + points.index[:, 0]
-    places = np.array(
-        [true[view, first].point[i] for view, i in zip(points.view.tolist(), number.tolist(), strict=True)]
-    )
-    p = transform(T_first_world, places)[good]
-    sizes = _sizes(planned, T_first_target)
-    pairs = list(zip(points.view[good].tolist(), number[good].tolist(), strict=True))
-    size = [np.array([sizes[view, name][i] for view, i in pairs]) for name in planned.rig.cameras]
-    pixels = np.stack([found.noise.covariances(one) for one in size], axis=1)
-    budget = PointBudget.of(
-        planned.rig.model_copy(update={"covariance": made.covariance}), p, pixels, Budget.FULL
-    )
-    lowest, highest = range_of_one(budget)
-    error_px, expected_px = _pixel_errors(dots, true, sizes, found)
-    return Confirmation(
-        views=len(training),
-        points=int(good.sum()),
-        dot_rms_px=error_px,
-        dot_expected_px=expected_px,
-        rms_mm=rms_length(points.point[good] - p),
-        expected_mm=expected_length(budget.noise + budget.calibration),
-        lowest_mm=lowest,
-        highest_mm=highest,
-    )
-
-
-def _scene(found: Rehearsal) -> Scene:
-    """Return the laboratory with further views."""
-    scene = laboratory(found.plan, found.plan.shoot.views)
-    return scene.model_copy(update={"placement": scene.placement.model_copy(update={"test": TEST_VIEWS})})
-
-
-def _sizes(planned: PlannedRig, T_first_target: dict[str, np.ndarray]) -> Sizes:
-    """Return the minor semi-axes of all dots, px, by view and camera."""
-    target = planned.plan.target
-    radii = 0.5 * target.outer_diameters_mm()
-    return {
-        (view, name): minor_semi_axes(dot_images(camera, T, target.points(), radii).outline)
-        for view, T in T_first_target.items()
-        for name, camera in zip(planned.rig.cameras, planned.cameras, strict=True)
-    }
+    aligned = [transform(rigid_alignment(exact[of], p[of]), p) for of in (tested, np.ones(len(p), bool))]
+    found = []
+    for places in (p, *aligned):
+        square = np.full(len(points.tested), np.nan)
+        square[line] = squares(places - exact)
+        found.append(square)
+    return found[0], found[1], found[2]
 
 
 def _pixel_errors(
-    dots: Detections, true: dict[tuple[str, str], TrueDots], sizes: Sizes, found: Rehearsal
-) -> tuple[float, float]:
-    """Return the RMS error of a coordinate of all measured dots, px, and the foretold one."""
+    dots: Detections, shoot: Shoot, points: HeldPoints
+) -> tuple[Float64[np.ndarray, "m 2"], Float64[np.ndarray, " m"]]:
+    """Return the errors of all measured dots, px, and their foretold variances."""
     errors, variances = [], []
-    for (view, camera), picture in true.items():
-        mine = (dots.view == view) & (dots.camera == camera) & (dots.flag == "ok") & dots.has_id
-        number = dots.index[mine, 1] * found.plan.target.cols + dots.index[mine, 0]
+    true: list[TrueDots] = read_true_dots(shoot.folder)
+    for picture in true:
+        mine = (dots.view == picture.view) & (dots.camera == picture.camera) & (dots.flag == "ok")
+        mine &= dots.has_id
+        number = dots.index[mine, 1] * points.cols + dots.index[mine, 0]
         errors.append(dots.position[mine] - picture.centroid[number])
-        variances.append(found.noise.at(sizes[view, camera][number]))
-    return rms_coordinate(np.concatenate(errors)), float(np.sqrt(np.concatenate(variances).mean()))
+        variances.append(points.variance[picture.view, picture.camera][number])
+    return np.concatenate(errors), np.concatenate(variances)

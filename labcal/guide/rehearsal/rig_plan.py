@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from labcal.bounds import Length, Margin
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.guide.rehearsal.planned_camera import PlannedCamera
 from labcal.run.names import Name, differ_in_case
 from labcal.scene.camera import Coordinate, Vector
@@ -83,8 +84,9 @@ class PlannedShoot(BaseModel):
     """Largest turn about the normal."""
     visible_share: Annotated[float, Field(gt=0, le=1)] = 0.6
     """Share of the dots that every camera must see whole."""
-    free_dots: bool = False
-    """True if the calibration estimates the places of dots on the print."""
+    dot_places: DotTreatment = DotTreatment.AUTO
+    """Treatment of the dots' places on the print by the calibration: `auto` as `labcal calibrate` decides by
+    itself, `freed` (estimated, too) or `declared`."""
 
 
 class RigPlan(BaseModel):

@@ -12,14 +12,15 @@ class RehearseSettings:
     Examples
     --------
     >>> from labcal.pipeline import RehearseSettings
-    >>> RehearseSettings(confirm=True, spp=16).seed
+    >>> RehearseSettings(confirm=1, spp=16).seed
     0
     """
 
     seed: int = 0
     """Seed of the poses to choose from, and of all noise."""
-    confirm: bool = False
-    """True to render the planned views, calibrate from them and measure further ones."""
+    confirm: int = 0
+    """Sets of pictures to render, each with a print and noise of its own, to calibrate from and to measure
+    further views with; 0 for none."""
     spp: int = 64
     """Rays a pixel of rendered pictures; fewer add noise that no camera has."""
     workers: int = 1
@@ -39,7 +40,7 @@ class RehearseSettings:
             self,
             {
                 "seed": whole_number(self.seed, "seed", 0),
-                "confirm": truth_value(self.confirm, "confirm"),
+                "confirm": whole_number(self.confirm, "confirm", 0),
                 "spp": whole_number(self.spp, "spp", 1),
                 "workers": whole_number(self.workers, "workers", 1),
                 "force": truth_value(self.force, "force"),

@@ -14,6 +14,21 @@ def staged(placement: dict[str, object]) -> Scene:
     return validate_description(Scene, "scene", "mine", content)
 
 
+def held(name: str) -> dict[str, object]:
+    """A pose of a target in the hand."""
+    return {"name": name, "role": "test", "origin_mm": [1.0, 2.0, 30.0], "rotation_rad": [0.0, 0.0, 0.5]}
+
+
+def test_listed_poses_in_the_hand_are_taken_as_they_are_and_nobody_is_told() -> None:
+    first, second = planned_views(
+        staged({"kind": "poses", "views": [held("a"), held("b") | {"role": "train"}]}), seed=0
+    )
+    assert (first.name, first.role, second.role) == ("a", Role.TEST, Role.TRAIN)
+    np.testing.assert_array_equal(first.T_world_target[:3, 3], [1.0, 2.0, 30.0])
+    np.testing.assert_allclose(first.T_world_target[:2, 0], [np.cos(0.5), np.sin(0.5)])
+    assert first.T_world_target_nominal is None
+
+
 @pytest.mark.parametrize(
     "heights", [[0.0, 1000 / 3, 2000 / 3, 1000.0], {"first": 0.0, "last": 1000.0, "count": 4}]
 )
@@ -99,6 +114,10 @@ def test_a_volume_is_drawn_evenly_from_the_seed() -> None:
         ),
         ({"kind": "volume", "origin_mm": [0, 0], "heights_mm": [1, 9], "train": 0, "test": 0}, "no views"),
         ({"kind": "stage", "views": []}, "views"),
+        ({"kind": "poses", "views": []}, "views"),
+        ({"kind": "poses", "views": [held("a"), held("a")]}, "same name"),
+        ({"kind": "poses", "views": [held("a"), held("A")]}, "capital letters"),
+        ({"kind": "poses", "views": [held("a") | {"rotation_rad": [0.0, 0.1]}]}, "rotation_rad"),
         ({"kind": "tripod"}, "planes"),
     ],
 )
