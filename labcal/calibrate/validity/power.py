@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.calibrate.validity.change import Change, possible_changes
 from labcal.calibrate.validity.explanation import covariance_root
-from labcal.calibrate.validity.tested import ALARM, Tested
+from labcal.calibrate.validity.tested import ALARM, WITH_AXES, Tested, tests_of
 from labcal.distributions import needed_gain
 
 POWER = 0.9
@@ -27,17 +27,24 @@ class Sensitivity:
         Inverse covariance of its size; rad, mm, relative focal lengths, px.
     needed : float
         Squared size, in units of that covariance, that is found with the probability :data:`POWER`.
+    needed_along_axis : float
+        The same of a change along one parameter, which may have a test of its own.
     """
 
     change: Change
     columns: Float64[np.ndarray, "shared count"]
     information: Float64[np.ndarray, "count count"]
     needed: float
+    needed_along_axis: float
 
     def smallest(self) -> Float64[np.ndarray, " count"]:
         """Return the smallest change along each parameter that is found; infinite if none is."""
         own = np.diagonal(self.information)
-        return np.sqrt(self.needed / np.where(own > 0.0, own, np.nan)) if (own > 0.0).all() else own + np.inf
+        return (
+            np.sqrt(self.needed_along_axis / np.where(own > 0.0, own, np.nan))
+            if (own > 0.0).all()
+            else own + np.inf
+        )
 
     def worst(self, square: Float64[np.ndarray, "shared shared"]) -> float:
         """Return the largest root of x' M x of the rig's parameters x by a change that is not found.
@@ -61,7 +68,8 @@ def sensitivities(found: Tested) -> list[Sensitivity]:
     made, now = found.made, found.unchanged.evidence
     root, H = covariance_root(made.calibrated.covariance), now.information
     changes = possible_changes(made.cameras)
-    level = ALARM / len(changes)
+    level = ALARM / tests_of(changes)
+    along_axis = needed_gain(level, 1, made.noise_freedom, POWER)
     result = []
     for change in changes:
         B = change.columns(now.state)
@@ -72,5 +80,6 @@ def sensitivities(found: Tested) -> list[Sensitivity]:
         both = np.linalg.inv(np.linalg.inv(np.eye(L.shape[1]) + L.T @ H @ L)[at, at])
         information = (both - np.eye(len(sizes))) / np.outer(sizes, sizes)
         needed = needed_gain(level, change.count, made.noise_freedom, POWER)
-        result.append(Sensitivity(change, B, 0.5 * (information + information.T), needed))
+        along = along_axis if change.kind in WITH_AXES else needed
+        result.append(Sensitivity(change, B, 0.5 * (information + information.T), needed, along))
     return result

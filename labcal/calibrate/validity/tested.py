@@ -18,6 +18,8 @@ from labcal.targets.places import DotPlaces
 
 ALARM = 0.01
 """Probability of a false alarm, all kinds of changes together."""
+WITH_AXES = (ChangeKind.TURNED, ChangeKind.SHIFTED)
+"""Kinds that are tested along each axis of the camera by itself, too."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +51,16 @@ class Tested:
         return np.array([gain_tail(gain, count, self.made.noise_freedom) for gain, count in pairs])
 
     @property
+    def axis_p_values(self) -> Float64[np.ndarray, " axes"]:
+        """The same of turns and shifts along one axis of a camera alone, which most knocks are nearly."""
+        gains = [gain for one in self.changed if _has_axes(one) for gain in one.axis_gains().tolist()]
+        return np.array([gain_tail(gain, 1, self.made.noise_freedom) for gain in gains])
+
+    @property
     def p_value(self) -> float:
-        """The least of them times their number (Bonferroni; the first step of Holm 1979), at most 1."""
-        return min(1.0, len(self.changed) * float(self.p_values.min()))
+        """The least of all times their number (Bonferroni; the first step of Holm 1979), at most 1."""
+        both = np.concatenate([self.p_values, self.axis_p_values])
+        return min(1.0, len(both) * float(both.min()))
 
     @property
     def is_changed(self) -> bool:
@@ -106,8 +115,21 @@ def tested(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> T
     unchanged = explained(made.calibrated, None, made.views, widest.cost)
     if unchanged is None:
         raise InputError("The rig as it was calibrated images not all dots of these pictures.")
-    found = [explained(made.calibrated, change, made.views, widest.cost) for change in changes[:-1]]
+    found = [
+        explained(made.calibrated, change, made.views, widest.cost, unchanged.errors)
+        for change in changes[:-1]
+    ]
     return Tested(made, unchanged, (*(one for one in found if one is not None), widest))
+
+
+def tests_of(changes: tuple[Change, ...]) -> int:
+    """Return the number of tests of some kinds of changes: each of its own, and those of single axes."""
+    return len(changes) + sum(change.count for change in changes if change.kind in WITH_AXES)
+
+
+def _has_axes(one: Explanation) -> bool:
+    """Return whether a change is tested along each axis, too."""
+    return one.change is not None and one.change.kind in WITH_AXES
 
 
 def _change_of(one: Explanation) -> Change:
