@@ -44,7 +44,12 @@ def mended_rig(check: RigCheck) -> Rig:
             f"The verdict on this rig is '{check.verdict.value}': there is no change to correct. Use it as "
             "it is, or take more pictures to be surer."
         )
-    if len(check.views) < FEWEST_VIEWS:
+    if check.changes[0].kind is ChangeKind.TOGETHER and check.changes[0].probability >= LIKELY:
+        raise InputError(
+            "All cameras moved together: relative to each other they are as calibrated, and nothing is to be "
+            "corrected. Use the rig as it is, and measure the places of the marks anew."
+        )
+    if len(check.views) < FEWEST_VIEWS and not check.tested.made.marks:
         raise InputError(
             f"{counted(len(check.views), 'view')} cannot correct a rig. Take {FEWEST_VIEWS} or more, with "
             "different tilts, all over the volume."
@@ -61,7 +66,7 @@ def mended_rig(check: RigCheck) -> Rig:
             "as large as they should be. Calibrate anew."
         )
     found = _correction(check)
-    rig = _corrected(check.rig, found)
+    rig = _corrected(check, found)
     state, noise = found.evidence.state, np.median(check.tested.made.views.observations.covariance, axis=0)
     volume = Volume.of(rig, state, noise)
     if volume is not None and check.budget_mm is not None:
@@ -104,10 +109,13 @@ def _correction(check: RigCheck) -> Explanation:
     return best
 
 
-def _corrected(old: Rig, found: Explanation) -> Rig:
+def _corrected(check: RigCheck, found: Explanation) -> Rig:
     """Return the cameras of an explanation as a rig, with the covariance that calibration and views leave."""
-    rig = Rig.of(dict(zip(old.cameras, found.evidence.state.cameras, strict=True)))
-    matrix = 0.5 * (found.covariance + found.covariance.T)
+    old, views, state = check.rig, check.tested.made.views, found.evidence.state
+    rig = Rig.of(dict(zip(old.cameras, views.rig_cameras(state), strict=True)))
+    to_rig = views.rig_columns(state)
+    matrix = to_rig @ found.covariance @ to_rig.T
+    matrix = 0.5 * (matrix + matrix.T)
     known = old.covariance
     record = RigCovariance.of(rig.cameras, matrix)
     if known is not None:

@@ -9,9 +9,11 @@ import numpy as np
 
 from labcal.calibrate.validity.change import ChangeKind
 from labcal.calibrate.validity.power import Sensitivity, sensitivities
-from labcal.calibrate.validity.tested import Tested, tested
+from labcal.calibrate.validity.tested import Tested, tested, tested_by_marks
 from labcal.cameras.rig import Rig, contradiction_note
 from labcal.correspond.detections import Detections
+from labcal.correspond.named_pixels import NamedPixels
+from labcal.correspond.named_points import NamedPoints
 from labcal.guide.found_change import FoundChange
 from labcal.guide.smallest_change import SmallestChange
 from labcal.guide.volume_cost import Volume
@@ -185,9 +187,32 @@ def checked(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> 
     InputError
         As of :func:`~labcal.calibrate.validity.tested.tested`.
     """
-    found = tested(rig, detections, target)
-    names = tuple(rig.cameras)
+    return _judged(rig, tested(rig, detections, target))
+
+
+def checked_by_marks(rig: Rig, pixels: NamedPixels, places: NamedPoints) -> RigCheck:
+    """Check a rig by new pictures of marks that stay where they are.
+
+    Parameters
+    ----------
+    rig : Rig
+    pixels : NamedPixels
+        Of marks in new pictures, with covariances.
+    places : NamedPoints
+        The marks as this rig measured them before.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.calibrate.validity.tested.tested_by_marks`.
+    """
+    return _judged(rig, tested_by_marks(rig, pixels, places))
+
+
+def _judged(rig: Rig, found: Tested) -> RigCheck:
+    """Return verdict, costs and power of a test."""
     made = found.made
+    names = made.camera_names
     noise = np.median(made.views.observations.covariance, axis=0)
     volume = Volume.of(rig, found.unchanged.evidence.state, noise)
     power = sensitivities(found)
@@ -238,7 +263,7 @@ def _cost(found: Tested, volume: Volume, best: int) -> ChangeCost | None:
     one, start = found.changed[best], found.made.calibrated.state
     if one.change is None:
         return None
-    errors = volume.errors_mm(one.change.applied(start, one.size).cameras)
+    errors = volume.errors_mm(found.made.views.rig_cameras(one.change.applied(start, one.size)))
     lengths = np.linalg.norm(errors, axis=1)
     lengths = lengths[np.isfinite(lengths)]
     if len(lengths) == 0:
@@ -260,7 +285,7 @@ def _warnings(rig: Rig, found: Tested) -> list[str]:
             f"the rig was calibrated on {counted(len(views), 'view')} named as these are: pictures that a "
             "calibration was made from are no check of it"
         )
-    if len(found.made.names) < FEWEST_VIEWS:
+    if len(found.made.names) < FEWEST_VIEWS and not found.made.marks:
         words.append(
             f"only {counted(len(found.made.names), 'view')} entered: take {FEWEST_VIEWS} or more, with "
             "different tilts, all over the volume"

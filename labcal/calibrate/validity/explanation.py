@@ -5,10 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
+from labcal.calibrate.adjustment.state import POSE, Layout, RigState
 from labcal.calibrate.validity.change import Change
 from labcal.calibrate.validity.evidence import Evidence, NewViews
+from labcal.calibrate.validity.mark_views import MarkViews
 from labcal.errors import InputError
+
+Views = NewViews | MarkViews
+"""New views of a target in the hand, or of marks that stay where they are."""
 
 _MOST_STEPS = 60
 _ARRIVED = 1e-2
@@ -31,7 +35,7 @@ class Calibrated:
     state : RigState
         The cameras, and poses of the target in the new views.
     covariance : float64 array, (shared, shared)
-        In the order of ``rig.json``.
+        In the order of ``rig.json``; of a rig in its room with those of the room before, and marks behind.
     distance_mm : float
         Of the target from the cameras.
     """
@@ -97,7 +101,7 @@ class _Search:
 
     calibrated: Calibrated
     change: Change | None
-    views: NewViews
+    views: Views
     root: Float64[np.ndarray, "shared roots"]
     """Of the calibration's covariance."""
     sizes: Float64[np.ndarray, " count"]
@@ -108,7 +112,7 @@ class _Search:
         start, error = self.calibrated.state, self.root @ unit[: self.root.shape[1]]
         try:
             state = start if self.change is None else self.change.applied(start, self.size(unit))
-            layout = Layout(state, Freedom(Lenses.FREE, np.zeros((state.dots.size, 0))))
+            layout = Layout(state, self.views.freedom(state))
             state = layout.stepped(error, np.zeros((len(state.T_world_target), POSE)))
         except InputError:
             return None
@@ -123,7 +127,7 @@ class _Search:
         """Return the derivatives of the rig's parameters by the units."""
         if self.change is None:
             return self.root
-        return np.concatenate([self.root, self.change.columns(state) * self.sizes], axis=1)
+        return with_change(self.root, self.change.columns(state) * self.sizes)
 
     def end(self, now: _Standing, floor: float) -> _Standing:
         """Return the end of damped Gauss-Newton steps; with long lenses the valley of the cost is curved."""
@@ -151,7 +155,7 @@ class _Search:
 def explained(
     calibrated: Calibrated,
     change: Change | None,
-    views: NewViews,
+    views: Views,
     floor: float = np.inf,
     start: Float64[np.ndarray, " roots"] | None = None,
 ) -> Explanation | None:
@@ -162,7 +166,7 @@ def explained(
     calibrated : Calibrated
     change : Change or None
         None of a rig that is as it was.
-    views : NewViews
+    views : NewViews or MarkViews
     floor : float
         Cost of an explanation that is known: what is far worse need not be exact.
     start : ndarray, shape (roots,), optional
@@ -198,6 +202,15 @@ def explained(
         covariance=L @ inverse @ L.T,
         errors=now.unit[: root.shape[1]],
     )
+
+
+def with_change(
+    root: Float64[np.ndarray, "shared roots"], columns: Float64[np.ndarray, "rig count"]
+) -> Float64[np.ndarray, "shared units"]:
+    """Return columns of a change beside those of the calibration; what comes after the rig stays."""
+    all_rows = np.zeros((len(root), columns.shape[1]))
+    all_rows[: len(columns)] = columns
+    return np.concatenate([root, all_rows], axis=1)
 
 
 def covariance_root(C: Float64[np.ndarray, "n n"]) -> Float64[np.ndarray, "n roots"]:

@@ -5,11 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.validity.change import Change, ChangeKind, possible_changes
+from labcal.calibrate.validity.change import ALL_CAMERAS, Change, ChangeKind
 from labcal.calibrate.validity.explanation import Explanation, explained
 from labcal.calibrate.validity.prepared import Prepared, cleaned, prepared
+from labcal.calibrate.validity.prepared_marks import cleaned_marks, prepared_by_marks
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.named_pixels import NamedPixels
+from labcal.correspond.named_points import NamedPoints
 from labcal.distributions import gain_tail
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
@@ -80,7 +83,7 @@ class Tested:
         found = dict.fromkeys(self.made.cameras, 0.0)
         for one, probability in zip(self.changed, self.probabilities.tolist(), strict=True):
             change = _change_of(one)
-            each = 1.0 if change.kind is ChangeKind.SEVERAL else 1.0 / len(change.suspects)
+            each = 1.0 if change.kind in ALL_CAMERAS else 1.0 / len(change.suspects)
             for camera in change.suspects:
                 found[camera] += each * probability
         return found
@@ -109,15 +112,41 @@ def tested(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> T
         As of :func:`~labcal.calibrate.validity.prepared.prepared`; or no rig explains the dots.
     """
     made = prepared(rig, detections, target)
-    changes = possible_changes(made.cameras)
-    anything = changes[-1]
-    made, widest = cleaned(made, anything)
+    anything = made.views.changes(made.cameras)[-1]
+    return _compared(*cleaned(made, anything))
+
+
+@one_blas_thread()
+def tested_by_marks(rig: Rig, pixels: NamedPixels, places: NamedPoints) -> Tested:
+    """Test a rig against new pictures of marks that stay where they are.
+
+    Parameters
+    ----------
+    rig : Rig
+        With the covariance of its calibration.
+    pixels : NamedPixels
+        Of marks in new pictures.
+    places : NamedPoints
+        The marks as this rig measured them before.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.calibrate.validity.prepared_marks.prepared_by_marks`; or no rig explains them.
+    """
+    made = prepared_by_marks(rig, pixels, places)
+    anything = made.views.changes(made.cameras)[-1]
+    return _compared(*cleaned_marks(made, anything))
+
+
+def _compared(made: Prepared, widest: Explanation) -> Tested:
+    """Return the explanations by no change, by every kind, and by the widest one, which is known."""
     unchanged = explained(made.calibrated, None, made.views, widest.cost)
     if unchanged is None:
-        raise InputError("The rig as it was calibrated images not all dots of these pictures.")
+        raise InputError("The rig as it was calibrated images not all that these pictures show.")
     found = [
         explained(made.calibrated, change, made.views, widest.cost, unchanged.errors)
-        for change in changes[:-1]
+        for change in made.views.changes(made.cameras)[:-1]
     ]
     return Tested(made, unchanged, (*(one for one in found if one is not None), widest))
 
