@@ -46,7 +46,7 @@ def add_parser(commands: CommandGroup) -> None:
         type=Path,
         metavar="places.csv",
         help="in place of --target: places of marks that stay where they are, from 'labcal measure' with "
-        "this rig before; they tell of either camera whether it moved. PICTURES may be a table of their pixels",
+        "this rig before; they tell which camera moved. PICTURES may be a table of their pixels",
     )
     parser.add_argument(
         "--markers",

@@ -91,9 +91,5 @@ def _pixels(source: object) -> "NamedPixels | None":
 
 def is_table(source: object, is_kind: Callable[[AnyPath], bool]) -> bool:
     """Return whether one file is given that is a table of a kind."""
-    one = (
-        source[0]
-        if isinstance(source, Sequence) and not isinstance(source, str) and len(source) == 1
-        else source
-    )
+    one = source[0] if isinstance(source, list | tuple) and len(source) == 1 else source
     return isinstance(one, str | os.PathLike) and as_path(one).is_file() and is_kind(one)
