@@ -16,8 +16,12 @@ MOST_SIGMA0 = 2.0
 MOST_TIMES_BUDGET = 3.0
 """Times the budget before, which the mended rig's may reach."""
 _POSE = {ChangeKind.TURNED, ChangeKind.SHIFTED, ChangeKind.MOVED}
+_ALONE = (ChangeKind.TURNED, ChangeKind.SHIFTED)
+"""Kinds that are corrected by themselves where more than a target between two cameras tells them."""
 _CORRECTIONS: dict[ChangeKind, tuple[ChangeKind, ...]] = {
     ChangeKind.REFOCUSED: (ChangeKind.REFOCUSED,),
+    ChangeKind.TURNED: (),
+    ChangeKind.SHIFTED: (),
     ChangeKind.MOVED: (),
     ChangeKind.MOVED_AND_REFOCUSED: (ChangeKind.REFOCUSED, ChangeKind.MOVED_AND_REFOCUSED),
 }
@@ -85,10 +89,11 @@ def mended_rig(check: RigCheck) -> Rig:
 def _correction(check: RigCheck) -> Explanation:
     """Return the explanation with the fewest parameters that contains all that are likely.
 
-    Within a pair a turn, a shift and a motion of either camera are motions of one beside the other.
+    Within a pair that sees a target in the hand, a turn, a shift and a motion of either camera are motions of
+    one beside the other.
     """
     test = check.tested
-    pair = len(test.made.cameras) == 2  # noqa: PLR2004 -- as said
+    pair = len(test.made.cameras) == 2 and not test.made.marks  # noqa: PLR2004 -- as said
     shares = test.probabilities
     best, reached, fewest = test.changed[-1], 1.0, np.inf
     for one in test.changed[:-1]:
@@ -101,6 +106,8 @@ def _correction(check: RigCheck) -> Explanation:
             same = other.change.cameras == one.change.cameras
             by_pose = other.change.kind in _POSE and (pair or same)
             by_pose = by_pose and one.change.kind is not ChangeKind.REFOCUSED
+            if one.change.kind in _ALONE:
+                by_pose = not pair and same and other.change.kind is one.change.kind
             by_focus = same and other.change.kind in _CORRECTIONS[one.change.kind]
             contained += share if by_pose or by_focus else 0.0
         better = (one.change.count, -contained) < (fewest, -reached)
