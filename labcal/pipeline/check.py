@@ -82,7 +82,7 @@ def check(
     from labcal.correspond.picture_set import target_shown
     from labcal.guide.check_log import KIND, CheckRecord, read_check_log, write_check_log
     from labcal.guide.check_settings import CheckSettings
-    from labcal.guide.rig_check import checked
+    from labcal.guide.checking import checked
     from labcal.run.claims import FileOutput, claim_outputs
 
     how = settings_of(settings, CheckSettings)

@@ -49,7 +49,7 @@ def check_by_marks(
     from labcal.correspond.named_pixels import NamedPixels
     from labcal.correspond.named_points import NamedPoints
     from labcal.correspond.named_points_csv import read_named_points
-    from labcal.guide.rig_check import checked_by_marks
+    from labcal.guide.checking import checked_by_marks
     from labcal.reconstruct.found_marks import FoundMarks
 
     if target is not None or how.places is None or isinstance(source, Detections):

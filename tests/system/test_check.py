@@ -51,7 +51,9 @@ def test_the_function_and_the_command_make_the_same(labcal: Run, home: Path) -> 
 def test_fixed_marks_by_the_function_and_by_the_command(labcal: Run, home: Path) -> None:
     rig, pixels = read_rig(home / "rig.json"), examples.pixels()
     pipeline.measure(rig, pixels).save(home / "places.csv")
-    moved = np.where((pixels.camera == "right")[:, None], pixels.position + [8.0, 0.0], pixels.position)
+    moved = np.where(
+        (pixels.camera == "right")[:, None], pixels.position + np.array([8.0, 0.0]), pixels.position
+    )
     NamedPixels(pixels.view, pixels.camera, pixels.point, moved, pixels.covariance).save(home / "pixels.csv")
     settings = CheckSettings(places=home / "places.csv")
     told = labcal("check", home / "rig.json", home / "pixels.csv", "--places", home / "places.csv")

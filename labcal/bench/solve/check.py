@@ -82,7 +82,7 @@ def _findings(name: str, found: Sequence[CheckFigures], told: tuple[ChangeKind, 
         at_most(f"{name}, {len(telling)} changes that cost more than 3 sigma: share missed", missed, 0.0),
         at_most(f"{name}, {len(named)} cameras named: share of wrong ones", wrong, WRONG_CAMERAS),
         at_most(
-            f"{name}, {len(to_name)} of these, camera {listed([kind.value for kind in told])}: share not named",
+            f"{name}, {len(to_name)} of these, camera {listed([one.value for one in told])}: share not named",
             unnamed,
             WRONG_CAMERAS,
         ),

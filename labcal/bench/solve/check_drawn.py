@@ -18,8 +18,9 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather
 from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
+from labcal.guide.checking import checked
 from labcal.guide.rehearsal.drawn_view import drawn_view
-from labcal.guide.rig_check import CheckVerdict, RigCheck, checked
+from labcal.guide.rig_check import CheckVerdict, RigCheck
 from labcal.render.sensor_response import Shot
 from labcal.rng import generator
 from labcal.scene.photometry import Photometry

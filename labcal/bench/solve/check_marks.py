@@ -22,7 +22,8 @@ from labcal.correspond.named_pixels import NamedPixels
 from labcal.correspond.named_points import NamedPoints
 from labcal.correspond.points import PointFlag
 from labcal.geometry.poses import transform
-from labcal.guide.rig_check import CheckVerdict, RigCheck, checked_by_marks
+from labcal.guide.checking import checked_by_marks
+from labcal.guide.rig_check import CheckVerdict, RigCheck
 from labcal.reconstruct.named_points import reconstruct_named
 from labcal.rng import generator
 

@@ -14,7 +14,8 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.validity.change import Change, ChangeKind
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.guide.rig_check import CheckVerdict, RigCheck, checked
+from labcal.guide.checking import checked
+from labcal.guide.rig_check import CheckVerdict, RigCheck
 from labcal.guide.volume_cost import Volume
 from labcal.report.values import Measured
 from labcal.rng import generator

@@ -18,7 +18,8 @@ from labcal.calibrate.validity.room import in_room
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
-from labcal.guide.rig_check import CheckVerdict, RigCheck, checked_by_marks
+from labcal.guide.checking import checked_by_marks
+from labcal.guide.rig_check import CheckVerdict, RigCheck
 from labcal.reconstruct.named_points import reconstruct_named
 from labcal.rng import generator
 

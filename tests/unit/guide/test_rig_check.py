@@ -14,7 +14,8 @@ from simulated_pair import NOISE_PX, TARGET, one, rig, seen
 from labcal.calibrate.validity.change import ChangeKind
 from labcal.distributions import gain_tail, needed_gain
 from labcal.errors import InputError
-from labcal.guide.rig_check import CheckVerdict, checked
+from labcal.guide.checking import checked
+from labcal.guide.rig_check import CheckVerdict
 
 
 @pytest.mark.slow
