@@ -17,9 +17,9 @@ from labcal.report.page_maker import PageMaker
 from labcal.wording import counted
 
 _CHANGES = (
-    "Every kind of change was fitted to the new pictures, with the covariance of the calibration as a prior "
-    "and the poses of the target free. The p-value tells whether noise and the calibration's errors explain "
-    "as much; the probability is that of the change, given that there is one."
+    "Every kind of change was fitted to the new pictures, with the covariance of the calibration as a prior. "
+    "The p-value tells whether noise and the calibration's errors explain as much; the probability is that "
+    "of the change, given that there is one."
 )
 _AMBIGUOUS = (
     "Between two cameras a shift of the one and an opposite shift of the other look the same in all pictures "
