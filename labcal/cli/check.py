@@ -1,6 +1,7 @@
 """``labcal check``: whether a calibration is still valid."""
 
 from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,9 @@ from labcal.errors import InputError
 
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
+    from labcal.correspond.named_pixels import NamedPixels
+    from labcal.guide.check_settings import CheckSettings
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.targets.catalogue import AnyTarget
 
 
@@ -20,12 +24,13 @@ def add_parser(commands: CommandGroup) -> None:
     parser = commands.add(
         "check",
         run,
-        "Check whether a calibration is still valid, by three or more new views of a target: which camera "
-        "moved or was refocused, by how much, and what that costs in mm. Exit status: 0 valid; 1 changed; "
-        "2 wrong use, or the pictures cannot tell; 3 failed.",
+        "Check whether a calibration is still valid, by three or more new views of a target, or by marks "
+        "that stay where they are: which camera moved or was refocused, by how much, and what that costs "
+        "in mm. Exit status: 0 valid; 1 changed; 2 wrong use, or the pictures cannot tell; 3 failed.",
         example="labcal check rig.json shoot\n"
         "  labcal check rig.json photos --target rings-10x8 --cameras '_0=left,_1=right' --mend mended.json\n"
-        "  labcal check rig.json detections.csv --target rings-10x8 --log checks.jsonl --page check.html",
+        "  labcal check rig.json detections.csv --target rings-10x8 --log checks.jsonl --page check.html\n"
+        "  labcal check rig.json photos --markers apriltag-36h11 --places places.csv",
     )
     parser.add_argument("rig", type=Path, metavar="RIG", help="from 'labcal calibrate'")
     add_pictures(parser)
@@ -34,7 +39,19 @@ def add_parser(commands: CommandGroup) -> None:
         type=Path,
         metavar="RIG-dots.json",
         help="in place of --target: the dots of this print, from 'labcal calibrate --free-dots', which find "
-        "smaller changes",
+        "smaller changes; RIG-dots.json beside the rig is taken by itself",
+    )
+    parser.add_argument(
+        "--places",
+        type=Path,
+        metavar="places.csv",
+        help="in place of --target: places of marks that stay where they are, from 'labcal measure' with "
+        "this rig before; they tell which camera moved. PICTURES may be a table of their pixels",
+    )
+    parser.add_argument(
+        "--markers",
+        metavar="KIND",
+        help="with --places: the kinds of marks to look for, as of 'labcal measure'",
     )
     parser.add_argument(
         "--mend",
@@ -73,16 +90,28 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
     if arguments.dots is not None:
         refuse_option(arguments, "target", "is that of --dots, which names it")
-    settings = CheckSettings(arguments.log, arguments.date, arguments.temperature_c, arguments.note)
+    settings = CheckSettings(
+        arguments.log,
+        arguments.date,
+        arguments.temperature_c,
+        arguments.note,
+        arguments.places,
+        arguments.markers,
+    )
     if arguments.page is None and arguments.mend is None:
         refuse_option(arguments, "force", "replaces a page or a corrected rig, and none is asked for")
     if arguments.mend is not None:
-        read = paths_read([arguments.rig, *arguments.pictures, arguments.target, arguments.dots])
+        given = [arguments.rig, *arguments.pictures, arguments.target, arguments.dots, arguments.places]
+        read = paths_read(given)
         claim_outputs([FileOutput(arguments.mend, KIND)], read, force=arguments.force)
     page = asked_page(arguments, session, [arguments.rig, *arguments.pictures])
-    places = None if arguments.dots is None else read_places(arguments.dots)
-    dots, target = _dots(arguments, session, None if places is None else places.target)
-    found = check(arguments.rig, dots, places or target, settings, page=page)
+    if arguments.places is None:
+        places = None if arguments.dots is None else read_places(arguments.dots)
+        dots, target = _dots(arguments, session, None if places is None else places.target)
+        found = check(arguments.rig, dots, places or target, settings, page=page)
+    else:
+        source = _marks(arguments, session, settings)
+        found = check(arguments.rig, source, None, replace(settings, markers=None), page=page)
     mended, refused = None, None
     if arguments.mend is not None:
         try:
@@ -99,6 +128,36 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         "changed": ExitStatus.PARTIAL,
         "cannot-tell": ExitStatus.UNUSABLE,
     }[found.verdict.value]
+
+
+def _marks(arguments: Namespace, session: Session, settings: "CheckSettings") -> "NamedPixels | FoundMarks":
+    """Return the pixels of fixed marks: those of a table, or those found in pictures."""
+    from labcal.cameras.rig import read_rig
+    from labcal.cli.compiling import announce_compiling
+    from labcal.correspond.named_pixels_csv import is_pixels, read_pixels
+    from labcal.pipeline import MarkSearch, detect_settings, find_marks, open_pictures
+
+    for name in ("target", "dots"):
+        refuse_option(arguments, name, "does not go with --places: fixed marks take the place of a target")
+    first = Path(arguments.pictures[0])
+    if len(arguments.pictures) == 1 and first.is_file() and is_pixels(first):
+        for name in ("workers", "cameras", "markers"):
+            refuse_option(arguments, name, "is for pictures; a table holds the pixels of their marks")
+        if arguments.changes:
+            raise InputError("--set is for finding marks in pictures; a table holds them. Leave it out.")
+        return read_pixels(first)
+    if not isinstance(settings.markers, MarkSearch):
+        raise InputError(
+            "Pictures are given, but not which marks to look for in them. Give --markers, as in "
+            "'apriltag-36h11', or the table of their pixels."
+        )
+    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    for warning in pictures.warnings:
+        session.warn(warning)
+    search = replace(settings.markers, detector=detect_settings(arguments.changes))
+    announce_compiling(session)
+    with session.progress() as progress:
+        return find_marks(read_rig(arguments.rig), pictures, search, arguments.workers, progress)
 
 
 def _dots(

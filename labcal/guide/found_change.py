@@ -115,9 +115,14 @@ class FoundChange:
         """The change for people."""
         if self.kind is ChangeKind.SEVERAL:
             return f"several cameras ({', '.join(self.cameras)}) changed"
+        sizes = ", ".join(one.words for one in self.amounts if one.element != Element.PRINCIPAL_POINT.value)
+        if self.kind is ChangeKind.TOGETHER:
+            return (
+                f"all cameras were moved together, as one body: {sizes}; relative to each other they are as "
+                "calibrated"
+            )
         who = " or ".join(f"'{name}'" for name in self.cameras)
         which = ", it cannot be determined which," if len(self.cameras) > 1 else ""
-        sizes = ", ".join(one.words for one in self.amounts if one.element != Element.PRINCIPAL_POINT.value)
         return f"camera {who}{which} {_VERBS[self.kind]}: {sizes}"
 
 

@@ -16,8 +16,12 @@ MOST_SIGMA0 = 2.0
 MOST_TIMES_BUDGET = 3.0
 """Times the budget before, which the mended rig's may reach."""
 _POSE = {ChangeKind.TURNED, ChangeKind.SHIFTED, ChangeKind.MOVED}
+_ALONE = (ChangeKind.TURNED, ChangeKind.SHIFTED)
+"""Kinds that are corrected by themselves where more than a target between two cameras tells them."""
 _CORRECTIONS: dict[ChangeKind, tuple[ChangeKind, ...]] = {
     ChangeKind.REFOCUSED: (ChangeKind.REFOCUSED,),
+    ChangeKind.TURNED: (),
+    ChangeKind.SHIFTED: (),
     ChangeKind.MOVED: (),
     ChangeKind.MOVED_AND_REFOCUSED: (ChangeKind.REFOCUSED, ChangeKind.MOVED_AND_REFOCUSED),
 }
@@ -44,7 +48,12 @@ def mended_rig(check: RigCheck) -> Rig:
             f"The verdict on this rig is '{check.verdict.value}': there is no change to correct. Use it as "
             "it is, or take more pictures to be surer."
         )
-    if len(check.views) < FEWEST_VIEWS:
+    if check.changes[0].kind is ChangeKind.TOGETHER and check.changes[0].probability >= LIKELY:
+        raise InputError(
+            "All cameras moved together: relative to each other they are as calibrated, and nothing is to be "
+            "corrected. Use the rig as it is, and measure the places of the marks anew."
+        )
+    if len(check.views) < FEWEST_VIEWS and not check.tested.made.marks:
         raise InputError(
             f"{counted(len(check.views), 'view')} cannot correct a rig. Take {FEWEST_VIEWS} or more, with "
             "different tilts, all over the volume."
@@ -61,7 +70,7 @@ def mended_rig(check: RigCheck) -> Rig:
             "as large as they should be. Calibrate anew."
         )
     found = _correction(check)
-    rig = _corrected(check.rig, found)
+    rig = _corrected(check, found)
     state, noise = found.evidence.state, np.median(check.tested.made.views.observations.covariance, axis=0)
     volume = Volume.of(rig, state, noise)
     if volume is not None and check.budget_mm is not None:
@@ -80,10 +89,11 @@ def mended_rig(check: RigCheck) -> Rig:
 def _correction(check: RigCheck) -> Explanation:
     """Return the explanation with the fewest parameters that contains all that are likely.
 
-    Within a pair a turn, a shift and a motion of either camera are motions of one beside the other.
+    Within a pair that sees a target in the hand, a turn, a shift and a motion of either camera are motions of
+    one beside the other.
     """
     test = check.tested
-    pair = len(test.made.cameras) == 2  # noqa: PLR2004 -- as said
+    pair = len(test.made.cameras) == 2 and not test.made.marks  # noqa: PLR2004 -- as said
     shares = test.probabilities
     best, reached, fewest = test.changed[-1], 1.0, np.inf
     for one in test.changed[:-1]:
@@ -96,6 +106,8 @@ def _correction(check: RigCheck) -> Explanation:
             same = other.change.cameras == one.change.cameras
             by_pose = other.change.kind in _POSE and (pair or same)
             by_pose = by_pose and one.change.kind is not ChangeKind.REFOCUSED
+            if one.change.kind in _ALONE:
+                by_pose = not pair and same and other.change.kind is one.change.kind
             by_focus = same and other.change.kind in _CORRECTIONS[one.change.kind]
             contained += share if by_pose or by_focus else 0.0
         better = (one.change.count, -contained) < (fewest, -reached)
@@ -104,10 +116,13 @@ def _correction(check: RigCheck) -> Explanation:
     return best
 
 
-def _corrected(old: Rig, found: Explanation) -> Rig:
+def _corrected(check: RigCheck, found: Explanation) -> Rig:
     """Return the cameras of an explanation as a rig, with the covariance that calibration and views leave."""
-    rig = Rig.of(dict(zip(old.cameras, found.evidence.state.cameras, strict=True)))
-    matrix = 0.5 * (found.covariance + found.covariance.T)
+    old, views, state = check.rig, check.tested.made.views, found.evidence.state
+    rig = Rig.of(dict(zip(old.cameras, views.rig_cameras(state), strict=True)))
+    to_rig = views.rig_columns(state)
+    matrix = to_rig @ found.covariance @ to_rig.T
+    matrix = 0.5 * (matrix + matrix.T)
     known = old.covariance
     record = RigCovariance.of(rig.cameras, matrix)
     if known is not None:

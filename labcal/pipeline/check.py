@@ -14,40 +14,45 @@ from labcal.correspond.detections_csv import read_detections
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import detect
+from labcal.pipeline.fixed_marks import check_by_marks, is_table
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces, is_places, read_places
 
 if TYPE_CHECKING:
+    from labcal.correspond.named_pixels import NamedPixels
     from labcal.correspond.picture_set import AnyPictures
     from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rig_check import RigCheck
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.report.page.output import PageOutput
 
 
 def check(
     rig: Rig | AnyPath,
-    source: "Detections | AnyPictures",
+    source: "Detections | NamedPixels | FoundMarks | AnyPictures",
     target: AnyTarget | DotPlaces | AnyPath | None = None,
     settings: "CheckSettings | None" = None,
     progress: Progress | None = None,
     *,
     page: "PageOutput | AnyPath | None" = None,
 ) -> "RigCheck":
-    """Check whether a calibration is still valid, by three or more new views of a target.
+    """Check whether a calibration is still valid, by new views of a target, or of marks that stay in place.
 
     Parameters
     ----------
     rig : Rig or path
         With the covariance of its calibration.
-    source : Detections, PictureSet, Shoot, path or sequence of paths
-        Dots or the table of them, a shoot, or pictures, in which dots are found.
+    source : Detections, NamedPixels, FoundMarks, PictureSet, Shoot, path or sequence of paths
+        Dots or the table of them, a shoot, or pictures, in which dots are found: three views or more. Of
+        fixed marks their pixels, the table of them, or pictures with `markers`; one view is enough.
     target : AnyTarget, DotPlaces, path or str, optional
         What the pictures show; a shoot brings its own. Of a print that a calibration with free dots measured,
-        its dots, or the file of them, which finds smaller changes.
+        its dots, or the file of them, which finds smaller changes; the file beside that of the rig,
+        ``RIG-dots.json``, is taken by itself where it is of this target.
     settings : CheckSettings, optional
-        The log that the check is added to.
+        The log that the check is added to; places and kinds of fixed marks.
     progress : Progress, optional
         Of the detection.
     page : path, optional
@@ -78,7 +83,7 @@ def check(
     from labcal.correspond.picture_set import target_shown
     from labcal.guide.check_log import KIND, CheckRecord, read_check_log, write_check_log
     from labcal.guide.check_settings import CheckSettings
-    from labcal.guide.rig_check import checked
+    from labcal.guide.checking import checked
     from labcal.run.claims import FileOutput, claim_outputs
 
     how = settings_of(settings, CheckSettings)
@@ -91,11 +96,14 @@ def check(
         claim_outputs([FileOutput(log, KIND)], paths_read(read), force=True)
         records = read_check_log(log) if log.is_file() and log.stat().st_size else ()
     used = rig if isinstance(rig, Rig) else read_rig(as_path(rig))
-    shown = _places(target)
-    named = shown.target if isinstance(shown, DotPlaces) else shown
-    dots, board = _dots(source, named, progress_of(progress))
-    known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None)
-    found = checked(used, dots, known)
+    if how.places is None:
+        shown = _places(target)
+        named = shown.target if isinstance(shown, DotPlaces) else shown
+        dots, board = _dots(source, named, progress_of(progress))
+        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None)
+        found = checked(used, dots, known if isinstance(known, DotPlaces) else _dots_beside(rig, known))
+    else:
+        found = check_by_marks(used, source, target, how, progress)
     if how.log is not None:
         date = how.date or datetime.now(UTC).isoformat(timespec="seconds")
         name = "" if isinstance(rig, Rig) else Path(as_path(rig)).name
@@ -109,6 +117,18 @@ def check(
     return found
 
 
+def _dots_beside(rig: Rig | AnyPath, target: AnyTarget) -> AnyTarget | DotPlaces:
+    """Return the dots of the print that the rig was calibrated with, where their file is beside the rig's."""
+    if isinstance(rig, Rig):
+        return target
+    path = as_path(rig)
+    beside = path.with_name(f"{path.stem}-dots.json")
+    if not (beside.is_file() and is_places(beside)):
+        return target
+    places = read_places(beside)
+    return places if places.target == target else target
+
+
 def _places(target: AnyTarget | DotPlaces | AnyPath | None) -> AnyTarget | DotPlaces | AnyPath | None:
     """Return the dots of a print where their file is given; else what is given."""
     if isinstance(target, str | os.PathLike) and os.fspath(target) and is_places(target):
@@ -117,14 +137,24 @@ def _places(target: AnyTarget | DotPlaces | AnyPath | None) -> AnyTarget | DotPl
 
 
 def _dots(
-    source: "Detections | AnyPictures", target: AnyTarget | AnyPath | None, progress: Progress
+    source: "Detections | NamedPixels | FoundMarks | AnyPictures",
+    target: AnyTarget | AnyPath | None,
+    progress: Progress,
 ) -> tuple[Detections, AnyTarget | None]:
     """Return the dots, and the target of a shoot."""
+    from labcal.correspond.named_pixels import NamedPixels
+    from labcal.correspond.named_pixels_csv import is_pixels
     from labcal.correspond.picture_set import open_pictures
+    from labcal.reconstruct.found_marks import FoundMarks
     from labcal.shoot.pictures import SUFFIXES
 
     if isinstance(source, Detections):
         return source, None
+    if isinstance(source, NamedPixels | FoundMarks) or is_table(source, is_pixels):
+        raise InputError(
+            "Named pixels are given, but no places of their points. Give `places`, the table that "
+            "'labcal measure' wrote of the same marks before."
+        )
     if isinstance(source, str | os.PathLike):
         path = as_path(source)
         if path.is_file() and path.suffix.lower() not in SUFFIXES:

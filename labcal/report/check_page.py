@@ -7,7 +7,7 @@ from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.guide.check_log import CheckRecord
 from labcal.guide.rig_check import CheckVerdict, RigCheck
 from labcal.report.check_history import check_history
-from labcal.report.check_result import cost_words
+from labcal.report.check_result import cost_words, unnamed_words
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Page, Section
 from labcal.report.page.prose import Prose
@@ -17,13 +17,18 @@ from labcal.report.page_maker import PageMaker
 from labcal.wording import counted
 
 _CHANGES = (
-    "Every kind of change was fitted to the new pictures, with the covariance of the calibration as a prior "
-    "and the poses of the target free. The p-value tells whether noise and the calibration's errors explain "
-    "as much; the probability is that of the change, given that there is one."
+    "Every kind of change was fitted to the new pictures, with the covariance of the calibration as a prior. "
+    "The p-value tells whether noise and the calibration's errors explain as much; the probability is that "
+    "of the change, given that there is one."
 )
 _AMBIGUOUS = (
     "Between two cameras a shift of the one and an opposite shift of the other look the same in all pictures "
     "of a target in the hand, and so does a turn about the line through both."
+)
+_BY_MARKS = (
+    "The marks stay where they are, and the rig measured their places before: so each camera has a place of "
+    "its own, and a shift is that of one camera. All cameras together may have moved as one body, too, which "
+    "leaves the calibration as it is."
 )
 _SMALLEST = "Each of these would be found nine times in ten, with the errors of the calibration allowed for."
 _OVER_TIME = (
@@ -45,8 +50,10 @@ def check_page(found: RigCheck, records: Sequence[CheckRecord], maker: PageMaker
     maker : PageMaker
     """
     names = list(found.rig.cameras)
+    marks = found.tested.made.marks
+    told = (unnamed_words(found), _BY_MARKS if marks else _AMBIGUOUS)
     sections = [
-        Section("What changed", [Prose((_CHANGES, _AMBIGUOUS)), _changes(found)]),
+        Section("What changed", [Prose((_CHANGES, *(words for words in told if words))), _changes(found)]),
         Section("What could have been found", [Prose((_SMALLEST,)), _smallest(found)]),
     ]
     if records:
@@ -54,7 +61,7 @@ def check_page(found: RigCheck, records: Sequence[CheckRecord], maker: PageMaker
     return Page(
         title=f"Check of {', '.join(names)}",
         heading=f"Check of the calibration of {', '.join(names)}",
-        lead=f"{counted(len(found.views), 'new view')}, {counted(found.dots, 'dot')}"
+        lead=f"{counted(len(found.views), 'new view')}, {counted(found.dots, 'pixel' if marks else 'dot')}"
         f"{f', {found.outliers} left out' if found.outliers else ''}.",
         sections=sections,
         provenance=maker.provenance,

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from labcal.calibrate.validity.change import ALL_CAMERAS
 from labcal.guide.found_change import FoundChange
-from labcal.guide.rig_check import ChangeCost, CheckVerdict, RigCheck
+from labcal.guide.rig_check import LIKELY, ChangeCost, CheckVerdict, RigCheck
 from labcal.paths import AnyPath
 
 
@@ -25,7 +26,7 @@ class ChangeResult:
 
     kind: str
     cameras: list[str]
-    """Cameras of which each could be the one; of ``several``, all of them."""
+    """Cameras of which each could be the one; of ``several`` and ``together``, all of them."""
     probability: float
     """That this is the change, given that there is one."""
     p_value: float
@@ -113,7 +114,7 @@ def check_words(found: RigCheck, mended: AnyPath | None = None) -> str:
     lines = [verdict_words(found)]
     if found.verdict is CheckVerdict.CHANGED:
         lines += [f"- {one.words} (probability {one.probability:.2f})" for one in found.changes]
-        lines.append(cost_words(found))
+        lines += [unnamed_words(found), cost_words(found)]
     else:
         lines += [f"- found nine times in ten: {one.words}" for one in found.smallest]
     if mended is not None:
@@ -134,6 +135,19 @@ def verdict_words(found: RigCheck) -> str:
         f"CANNOT TELL ({chance}): no change is found, but {missed}{budget}. Take more pictures, with "
         "different tilts, all over the volume."
     )
+
+
+def unnamed_words(found: RigCheck) -> str:
+    """Return why no camera is named, and how likely each is; nothing where one is, or all changed."""
+    if found.verdict is not CheckVerdict.CHANGED or found.camera is not None:
+        return ""
+    if found.changes[0].kind in ALL_CAMERAS or len(found.by_camera) == 1:
+        return ""
+    odds = ", ".join(f"'{name}' {share:.2f}" for name, share in found.by_camera.items())
+    words = f"Which camera: {odds} (probabilities; one is named from {LIKELY:.2f} on)."
+    if found.tested.made.marks:
+        return words
+    return f"{words} Marks that stay in place, measured before, would tell: --places."
 
 
 def cost_words(found: RigCheck) -> str:

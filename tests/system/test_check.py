@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labcal import check, examples, pipeline, read_detections, read_rig, write_detections
+from labcal import NamedPixels, check, examples, pipeline, read_detections, read_rig, write_detections
 from labcal.cameras.rig import Rig
 from labcal.geometry.poses import from_rotation_vector
 from labcal.guide.check_settings import CheckSettings
@@ -48,12 +48,31 @@ def test_the_function_and_the_command_make_the_same(labcal: Run, home: Path) -> 
     assert (again.status, again.document["verdict"]) == (0, "valid")
 
 
+def test_fixed_marks_by_the_function_and_by_the_command(labcal: Run, home: Path) -> None:
+    rig, pixels = read_rig(home / "rig.json"), examples.pixels()
+    pipeline.measure(rig, pixels).save(home / "places.csv")
+    moved = np.where(
+        (pixels.camera == "right")[:, None], pixels.position + np.array([8.0, 0.0]), pixels.position
+    )
+    NamedPixels(pixels.view, pixels.camera, pixels.point, moved, pixels.covariance).save(home / "pixels.csv")
+    settings = CheckSettings(places=home / "places.csv")
+    told = labcal("check", home / "rig.json", home / "pixels.csv", "--places", home / "places.csv")
+    found = check(home / "rig.json", home / "pixels.csv", None, settings)
+    assert told.status == 1
+    assert told.document == plain_data(check_result(found))
+    assert found.camera == "right"
+    assert check(rig, NamedPixels.load(home / "pixels.csv"), None, settings).p_value == found.p_value
+
+
 def test_wrong_use(labcal: Run, home: Path) -> None:
     for words, expected in [
         (("rig.json", "dots.csv"), "--target"),
         (("rig.json", "dots.csv", "--target", examples.TARGET, "--note", "x"), "--log"),
         (("rig.json", "dots.csv", "--target", examples.TARGET, "--force"), "--force"),
         (("rig.json", "dots.csv", "--target", examples.TARGET, "--workers", "2"), "--workers"),
+        (("rig.json", "dots.csv", "--target", examples.TARGET, "--places", "dots.csv"), "--target"),
+        (("rig.json", "dots.csv", "--target", examples.TARGET, "--markers", "dots"), "places"),
+        (("rig.json", "dots.csv", "--places", "dots.csv"), "--markers"),
         (("rig.json", "nothing.csv", "--target", examples.TARGET), "nothing.csv"),
     ]:
         told = labcal("check", *(home / word if "." in word else word for word in words))

@@ -1,18 +1,23 @@
 """``labcal check`` against simulated changes of known size: false alarms, misses, cameras named."""
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
 
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.solve.budget_rigs import KINDS
-from labcal.bench.solve.check_set import PRINTS, SIZES, UNCHANGED, CheckFigures, CheckSet, measured_checks
+from labcal.bench.solve.check_drawn import DrawnSet, measured_drawn
+from labcal.bench.solve.check_marks import MarkSet, measured_mark_checks
+from labcal.bench.solve.check_set import PRINTS, SIZES, CheckFigures, CheckSet, measured_checks
 from labcal.calibrate.validity.change import ChangeKind
 from labcal.report.bench import Figure, at_most
 from labcal.run.cases import run_cases
+from labcal.wording import listed
 
-SETS, QUICK_SETS = 4, 1
-"""Of each cell."""
+SETS, MORE_SETS, QUICK_SETS = 4, 7, 1
+"""Of each cell; of each kind of pair in drawn pictures and with fixed marks."""
+QUICK_KINDS = ("webcam",)
 VIEWS = (6, 12)
 FALSE_ALARMS = 0.02
 TELLING_SIGMAS = 3.0
@@ -20,6 +25,9 @@ TELLING_SIGMAS = 3.0
 WRONG_CAMERAS = 0.05
 MENDED_SIGMAS = 1.5
 """RMS error of points after the correction, in units of the budget before."""
+_TOLD = (ChangeKind.TURNED, ChangeKind.SHIFTED, ChangeKind.REFOCUSED)
+_TOLD_BY_A_TARGET = (ChangeKind.TURNED, ChangeKind.REFOCUSED)
+"""Between two cameras, a target in the hand does not tell which one was shifted."""
 _CHANCE = 2.6
 """Standard errors of a share that chance is granted."""
 
@@ -27,41 +35,74 @@ _CHANCE = 2.6
 def check_findings(bench: Bench) -> Findings:
     """Return false alarms, missed changes, wrongly named cameras, and errors after the correction."""
     seeds = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else SETS))
-    cases = [CheckSet(*cell, seed) for cell in product(KINDS, PRINTS, VIEWS) for seed in seeds]
-    with bench.executor(len(cases)) as executor:
-        found = run_cases(
-            cases, measured_checks, CheckFigures, bench.folder / "checks", executor, bench.progress
-        )
-    still = UNCHANGED * len(found)
+    more = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else MORE_SETS))
+    kinds = QUICK_KINDS if bench.quick else KINDS
+    held = [CheckSet(*cell, seed) for cell in product(KINDS, PRINTS, VIEWS) for seed in seeds]
+    drawn = [DrawnSet(kind, seed) for kind in kinds for seed in more]
+    marks = [MarkSet(kind, seed) for kind in kinds for seed in more]
+    with bench.executor(len(held) + len(drawn) + len(marks)) as executor:
+        where = (CheckFigures, bench.folder / "checks", executor, bench.progress)
+        found = {
+            "simulated": run_cases(held, measured_checks, *where),
+            "drawn": run_cases(drawn, measured_drawn, *where),
+            "fixed marks": run_cases(marks, measured_mark_checks, *where),
+        }
+    checks, references = [], []
+    for name, figures in found.items():
+        tells_shifts = name == "fixed marks"
+        both = _findings(f"check, {name}", figures, _TOLD if tells_shifts else _TOLD_BY_A_TARGET)
+        checks += both.checks
+        references += both.references
+    return Findings(checks, references)
+
+
+def _findings(name: str, found: Sequence[CheckFigures], told: tuple[ChangeKind, ...]) -> Findings:
+    """Return the checks of one way to check.
+
+    Parameters
+    ----------
+    name : str
+    found : sequence of CheckFigures
+    told : tuple of ChangeKind
+        Kinds of which the pictures tell the camera.
+    """
+    still = sum(one.unchanged for one in found)
     alarms = sum(one.alarms for one in found) / still
     granted = FALSE_ALARMS + _CHANCE * np.sqrt(FALSE_ALARMS * (1.0 - FALSE_ALARMS) / still)
     changed = [one for each in found for one in each.changed]
     telling = [one for one in changed if one.cost_sigmas > TELLING_SIGMAS]
     missed = sum(not one.found for one in telling) / max(1, len(telling))
     mended = [one.mended_sigmas for one in changed if one.found and np.isfinite(one.mended_sigmas)]
+    to_name = [one for one in telling if one.kind in told]
+    unnamed = sum(one.named is not True for one in to_name) / max(1, len(to_name))
+    named = [one.named for one in changed if one.found and one.named is not None]
+    wrong = 1.0 - float(np.mean(named)) if named else 0.0
     checks = [
-        at_most(f"check, {still} unchanged rigs: share of false alarms", alarms, float(granted)),
-        at_most(f"check, {len(telling)} changes that cost more than 3 sigma: share missed", missed, 0.0),
+        at_most(f"{name}, {still} unchanged rigs: share of false alarms", alarms, float(granted)),
+        at_most(f"{name}, {len(telling)} changes that cost more than 3 sigma: share missed", missed, 0.0),
+        at_most(f"{name}, {len(named)} cameras named: share of wrong ones", wrong, WRONG_CAMERAS),
         at_most(
-            f"check, {len(mended)} corrected rigs: RMS error of points over the budget before",
-            float(np.sqrt(np.mean(np.square(mended)))),
+            f"{name}, {len(to_name)} of these, camera {listed([one.value for one in told])}: share not named",
+            unnamed,
+            WRONG_CAMERAS,
+        ),
+        at_most(
+            f"{name}, {len(mended)} corrected rigs: RMS error of points over the budget before",
+            float(np.sqrt(np.mean(np.square(mended)))) if mended else 0.0,
             MENDED_SIGMAS,
         ),
     ]
     corrected = len(mended) / max(1, sum(one.found for one in changed))
-    references = [Figure(name="check, changes found: share that can be corrected", value=corrected)]
+    references = [Figure(name=f"{name}, changes found: share that can be corrected", value=corrected)]
     for kind in SIZES:
         of_kind = [one for one in changed if one.kind == kind.value]
-        named = [one.named for one in of_kind if one.found and one.named is not None]
-        wrong = 1.0 - float(np.mean(named)) if named else 0.0
-        if kind is not ChangeKind.SHIFTED:
-            name = f"check, {len(named)} rigs with a camera {kind.value}: share of wrong cameras named"
-            checks.append(at_most(name, wrong, WRONG_CAMERAS))
         share = float(np.mean([one.found for one in of_kind]))
-        references.append(Figure(name=f"check, camera {kind.value}: share found", value=share))
-        named_share = len(named) / max(1, sum(one.found for one in of_kind))
-        name = (
-            f"check, camera {kind.value}: share in which the camera is named (else said not to be determined)"
+        references.append(Figure(name=f"{name}, camera {kind.value}: share found", value=share))
+        named_share = sum(one.named is not None for one in of_kind if one.found)
+        references.append(
+            Figure(
+                name=f"{name}, camera {kind.value}: share of those found in which a camera is named",
+                value=named_share / max(1, sum(one.found for one in of_kind)),
+            )
         )
-        references.append(Figure(name=name, value=named_share))
     return Findings(checks, references)

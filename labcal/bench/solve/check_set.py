@@ -1,5 +1,6 @@
 """One simulated calibration, checked by new views of the rig as it was, and after changes of known size."""
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -13,7 +14,8 @@ from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.validity.change import Change, ChangeKind
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.guide.rig_check import CheckVerdict, RigCheck, checked
+from labcal.guide.checking import checked
+from labcal.guide.rig_check import CheckVerdict, RigCheck
 from labcal.guide.volume_cost import Volume
 from labcal.report.values import Measured
 from labcal.rng import generator
@@ -67,6 +69,8 @@ class CheckFigures(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    unchanged: int
+    """Checks of the rig as it was."""
     alarms: int
     """Of the checks of the rig as it was, those that call it changed."""
     changed: tuple[ChangedFigures, ...]
@@ -76,7 +80,7 @@ def measured_checks(case: CheckSet) -> CheckFigures:
     """Simulate and calibrate, then check the rig unchanged and after one change of each kind."""
     kind = KINDS[case.kind]
     random = generator(case.seed, "bench solve", "check", case.kind, case.surface, str(case.views))
-    target = _target(kind)
+    target = simulated_target(kind)
     dots = target.points()
     if case.surface != PRINTS[0]:
         dots[:, :2] += kind.print_mm * random.standard_normal((len(dots), 2))
@@ -93,18 +97,23 @@ def measured_checks(case: CheckSet) -> CheckFigures:
 
     still = [check(None, np.zeros(0)) for _ in range(UNCHANGED)]
     alarms = sum(one.verdict is CheckVerdict.CHANGED for one in still)
-    changed = []
-    for change_kind, (least, most) in SIZES.items():
+    changed = [
+        changed_figures(check(change, size), change, size, true) for change, size in random_changes(random)
+    ]
+    return CheckFigures(unchanged=UNCHANGED, alarms=alarms, changed=tuple(changed))
+
+
+def random_changes(random: np.random.Generator) -> Iterator[tuple[Change, np.ndarray]]:
+    """Yield a change of each kind, of either camera, in any direction and of any size between the limits."""
+    for kind, (least, most) in SIZES.items():
         camera = int(random.integers(2))
-        change = Change(change_kind, (camera,), (camera,))
+        change = Change(kind, (camera,), (camera,))
         direction = random.standard_normal(change.count)
         direction /= np.linalg.norm(direction)
-        size = np.exp(random.uniform(np.log(least), np.log(most))) * direction
-        changed.append(_figures(check(change, size), change, size, true))
-    return CheckFigures(alarms=alarms, changed=tuple(changed))
+        yield change, np.exp(random.uniform(np.log(least), np.log(most))) * direction
 
 
-def _target(kind: PairKind) -> DotGrid:
+def simulated_target(kind: PairKind) -> DotGrid:
     """Return the target with dots so small that their images have no eccentricity."""
     pitch = kind.board_mm / 12.0
     return DotGrid(
@@ -113,10 +122,21 @@ def _target(kind: PairKind) -> DotGrid:
     )  # fmt: skip
 
 
-def _figures(found: RigCheck, change: Change, size: np.ndarray, true: RigState) -> ChangedFigures:
-    """Return the figures of a check after a true change."""
+def changed_figures(found: RigCheck, change: Change, size: np.ndarray, true: RigState) -> ChangedFigures:
+    """Return the figures of a check after a true change.
+
+    Parameters
+    ----------
+    found : RigCheck
+    change : Change
+    size : ndarray, shape (count,)
+        Of the change.
+    true : RigState
+        The true cameras before it.
+    """
     start, noise = found.tested.made.calibrated.state, NOISE_PX**2 * np.eye(2)
     volume = Volume.of(found.rig, start, noise)
+    start = replace(start, cameras=found.tested.made.views.rig_cameras(start))
     cost, after = float("nan"), float("nan")
     if volume is not None and found.budget_mm is not None:
         cost = _rms(volume.errors_mm(change.applied(start, size).cameras)) / found.budget_mm

@@ -36,6 +36,8 @@ class ChangeKind(StrEnum):
     """Turned, shifted, another focal length and principal point."""
     SEVERAL = "several"
     """The same of all cameras."""
+    TOGETHER = "together"
+    """All cameras moved in the room as one body: the rig itself is as it was."""
 
 
 class Element(StrEnum):
@@ -54,7 +56,10 @@ _ELEMENTS = {
     ChangeKind.REFOCUSED: (Element.FOCUS,),
     ChangeKind.MOVED_AND_REFOCUSED: tuple(Element),
     ChangeKind.SEVERAL: tuple(Element),
+    ChangeKind.TOGETHER: (Element.TURN, Element.SHIFT),
 }
+ALL_CAMERAS = (ChangeKind.SEVERAL, ChangeKind.TOGETHER)
+"""Kinds of changes that are of all cameras."""
 _PAIR = 2
 _WIDTH = {Element.TURN: 3, Element.SHIFT: 3, Element.FOCUS: 1, Element.PRINCIPAL_POINT: 2}
 
@@ -84,10 +89,12 @@ class Change:
     def parts(self) -> Iterator[tuple[int, Element, slice]]:
         """Return each camera's elements, and where they are in the vector.
 
-        Of all cameras the first one stays where it is: it is the world.
+        Of all cameras the first one stays where it is: it is the world. Cameras that move together have one
+        motion, which is told along the axes of the first of them.
         """
         first = 0
-        for camera in self.cameras:
+        together = self.kind is ChangeKind.TOGETHER
+        for camera in self.cameras[:1] if together else self.cameras:
             for element in _ELEMENTS[self.kind]:
                 stays = self.kind is ChangeKind.SEVERAL and camera == 0
                 if stays and element in (Element.TURN, Element.SHIFT):
@@ -121,7 +128,8 @@ class Change:
             elif element is Element.PRINCIPAL_POINT:
                 B[lens + 2 : lens + 4, at] = np.eye(2)
             else:
-                for other, turn, shift in _poses_moved(state.cameras, camera, element):
+                moved = _moved_together if self.kind is ChangeKind.TOGETHER else _poses_moved
+                for other, turn, shift in moved(state.cameras, camera, element):
                     place = layout.pose[other].start
                     B[place : place + 3, at], B[place + 3 : place + 6, at] = turn, shift
         return B
@@ -138,10 +146,12 @@ class Change:
         moved = [camera.T_cam_world for camera in cameras]
         for camera, element, at in self.parts():
             value = size[at]
-            if element is Element.TURN:
-                moved[camera] = from_rotation_vector(value, np.zeros(3)) @ moved[camera]
-            elif element is Element.SHIFT:
-                moved[camera] = pose(np.eye(3), value) @ moved[camera]
+            if element in (Element.TURN, Element.SHIFT):
+                turns = element is Element.TURN
+                motion = from_rotation_vector(value, np.zeros(3)) if turns else pose(np.eye(3), value)
+                here, back = moved[camera], inverse(moved[camera])
+                for number in self.cameras if self.kind is ChangeKind.TOGETHER else (camera,):
+                    moved[number] = moved[number] @ back @ motion @ here
             else:
                 cameras[camera] = _with_lens(cameras[camera], element, value)
         world = moved[0]
@@ -169,6 +179,19 @@ def _poses_moved(
             yield number, -R, np.zeros((3, 3))
         else:
             yield number, np.zeros((3, 3)), -R
+
+
+def _moved_together(
+    cameras: tuple[Camera, ...], camera: int, element: Element
+) -> Iterator[tuple[int, Float64[np.ndarray, "3 3"], Float64[np.ndarray, "3 3"]]]:
+    """Yield the same of a motion of all cameras but the world, along the axes of `camera`."""
+    T = cameras[camera].T_cam_world
+    for number, other in enumerate(cameras[1:], start=1):
+        Q = other.T_cam_world[:3, :3] @ T[:3, :3].T
+        if element is Element.TURN:
+            yield number, Q, -Q @ cross_matrices(T[None, :3, 3])[0]
+        else:
+            yield number, np.zeros((3, 3)), Q
 
 
 def _with_lens(camera: Camera, element: Element, value: np.ndarray) -> Camera:
@@ -202,4 +225,19 @@ def possible_changes(cameras: tuple[int, ...]) -> tuple[Change, ...]:
         )
     for kind in (ChangeKind.REFOCUSED, ChangeKind.MOVED_AND_REFOCUSED):
         found += [Change(kind, (camera,), (camera,)) for camera in cameras]
+    return (*found, Change(ChangeKind.SEVERAL, cameras, cameras))
+
+
+def changes_in_room(cameras: tuple[int, ...]) -> tuple[Change, ...]:
+    """Return all changes that are looked for by marks that stay where they are.
+
+    Parameters
+    ----------
+    cameras : tuple of int
+        Cameras with pictures; the room is none of them.
+    """
+    kinds = [kind for kind in ChangeKind if kind not in ALL_CAMERAS]
+    found = [Change(kind, (camera,), (camera,)) for kind in kinds for camera in cameras]
+    if len(cameras) > 1:
+        found.append(Change(ChangeKind.TOGETHER, cameras, cameras))
     return (*found, Change(ChangeKind.SEVERAL, cameras, cameras))

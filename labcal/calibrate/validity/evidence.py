@@ -10,6 +10,8 @@ from labcal.calibrate.adjustment.blocks import assemble
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState, moved_poses
+from labcal.calibrate.validity.change import Change, possible_changes
+from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.optim.robust import SQUARES
 
@@ -65,6 +67,22 @@ class NewViews:
         """Return the same dots with so many times the variance."""
         seen = replace(self.observations, covariance=factor * self.observations.covariance)
         return replace(self, observations=seen)
+
+    def freedom(self, state: RigState) -> Freedom:
+        """Return what the calibration leaves open: lenses and poses."""
+        return Freedom(Lenses.FREE, np.zeros((state.dots.size, 0)))
+
+    def changes(self, cameras: tuple[int, ...]) -> tuple[Change, ...]:
+        """Return the kinds of changes that are looked for."""
+        return possible_changes(cameras)
+
+    def rig_cameras(self, state: RigState) -> tuple[Camera, ...]:
+        """Return the rig's cameras, the first one as the world."""
+        return state.cameras
+
+    def rig_columns(self, state: RigState) -> Float64[np.ndarray, "rig shared"]:
+        """Return the derivatives of the rig's parameters by all."""
+        return np.eye(Layout(state, self.freedom(state)).count)
 
     def evidence(self, state: RigState) -> Evidence | None:
         """Return the evidence at a state, whose poses of the target are adjusted; None if it images not all.

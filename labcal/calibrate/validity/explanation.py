@@ -5,15 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
+from labcal.calibrate.adjustment.state import POSE, Layout, RigState
 from labcal.calibrate.validity.change import Change
 from labcal.calibrate.validity.evidence import Evidence, NewViews
+from labcal.calibrate.validity.mark_views import MarkViews
 from labcal.errors import InputError
 
-_MOST_STEPS = 15
+Views = NewViews | MarkViews
+"""New views of a target in the hand, or of marks that stay where they are."""
+
+_MOST_STEPS = 60
 _ARRIVED = 1e-2
-"""Decrease of the cost below which a step is the last one, in units of a squared standard deviation."""
-_HALVINGS = 6
+"""Expected decrease of the cost below which no step is made, in units of a squared standard deviation."""
+_FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
+"""In units of each parameter's own curvature, once a step without damping has failed (Marquardt 1963)."""
+_TENFOLD = 10.0
 _NOTHING = 1e-14
 """Of the largest eigenvalue of correlations, below which one is rounding."""
 _HOPELESS = 1e-2
@@ -29,7 +35,7 @@ class Calibrated:
     state : RigState
         The cameras, and poses of the target in the new views.
     covariance : float64 array, (shared, shared)
-        In the order of ``rig.json``.
+        In the order of ``rig.json``; of a rig in its room with those of the room before, and marks behind.
     distance_mm : float
         Of the target from the cameras.
     """
@@ -58,6 +64,8 @@ class Explanation:
         At the end.
     covariance : float64 array, (shared, shared)
         Of the rig's parameters at the end, from calibration and pictures together.
+    errors : float64 array, (roots,)
+        Errors of the calibration, in units of :func:`covariance_root`.
     """
 
     change: Change | None
@@ -67,6 +75,15 @@ class Explanation:
     log_evidence: float
     evidence: Evidence
     covariance: Float64[np.ndarray, "shared shared"]
+    errors: Float64[np.ndarray, " roots"]
+
+    def axis_gains(self) -> Float64[np.ndarray, " count"]:
+        """Return the decrease of the cost by the change along each of its parameters alone.
+
+        With the precision P of the size x, the cost falls by ``(P x)_i^2 / P_ii`` where all others are 0.
+        """
+        precision = np.linalg.inv(self.size_covariance)
+        return np.asarray((precision @ self.size) ** 2 / np.diagonal(precision))
 
 
 @dataclass(frozen=True)
@@ -84,7 +101,7 @@ class _Search:
 
     calibrated: Calibrated
     change: Change | None
-    views: NewViews
+    views: Views
     root: Float64[np.ndarray, "shared roots"]
     """Of the calibration's covariance."""
     sizes: Float64[np.ndarray, " count"]
@@ -95,7 +112,7 @@ class _Search:
         start, error = self.calibrated.state, self.root @ unit[: self.root.shape[1]]
         try:
             state = start if self.change is None else self.change.applied(start, self.size(unit))
-            layout = Layout(state, Freedom(Lenses.FREE, np.zeros((state.dots.size, 0))))
+            layout = Layout(state, self.views.freedom(state))
             state = layout.stepped(error, np.zeros((len(state.T_world_target), POSE)))
         except InputError:
             return None
@@ -110,24 +127,37 @@ class _Search:
         """Return the derivatives of the rig's parameters by the units."""
         if self.change is None:
             return self.root
-        return np.concatenate([self.root, self.change.columns(state) * self.sizes], axis=1)
+        return with_change(self.root, self.change.columns(state) * self.sizes)
 
-    def better(self, now: _Standing) -> _Standing:
-        """Return the end of a Gauss-Newton step, shortened until it decreases the cost; or `now`."""
-        L, H = self.reach(now.evidence.state), now.evidence.information
-        normal = np.eye(L.shape[1]) + L.T @ H @ L
-        goal = np.linalg.solve(normal, L.T @ (H @ (L @ now.unit) - now.evidence.gradient))
-        share = 1.0
-        for _ in range(_HALVINGS):
-            tried = self.at(now.unit + share * (goal - now.unit))
-            if tried is not None and tried.cost < now.cost:
-                return tried
-            share *= 0.5
+    def end(self, now: _Standing, floor: float) -> _Standing:
+        """Return the end of damped Gauss-Newton steps; with long lenses the valley of the cost is curved."""
+        damping = 0.0
+        for _ in range(_MOST_STEPS):
+            L = self.reach(now.evidence.state)
+            slope = now.unit + L.T @ now.evidence.gradient
+            normal = np.eye(L.shape[1]) + L.T @ now.evidence.information @ L
+            expected = float(slope @ np.linalg.solve(normal, slope))
+            if expected < max(_ARRIVED, _HOPELESS * (now.cost - floor)):
+                break
+            tried = None
+            while tried is None and damping <= _MOST_DAMPING:
+                damped = normal + damping * np.diag(np.diagonal(normal))
+                tried = self.at(now.unit - np.linalg.solve(damped, slope))
+                if tried is None or not tried.cost < now.cost:
+                    tried, damping = None, max(_FIRST_DAMPING, _TENFOLD * damping)
+            if tried is None:
+                break
+            now = tried
+            damping = 0.0 if damping <= _FIRST_DAMPING else damping / _TENFOLD
         return now
 
 
 def explained(
-    calibrated: Calibrated, change: Change | None, views: NewViews, floor: float = np.inf
+    calibrated: Calibrated,
+    change: Change | None,
+    views: Views,
+    floor: float = np.inf,
+    start: Float64[np.ndarray, " roots"] | None = None,
 ) -> Explanation | None:
     """Return the best explanation by a kind of change; None where none images all dots.
 
@@ -136,9 +166,11 @@ def explained(
     calibrated : Calibrated
     change : Change or None
         None of a rig that is as it was.
-    views : NewViews
+    views : NewViews or MarkViews
     floor : float
         Cost of an explanation that is known: what is far worse need not be exact.
+    start : ndarray, shape (roots,), optional
+        Errors of the calibration to begin with, as another explanation has them (:attr:`Explanation.errors`).
 
     Notes
     -----
@@ -152,13 +184,11 @@ def explained(
     sizes = np.zeros(0) if change is None else change.sizes(cameras, calibrated.distance_mm)
     root = covariance_root(calibrated.covariance)
     search = _Search(calibrated, change, views, root, sizes)
-    now = search.at(np.zeros(root.shape[1] + len(sizes)))
+    errors = np.zeros(root.shape[1]) if start is None else start
+    now = search.at(np.concatenate([errors, np.zeros(len(sizes))]))
     if now is None:
         return None
-    for _ in range(_MOST_STEPS):
-        before, now = now.cost, search.better(now)
-        if before - now.cost < max(_ARRIVED, _HOPELESS * (now.cost - floor)):
-            break
+    now = search.end(now, floor)
     L = search.reach(now.evidence.state)
     normal = np.eye(L.shape[1]) + L.T @ now.evidence.information @ L
     inverse, at = np.linalg.inv(normal), slice(root.shape[1], None)
@@ -170,7 +200,17 @@ def explained(
         log_evidence=-0.5 * (now.cost + float(np.linalg.slogdet(normal)[1])),
         evidence=now.evidence,
         covariance=L @ inverse @ L.T,
+        errors=now.unit[: root.shape[1]],
     )
+
+
+def with_change(
+    root: Float64[np.ndarray, "shared roots"], columns: Float64[np.ndarray, "rig count"]
+) -> Float64[np.ndarray, "shared units"]:
+    """Return columns of a change beside those of the calibration; what comes after the rig stays."""
+    all_rows = np.zeros((len(root), columns.shape[1]))
+    all_rows[: len(columns)] = columns
+    return np.concatenate([root, all_rows], axis=1)
 
 
 def covariance_root(C: Float64[np.ndarray, "n n"]) -> Float64[np.ndarray, "n roots"]:

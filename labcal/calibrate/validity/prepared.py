@@ -1,5 +1,6 @@
 """New views of a target made ready for the test of a calibration: usable dots, first poses, noise."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from labcal.calibrate.lens_start import start_from_camera
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.calibrate.validity.change import Change
 from labcal.calibrate.validity.evidence import NewViews
-from labcal.calibrate.validity.explanation import Calibrated, Explanation, explained
+from labcal.calibrate.validity.explanation import Calibrated, Explanation, Views, explained
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.detections import Detections
@@ -38,7 +39,7 @@ class Prepared:
     Attributes
     ----------
     calibrated : Calibrated
-    views : NewViews
+    views : NewViews or MarkViews
         Without outliers.
     names : tuple of str
         Of the views.
@@ -50,14 +51,23 @@ class Prepared:
         Pictures that do not enter, for people.
     noise_freedom : float
         Degrees of freedom that the noise is known with: infinite unless views disagree beyond their dots.
+    camera_names : tuple of str
+        By the numbers that cameras have in the state.
+    poses : int
+        Of the target that are free.
+    marks : tuple of str
+        Names of fixed marks, by number; empty of one that moved itself, and of none where a target is held.
     """
 
     calibrated: Calibrated
-    views: NewViews
+    views: Views
     names: tuple[str, ...]
     cameras: tuple[int, ...]
     outliers: int
     skipped: tuple[str, ...]
+    camera_names: tuple[str, ...]
+    poses: int
+    marks: tuple[str, ...] = ()
     noise_freedom: float = np.inf
     excess: float = 1.0
     """Variance of residuals over what the dots and the calibration state, where anything may have changed."""
@@ -69,7 +79,7 @@ class Prepared:
     @property
     def freedom(self) -> int:
         """Degrees of freedom that the poses of the target leave."""
-        return 2 * len(self.views.observations) - POSE * len(self.names)
+        return 2 * len(self.views.observations) - POSE * self.poses
 
     def without_outliers(self, found: Explanation) -> "Prepared":
         """Return the views without dots that are off by themselves where everything else is explained."""
@@ -106,17 +116,12 @@ def prepared(rig: Rig, detections: Detections, shown: AnyTarget | DotPlaces) -> 
     A dot's variance is its own plus the variance component of the calibration, times the factors by which
     residuals and views exceeded these when the rig was calibrated.
     """
-    covariance = _covariance_of(rig)
+    covariance = covariance_of(rig)
     target = shown.target if isinstance(shown, DotPlaces) else shown
     dots, print_sigma_mm = target.points(), covariance.print_sigma_mm
     if isinstance(shown, DotPlaces):
         dots, print_sigma_mm = shown.points(), _sigma_of(shown)
-    unknown = [name for name in detections.cameras if name not in rig.cameras]
-    if unknown:
-        raise InputError(
-            f"The pictures are of the camera(s) {listed(unknown)}, but the rig has {listed(rig.cameras)}. "
-            "Give pictures of the rig's cameras, named as there (`cameras` names those of loose pictures)."
-        )
+    require_cameras(rig, detections.cameras)
     entering, few = in_full_pictures(usable_dots(detections, target))
     skipped = (*unmeasured_pictures(detections), *few)
     if len(entering) == 0:
@@ -145,6 +150,8 @@ def prepared(rig: Rig, detections: Detections, shown: AnyTarget | DotPlaces) -> 
         tuple(np.unique(seen.camera).tolist()),
         int((~imaged).sum()),
         skipped,
+        tuple(rig.cameras),
+        len(names),
         view_factor=covariance.view_factor,
         clusters=max(1, len(names) - 1 + max(0, len(rig.calibrated_on) - 1)),
     )
@@ -169,10 +176,7 @@ def cleaned(made: Prepared, anything: Change) -> tuple[Prepared, Explanation]:
         if clean is not made:
             made, found = clean, explained(made.calibrated, anything, clean.views)
     if found is None:
-        raise InputError(
-            "No change of the rig explains the dots of these pictures. Check that `target` names the board "
-            "in them, and that they are of the rig's cameras."
-        )
+        raise unexplained()
     excess = found.evidence.cost / max(1, made.freedom - anything.count)
     made = replace(made, views=made.views.noisier(max(_LEAST_NOISE, excess)), excess=excess)
     return _with_dispersion(made, anything, found)
@@ -204,7 +208,7 @@ def _with_dispersion(made: Prepared, anything: Change, found: Explanation) -> tu
 def _dispersion(made: Prepared, anything: Change, found: Explanation) -> ViewDispersion | None:
     """Return what views disagree by, the dots where they are most likely on the print; None where unknown."""
     state = replace(made.calibrated.state, dots=found.evidence.dots)
-    views = replace(made.views, print_sigma_mm=0.0)
+    views = NewViews(made.views.observations, 0.0)
     there = explained(replace(made.calibrated, state=state), anything, views)
     if there is None:
         return None
@@ -212,7 +216,38 @@ def _dispersion(made: Prepared, anything: Change, found: Explanation) -> ViewDis
     return ViewDispersion.of_scores(there.covariance, scores, 1.0)
 
 
-def _covariance_of(rig: Rig) -> RigCovariance:
+def unexplained() -> InputError:
+    """Return the error for pictures that no rig explains."""
+    return InputError(
+        "No change of the rig explains what these pictures show. Check that the target or the marks are "
+        "those in them, and that they are of the rig's cameras."
+    )
+
+
+def require_cameras(rig: Rig, cameras: Sequence[str]) -> None:
+    """Raise where pictures are of cameras that the rig has not.
+
+    Raises
+    ------
+    InputError
+        They are.
+    """
+    unknown = [name for name in cameras if name not in rig.cameras]
+    if unknown:
+        raise InputError(
+            f"The pictures are of the camera(s) {listed(unknown)}, but the rig has {listed(rig.cameras)}. "
+            "Give pictures of the rig's cameras, named as there (`cameras` names those of loose pictures)."
+        )
+
+
+def covariance_of(rig: Rig) -> RigCovariance:
+    """Return the covariance of a rig's parameters.
+
+    Raises
+    ------
+    InputError
+        It states none.
+    """
     if rig.covariance is None:
         raise InputError(
             "This rig states no covariance of its calibration: no change stands out from its "

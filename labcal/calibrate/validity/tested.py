@@ -5,11 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.calibrate.validity.change import Change, ChangeKind, possible_changes
+from labcal.calibrate.validity.change import ALL_CAMERAS, Change, ChangeKind
 from labcal.calibrate.validity.explanation import Explanation, explained
 from labcal.calibrate.validity.prepared import Prepared, cleaned, prepared
+from labcal.calibrate.validity.prepared_marks import cleaned_marks, prepared_by_marks
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
+from labcal.correspond.named_pixels import NamedPixels
+from labcal.correspond.named_points import NamedPoints
 from labcal.distributions import gain_tail
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
@@ -18,6 +21,8 @@ from labcal.targets.places import DotPlaces
 
 ALARM = 0.01
 """Probability of a false alarm, all kinds of changes together."""
+WITH_AXES = (ChangeKind.TURNED, ChangeKind.SHIFTED)
+"""Kinds that are tested along each axis of the camera by itself, too."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +54,16 @@ class Tested:
         return np.array([gain_tail(gain, count, self.made.noise_freedom) for gain, count in pairs])
 
     @property
+    def axis_p_values(self) -> Float64[np.ndarray, " axes"]:
+        """The same of turns and shifts along one axis of a camera alone, which most knocks are nearly."""
+        gains = [gain for one in self.changed if _has_axes(one) for gain in one.axis_gains().tolist()]
+        return np.array([gain_tail(gain, 1, self.made.noise_freedom) for gain in gains])
+
+    @property
     def p_value(self) -> float:
-        """The least of them times their number (Bonferroni; the first step of Holm 1979), at most 1."""
-        return min(1.0, len(self.changed) * float(self.p_values.min()))
+        """The least of all times their number (Bonferroni; the first step of Holm 1979), at most 1."""
+        both = np.concatenate([self.p_values, self.axis_p_values])
+        return min(1.0, len(both) * float(both.min()))
 
     @property
     def is_changed(self) -> bool:
@@ -71,7 +83,7 @@ class Tested:
         found = dict.fromkeys(self.made.cameras, 0.0)
         for one, probability in zip(self.changed, self.probabilities.tolist(), strict=True):
             change = _change_of(one)
-            each = 1.0 if change.kind is ChangeKind.SEVERAL else 1.0 / len(change.suspects)
+            each = 1.0 if change.kind in ALL_CAMERAS else 1.0 / len(change.suspects)
             for camera in change.suspects:
                 found[camera] += each * probability
         return found
@@ -100,14 +112,53 @@ def tested(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> T
         As of :func:`~labcal.calibrate.validity.prepared.prepared`; or no rig explains the dots.
     """
     made = prepared(rig, detections, target)
-    changes = possible_changes(made.cameras)
-    anything = changes[-1]
-    made, widest = cleaned(made, anything)
+    anything = made.views.changes(made.cameras)[-1]
+    return _compared(*cleaned(made, anything))
+
+
+@one_blas_thread()
+def tested_by_marks(rig: Rig, pixels: NamedPixels, places: NamedPoints) -> Tested:
+    """Test a rig against new pictures of marks that stay where they are.
+
+    Parameters
+    ----------
+    rig : Rig
+        With the covariance of its calibration.
+    pixels : NamedPixels
+        Of marks in new pictures.
+    places : NamedPoints
+        The marks as this rig measured them before.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.calibrate.validity.prepared_marks.prepared_by_marks`; or no rig explains them.
+    """
+    made = prepared_by_marks(rig, pixels, places)
+    anything = made.views.changes(made.cameras)[-1]
+    return _compared(*cleaned_marks(made, anything))
+
+
+def _compared(made: Prepared, widest: Explanation) -> Tested:
+    """Return the explanations by no change, by every kind, and by the widest one, which is known."""
     unchanged = explained(made.calibrated, None, made.views, widest.cost)
     if unchanged is None:
-        raise InputError("The rig as it was calibrated images not all dots of these pictures.")
-    found = [explained(made.calibrated, change, made.views, widest.cost) for change in changes[:-1]]
+        raise InputError("The rig as it was calibrated images not all that these pictures show.")
+    found = [
+        explained(made.calibrated, change, made.views, widest.cost, unchanged.errors)
+        for change in made.views.changes(made.cameras)[:-1]
+    ]
     return Tested(made, unchanged, (*(one for one in found if one is not None), widest))
+
+
+def tests_of(changes: tuple[Change, ...]) -> int:
+    """Return the number of tests of some kinds of changes: each of its own, and those of single axes."""
+    return len(changes) + sum(change.count for change in changes if change.kind in WITH_AXES)
+
+
+def _has_axes(one: Explanation) -> bool:
+    """Return whether a change is tested along each axis, too."""
+    return one.change is not None and one.change.kind in WITH_AXES
 
 
 def _change_of(one: Explanation) -> Change:

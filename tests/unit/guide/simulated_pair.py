@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal import Detections, Rig
 from labcal.bench.solve.budget_rigs import KINDS
-from labcal.bench.solve.check_set import _target
+from labcal.bench.solve.check_set import simulated_target
 from labcal.bench.solve.pair_dots import pair_dots
 from labcal.calibrate.adjustment.state import RigState
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -15,7 +15,7 @@ from labcal.calibrate.validity.change import Change, ChangeKind
 from labcal.rng import generator
 
 KIND = KINDS["wide"]
-TARGET = _target(KIND)
+TARGET = simulated_target(KIND)
 NOISE_PX = 0.05
 
 

@@ -9,12 +9,20 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from simulated_pair import NOISE_PX, TARGET, one, rig, seen
+from simulated_pair import KIND, NOISE_PX, TARGET, one, rig, seen
 
+from labcal import Detections
+from labcal.bench.solve.pair_dots import pair_dots
+from labcal.calibrate.adjustment.state import RigState
+from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.validity.change import ChangeKind
+from labcal.cameras.camera import Camera
+from labcal.correspond.gathering import joined
 from labcal.distributions import gain_tail, needed_gain
 from labcal.errors import InputError
-from labcal.guide.rig_check import CheckVerdict, checked
+from labcal.geometry.poses import from_rotation_vector, pose
+from labcal.guide.checking import checked
+from labcal.guide.rig_check import CheckVerdict
 
 
 @pytest.mark.slow
@@ -116,3 +124,33 @@ def test_the_gain_that_is_needed_is_found_as_often_as_said(noise_freedom: float)
         found = found / (random.chisquare(noise_freedom, n) / noise_freedom)
     share = np.mean([gain_tail(value, 3, noise_freedom) <= 0.002 for value in found])
     assert share == pytest.approx(0.9, abs=4.0 * np.sqrt(0.09 / n))
+
+
+@pytest.mark.slow
+def test_of_three_cameras_the_one_that_was_shifted_is_named() -> None:
+    left, right = KIND.cameras()
+    place = from_rotation_vector(np.array([0.0, -0.25, 0.0]), np.zeros(3)) @ pose(
+        np.eye(3), np.array([250.0, 0.0, 0.0])
+    )
+    third = replace(left, T_cam_world=place)
+    random = np.random.default_rng(8)
+
+    def dots(cameras: tuple[Camera, ...], T: np.ndarray) -> Detections:
+        views, noise = list(T), (NOISE_PX, random)
+        pair = pair_dots(cameras[:2], TARGET, TARGET.points(), views, noise)
+        last = pair_dots((cameras[2], cameras[2]), TARGET, TARGET.points(), views, noise)
+        last = last.where(last.camera == "left")
+        return joined([pair, replace(last, camera=np.full(len(last), "third"))])
+
+    def poses(count: int) -> np.ndarray:
+        return np.array(KIND.poses(count, random))
+
+    cameras = (left, right, third)
+    settings = HandheldSettings(eccentricity_rounds=0)
+    made = calibrate_handheld(dots(cameras, poses(12)), TARGET, "brown5", settings).rig
+    state = RigState(cameras, poses(3), TARGET.points())
+    moved = one("shifted", 1).applied(state, np.array([0.4, 0.3, -0.2]))
+    found = checked(made, dots(moved.cameras, moved.T_world_target), TARGET)
+    assert (found.verdict, found.camera) == (CheckVerdict.CHANGED, "right")
+    assert found.changes[0].kind is ChangeKind.SHIFTED
+    assert found.plot().axes[0].get_title().startswith("changed")

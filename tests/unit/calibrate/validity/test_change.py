@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from labcal import examples
-from labcal.calibrate.adjustment.state import RigState
-from labcal.calibrate.validity.change import Change, ChangeKind, possible_changes
+from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
+from labcal.calibrate.validity.change import Change, ChangeKind, changes_in_room, possible_changes
+from labcal.calibrate.validity.room import in_room, out_of_room, rig_columns, rig_positions
 from labcal.cameras.parameter_derivatives import parameter_count
 
 CAMERAS = tuple(examples.rig().camera(name) for name in ("left", "right"))
@@ -21,7 +22,7 @@ def parameters(state: RigState) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize("kind", list(ChangeKind))
+@pytest.mark.parametrize("kind", [kind for kind in ChangeKind if kind is not ChangeKind.TOGETHER])
 @pytest.mark.parametrize("cameras", [(0,), (1,)])
 def test_columns_are_the_derivatives_of_what_is_applied(kind: ChangeKind, cameras: tuple[int, ...]) -> None:
     change = Change(kind, cameras, cameras)
@@ -30,6 +31,52 @@ def test_columns_are_the_derivatives_of_what_is_applied(kind: ChangeKind, camera
     for number, step in enumerate(np.eye(change.count)):
         ahead, behind = (parameters(change.applied(STATE, sign * 1e-6 * step)) for sign in (1.0, -1.0))
         np.testing.assert_allclose(columns[:, number], (ahead - behind) / 2e-6, atol=1e-6, rtol=1e-6)
+
+
+@pytest.mark.parametrize("kind", [ChangeKind.TOGETHER, ChangeKind.MOVED, ChangeKind.SEVERAL])
+def test_columns_in_a_room_are_derivatives_of_the_cameras_places(kind: ChangeKind) -> None:
+    state = RigState(in_room(CAMERAS), np.eye(4)[None], np.zeros((1, 3)))
+    change = next(one for one in changes_in_room((1, 2)) if one.kind is kind)
+    columns = change.columns(state)
+
+    def moved(step: np.ndarray) -> RigState:
+        # The room is the world, whatever moves in it.
+        return change.applied(state, step)
+
+    for number, step in enumerate(np.eye(change.count)):
+        ahead, behind = (moved(sign * 1e-6 * step) for sign in (1.0, -1.0))
+        found = []
+        for camera, (one, other) in enumerate(zip(ahead.cameras, behind.cameras, strict=True)):
+            found += [*(np.array(one.intrinsics) - other.intrinsics), *(one.dist - other.dist)]
+            if camera:
+                R = one.T_cam_world[:3, :3] @ other.T_cam_world[:3, :3].T
+                found += [R[2, 1], R[0, 2], R[1, 0], *(one.T_cam_world - other.T_cam_world)[:3, 3]]
+        np.testing.assert_allclose(columns[:, number], np.array(found) / 2e-6, atol=1e-6, rtol=1e-6)
+
+
+def test_a_rig_that_moves_as_one_body_is_the_same_rig() -> None:
+    state = RigState(in_room(CAMERAS), np.eye(4)[None], np.zeros((1, 3)))
+    together = next(one for one in changes_in_room((1, 2)) if one.kind is ChangeKind.TOGETHER)
+    moved = together.applied(state, np.array([0.1, -0.2, 0.05, 3.0, 2.0, -1.0]))
+    for now, before in zip(out_of_room(moved.cameras), CAMERAS, strict=True):
+        np.testing.assert_allclose(now.T_cam_world, before.T_cam_world, atol=1e-12)
+    np.testing.assert_allclose(rig_columns(moved) @ together.columns(moved), 0.0, atol=1e-10)
+
+
+def test_parameters_of_the_rig_are_told_from_places_in_the_room() -> None:
+    state = RigState(in_room(CAMERAS), np.eye(4)[None], np.zeros((1, 3)))
+    state = Change(ChangeKind.MOVED, (1,), (1,)).applied(state, np.array([0.1, -0.2, 0.05, 3.0, 2.0, -1.0]))
+    layout = Layout(state, Freedom(Lenses.FREE, np.zeros((3, 0))))
+    columns = rig_columns(state)
+    assert (columns[:-6, rig_positions(state)[:-6]] == np.eye(len(columns) - 6)).all()
+    for number, step in enumerate(np.eye(layout.count)):
+        pair = [
+            out_of_room(layout.stepped(sign * 1e-6 * step, np.zeros((1, 6))).cameras)[1].T_cam_world
+            for sign in (1.0, -1.0)
+        ]
+        R = pair[0][:3, :3] @ pair[1][:3, :3].T
+        found = np.array([R[2, 1], R[0, 2], R[1, 0], *(pair[0] - pair[1])[:3, 3]]) / 2e-6
+        np.testing.assert_allclose(columns[-6:, number], found, atol=1e-5, rtol=1e-6)
 
 
 def test_a_first_camera_that_moves_takes_the_world_and_the_target_with_it() -> None:
