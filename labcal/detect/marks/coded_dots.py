@@ -71,7 +71,7 @@ def find_coded_dots(
     if named:
         names = [f"{book.code}-{readings[k].mark}" for k in named]
         rings = [
-            Ring(book.words[read[k][0].row], read[k][0].start, read[k][1], read[k][0].hidden) for k in named
+            Ring(book.words[read[k][0].row], read[k][0].start, read[k][1], read[k][0].unlike) for k in named
         ]
         own = spots.select(np.array(named))
         marks += measured_spots(without_rings(grey, own, rings, settings), own, names, settings)

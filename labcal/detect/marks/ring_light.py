@@ -47,7 +47,7 @@ class Ring:
     tilt : ndarray, shape (2,)
         Displacement of the circle's centre by perspective, in radii.
     hidden : ndarray of bool, shape (angles,)
-        Samples around the ring at which something hides it.
+        Samples around the ring at which something hides it that looks otherwise.
     """
 
     word: Bool[np.ndarray, " sectors"]

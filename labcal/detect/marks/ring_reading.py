@@ -20,7 +20,8 @@ _ROUNDS = 2
 _FEWEST = 8
 """Samples in sight, by which the noise is measured."""
 _GREY = 0.25
-"""Most that a sector costs, when likely words are sought: as a grey one does."""
+"""Most that a sector costs, when likely words are sought: as a grey one does. A ring that is off by less looks
+like the word."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,8 @@ class RingReading:
         The sample of the ring that its first sector begins with.
     hidden : ndarray of bool, shape (angles,)
         Samples at which something hides the ring.
+    unlike : ndarray of bool, shape (angles,)
+        Those of them at which the ring looks otherwise than the word.
     """
 
     mark: int
@@ -52,9 +55,10 @@ class RingReading:
     row: int
     start: int
     hidden: Mask
+    unlike: Mask
 
 
-NO_MARK = RingReading(-1, None, -np.inf, 0.0, -1, 0, np.ones(0, dtype=bool))
+NO_MARK = RingReading(-1, None, -np.inf, 0.0, -1, 0, np.ones(0, dtype=bool), np.ones(0, dtype=bool))
 
 
 def read_ring(samples: RingSamples, blur: RingBlur, book: CodeBook, settings: MarkSettings) -> RingReading:
@@ -98,14 +102,16 @@ def read_ring(samples: RingSamples, blur: RingBlur, book: CodeBook, settings: Ma
         row=int(row[best]),
         start=int(start[best]),
         hidden=hidden,
+        unlike=hidden & ~(np.abs(samples.ring - printed[1][best]) < _GREY),
     )
-    flag = _flag(reading, settings)
+    flag = _flag(reading, printed[1][best][~hidden] > 0.5 * blur.ring[~hidden], settings)
     return reading if flag is MarkFlag.OK else replace(reading, flag=flag, mark=-1)
 
 
-def _flag(reading: RingReading, settings: MarkSettings) -> MarkFlag | None:
-    """Return the flag of a reading."""
-    if reading.evidence < settings.min_sight_log:
+def _flag(reading: RingReading, black: Mask, settings: MarkSettings) -> MarkFlag | None:
+    """Return the flag of a reading, by which samples in sight are black, too: a plain ring is no mark."""
+    fewest = settings.min_colour_share * len(reading.hidden)
+    if reading.evidence < settings.min_sight_log or min(black.sum(), (~black).sum()) < fewest:
         return None
     if reading.hidden.mean() > settings.max_hidden_share:
         return MarkFlag.HIDDEN

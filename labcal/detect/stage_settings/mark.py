@@ -44,8 +44,8 @@ class MarkSettings(StageSettings):
         0.04,
         ge=0.001,
         le=0.3,
-        description="Least standard deviation of grey values: light, print and blur are uneven. Larger: marks "
-        "of uneven prints are read, clutter may be.",
+        description="Least standard deviation of grey values: light, print and blur are uneven. Larger: "
+        "marks of uneven prints are read, clutter may be.",
     )
     max_sigma_share: float = Field(
         0.25,
@@ -78,8 +78,8 @@ class MarkSettings(StageSettings):
         36.0,
         ge=1,
         le=1000,
-        description="Least likelihood of the best word over that of the best of any other mark. Larger: fewer "
-        "marks are read, wrong ones are rarer.",
+        description="Least likelihood of the best word over that of the best of any other mark. Larger: "
+        "fewer marks are read, wrong ones are rarer.",
     )
     min_evidence_log: float = Field(
         1.0,
@@ -101,6 +101,13 @@ class MarkSettings(StageSettings):
         le=1,
         description="Least share of white paper between a dot and its ring, by which a spot is taken for a "
         "mark at all. Larger: less clutter is looked at.",
+    )
+    min_colour_share: float = Field(
+        0.1,
+        ge=0,
+        lt=0.5,
+        description="Least share of the ring that is black and in sight, and white and in sight, likewise. "
+        "Larger: the same.",
     )
     max_perspective_radii: float = Field(
         0.12,
