@@ -4,7 +4,7 @@ import numpy as np
 
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.marks.picture_marks import PictureMarks, SeenMark, collected
-from labcal.detect.marks.ring_blur import mixing
+from labcal.detect.marks.ring_blur import ring_blur
 from labcal.detect.marks.ring_light import Ring, without_rings
 from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
 from labcal.detect.marks.ring_samples import sample_ring
@@ -17,6 +17,12 @@ from labcal.targets.ring_codes import CodeBook, RingCode, code_book
 
 _LEAST_BLUR_PX = 0.3
 """Of any edge that is sampled between pixels."""
+_HOPELESS = 0.25
+"""Share of the evidence of a mark, below which perspective is not what it lacks."""
+_CERTAIN = 2.0
+"""Times the least margin, from which a name needs no better perspective."""
+_FINEST = 0.2
+"""Of the steps of the perspective."""
 
 
 def find_coded_dots(
@@ -64,7 +70,9 @@ def find_coded_dots(
     ]
     if named:
         names = [f"{book.code}-{readings[k].mark}" for k in named]
-        rings = [Ring(book.words[read[k][0].row], read[k][0].start, read[k][1]) for k in named]
+        rings = [
+            Ring(book.words[read[k][0].row], read[k][0].start, read[k][1], read[k][0].unlike) for k in named
+        ]
         own = spots.select(np.array(named))
         marks += measured_spots(without_rings(grey, own, rings, settings), own, names, settings)
     return collected(marks, size)
@@ -73,7 +81,7 @@ def find_coded_dots(
 def _read(
     grey: GreyPicture, spots: Outlines, number: int, book: CodeBook, settings: MarkSettings
 ) -> tuple[RingReading, np.ndarray]:
-    """Read the ring around a spot: as it is without perspective, then with ever more of it either way.
+    """Read the ring around a spot: without perspective, then with that by which the best word fits best.
 
     Returns the reading, and the displacement of the circle's centre at which it was read, in radii.
     """
@@ -83,25 +91,31 @@ def _read(
     sectors = book.code.sectors
     if not has_white_gap(sample_ring(grey, centre, root, np.zeros(2), sectors), settings):
         return NO_MARK, np.zeros(2)
-    mixed = mixing(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
-    best = NO_MARK
-    farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
-    steps = np.arange(0.0, farthest + 1e-9, settings.perspective_step_radii)
-    for step in (0.0, *(sign * step for step in steps[1:].tolist() for sign in (1.0, -1.0))):
+    blur = ring_blur(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
+
+    def read_at(step: float) -> RingReading:
         samples = sample_ring(grey, centre, root, step * minor, sectors)
-        reading = read_ring(samples, mixed, book, settings)
-        if reading.mark >= 0:
-            return reading, step * minor
-        if step == 0.0 and reading.flag is None:
-            return reading, np.zeros(2)
-        best = min(best, reading, key=lambda one: one.cost)
-    return best, np.zeros(2)
+        return read_ring(samples, blur, book, settings)
+
+    best, at = read_at(0.0), 0.0
+    if best.evidence < settings.min_sight_log * _HOPELESS or best.margin > settings.min_margin_log * _CERTAIN:
+        return best, at * minor
+    farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
+    width = settings.perspective_step_radii
+    around = [sign * step for step in np.arange(width, farthest + 1e-9, width) for sign in (1.0, -1.0)]
+    while around:
+        top, step = max(((read_at(step), step) for step in around), key=lambda one: one[0].evidence)
+        if top.evidence > best.evidence:
+            best, at = top, step
+        width *= 0.5
+        around = [at - width, at + width] if width > settings.perspective_step_radii * _FINEST else []
+    return best, at * minor
 
 
 def _each_once(readings: list[RingReading], spots: Outlines) -> list[int]:
     """Return the spots that are marks: the best of each place, and none that is part of another's ring."""
     marks = [k for k, one in enumerate(readings) if one.flag is not None]
-    marks.sort(key=lambda k: (readings[k].mark < 0, readings[k].cost))
+    marks.sort(key=lambda k: (readings[k].mark < 0, -readings[k].evidence))
     kept: list[int] = []
     for k in marks:
         away = np.linalg.norm(spots.centre[kept] - spots.centre[k], axis=1)

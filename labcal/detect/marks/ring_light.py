@@ -46,11 +46,14 @@ class Ring:
         The sample that the first sector begins with.
     tilt : ndarray, shape (2,)
         Displacement of the circle's centre by perspective, in radii.
+    hidden : ndarray of bool, shape (angles,)
+        Samples around the ring at which something hides it that looks otherwise.
     """
 
     word: Bool[np.ndarray, " sectors"]
     start: int
     tilt: np.ndarray
+    hidden: Bool[np.ndarray, " angles"]
 
 
 def without_rings(
@@ -182,9 +185,10 @@ def _settled(window: _Window, seen: np.ndarray, light: _Light, tilt: np.ndarray)
 
 
 def _is_black(flat: np.ndarray, ring: Ring) -> np.ndarray:
-    """Tell where a ring is black, in radii of its dot."""
-    sectors = len(ring.word)
+    """Tell where a ring is black and in sight, in radii of its dot."""
+    angles = len(ring.hidden)
     rho = np.hypot(flat[..., 0], flat[..., 1])
-    turn = np.arctan2(flat[..., 1], flat[..., 0]) / (2.0 * np.pi) * sectors - ring.start / PER_SECTOR
-    inside = (rho > RING_INNER) & (rho < RING_OUTER)
-    return np.asarray(inside & ring.word[np.floor(turn).astype(int) % sectors])
+    turn = np.arctan2(flat[..., 1], flat[..., 0]) / (2.0 * np.pi) * angles
+    sector = np.floor((turn - ring.start) / PER_SECTOR).astype(int) % len(ring.word)
+    inside = (rho > RING_INNER) & (rho < RING_OUTER) & ~ring.hidden[np.floor(turn).astype(int) % angles]
+    return np.asarray(inside & ring.word[sector])

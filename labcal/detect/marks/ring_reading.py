@@ -1,19 +1,27 @@
 """The number of a coded dot: from samples of its ring to a word of the code, or to why there is none."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Int
 
 from labcal.arrays import Mask
+from labcal.detect.marks.hidden_arcs import most_likely_arcs
 from labcal.detect.marks.picture_marks import MarkFlag
-from labcal.detect.marks.ring_blur import MIDDLE, samples_of_sectors
-from labcal.detect.marks.ring_samples import PER_SECTOR, RingSamples
+from labcal.detect.marks.ring_blur import RingBlur
+from labcal.detect.marks.ring_likelihood import ring_likelihoods
+from labcal.detect.marks.ring_samples import RingSamples
 from labcal.detect.stage_settings.mark import MarkSettings
 from labcal.targets.ring_codes import CodeBook
 
-_USUAL_TIMES = 4.0
-"""Of the median departure of paper beside a ring from white: so much of it something else shows."""
+_NORMAL = 1.4826
+"""Standard deviation of normal errors over the median of their sizes."""
+_ROUNDS = 2
+_FEWEST = 8
+"""Samples in sight, by which the noise is measured."""
+_GREY = 0.25
+"""Most that a sector costs, when likely words are sought: as a grey one does. A ring that is off by less looks
+like the word."""
 
 
 @dataclass(frozen=True)
@@ -26,74 +34,90 @@ class RingReading:
         Number of the mark; -1 where there is none.
     flag : MarkFlag or None
         ``ok``, or why the mark has no name; None where the spot is taken for no mark at all.
-    cost : float
-        Mean squared departure of the sectors in sight from the best word.
+    evidence : float
+        Logarithm of the best word's likelihood over that of a ring of which nothing is in sight, per sample.
+    margin : float
+        The same over the likelihood of the best word of another mark, of all samples.
     row : int
         That word, as a row of the code book; -1 where there is none.
     start : int
         The sample of the ring that its first sector begins with.
+    hidden : ndarray of bool, shape (angles,)
+        Samples at which something hides the ring.
+    unlike : ndarray of bool, shape (angles,)
+        Those of them at which the ring looks otherwise than the word.
     """
 
     mark: int
     flag: MarkFlag | None
-    cost: float
-    row: int = -1
-    start: int = 0
+    evidence: float
+    margin: float
+    row: int
+    start: int
+    hidden: Mask
+    unlike: Mask
 
 
-NO_MARK = RingReading(-1, None, np.inf)
+NO_MARK = RingReading(-1, None, -np.inf, 0.0, -1, 0, np.ones(0, dtype=bool), np.ones(0, dtype=bool))
 
 
-def read_ring(
-    samples: RingSamples,
-    mixed: Float64[np.ndarray, "starts sectors sectors"],
-    book: CodeBook,
-    settings: MarkSettings,
-) -> RingReading:
+def read_ring(samples: RingSamples, blur: RingBlur, book: CodeBook, settings: MarkSettings) -> RingReading:
     """Decide which mark a ring is of.
 
-    Sectors are read at every start within a sector. A sector is left out where paper beside the ring, on
-    either side of it, is not white, or where its own grey value is none of the print: something hides it.
-    The word that fits the others best, by least squares, is the mark's, if next to no sector in sight
-    contradicts it and no word of another mark fits nearly as well. So grey values count, and not only bits
-    (soft-decision decoding, MacWilliams and Sloane 1977, section 1.3); and a hidden sector is an erasure,
-    of which a code bears twice as many as of errors.
+    Every word, at every start within a sector, has a likelihood: that of the grey values around the dot,
+    blurred as the dot is, with the arcs hidden that make it greatest. The best word is the mark's if it is
+    far more likely than any word of another mark. So grey values count, and not only bits (soft-decision
+    decoding, MacWilliams and Sloane 1977, section 1.3); and a hidden sector is an erasure, of which a code
+    bears twice as many as of errors.
 
     Parameters
     ----------
     samples : RingSamples
-    mixed : ndarray, shape (starts, sectors, sectors)
-        By which blur mixes the sectors (:func:`~labcal.detect.marks.ring_blur.mixing`).
+    blur : RingBlur
     book : CodeBook
     settings : MarkSettings
     """
     if not has_white_gap(samples, settings):
         return NO_MARK
-    hidden = _is_hidden(samples, settings)
-    value, raw, in_sight = _sectors(samples.ring, ~hidden, mixed, settings.blur_variance_share)
-    black = value[in_sight] > 0.5  # noqa: PLR2004 -- half-way
-    if in_sight.mean() < settings.min_sight_share or black.all() or not black.any():
-        return NO_MARK
-    best, cost, words = _best_words(value, in_sight, book)
-    start = int(np.argmin(cost))
-    row, seen = int(words[start]), in_sight[start]
-    off = (raw[start] - mixed[start] @ book.words[row])[seen]
-    wrong = int(((value[start] > 0.5) != book.words[row])[seen].sum())  # noqa: PLR2004 -- half-way
-    number = int(book.words[row][seen].sum())
-    others = best[start, book.identity != book.identity[row]].min()
-    margin = (1.0 + 0.5 * wrong) * settings.min_margin_sectors
-    if seen.mean() < 1.0 - settings.max_hidden_share:
-        flag = MarkFlag.HIDDEN
-    elif wrong > settings.max_wrong_sectors or float(np.sqrt((off**2).mean())) > settings.max_residual_share:
-        flag = MarkFlag.UNKNOWN_CODE
-    elif others - best[start, row] < margin:
-        flag = MarkFlag.AMBIGUOUS
-    elif min(number, int(seen.sum()) - number) < settings.min_colour_share * len(seen):
-        flag = MarkFlag.UNKNOWN_CODE
-    else:
-        flag = MarkFlag.OK
-    mark = int(book.identity[row]) if flag is MarkFlag.OK else -1
-    return RingReading(mark, flag, float(cost[start]), row, start)
+    start, row = _likely_words(samples, blur, book, settings)
+    ink = np.einsum("waj,wj->wa", blur.between[start], book.words[row].astype(np.float64))
+    printed = ink * blur.gap, ink * blur.ring, ink * blur.paper
+    beside = np.abs(np.concatenate([samples.gap, samples.paper]))
+    usual = _NORMAL * float(np.nanmedian(beside))
+    sigma = np.clip(usual, settings.least_sigma_share, settings.max_sigma_share)
+    weight = settings.sample_weight_share
+    for _ in range(_ROUNDS):
+        seen, covered = ring_likelihoods(samples, printed, float(sigma))
+        total, hidden = most_likely_arcs(weight * seen, weight * covered, settings.cover_end_log)
+        best = int(np.argmax(total))
+        off = (samples.ring - printed[1][best])[~hidden]
+        rms = float(np.sqrt(np.mean(off**2))) if len(off) >= _FEWEST else settings.max_sigma_share
+        sigma = np.clip(rms, settings.least_sigma_share, settings.max_sigma_share)
+    others = total[book.identity[row] != book.identity[row[best]]]
+    reading = RingReading(
+        mark=int(book.identity[row[best]]),
+        flag=MarkFlag.OK,
+        evidence=float(total[best] - weight * covered[best].sum()) / len(hidden),
+        margin=float(total[best] - others.max()) if len(others) else np.inf,
+        row=int(row[best]),
+        start=int(start[best]),
+        hidden=hidden,
+        unlike=hidden & ~(np.abs(samples.ring - printed[1][best]) < _GREY),
+    )
+    flag = _flag(reading, printed[1][best][~hidden] > 0.5 * blur.ring[~hidden], settings)
+    return reading if flag is MarkFlag.OK else replace(reading, flag=flag, mark=-1)
+
+
+def _flag(reading: RingReading, black: Mask, settings: MarkSettings) -> MarkFlag | None:
+    """Return the flag of a reading, by which samples in sight are black, too: a plain ring is no mark."""
+    fewest = settings.min_colour_share * len(reading.hidden)
+    if reading.evidence < settings.min_sight_log or min(black.sum(), (~black).sum()) < fewest:
+        return None
+    if reading.hidden.mean() > settings.max_hidden_share:
+        return MarkFlag.HIDDEN
+    if reading.evidence < settings.min_evidence_log:
+        return MarkFlag.UNKNOWN_CODE
+    return MarkFlag.AMBIGUOUS if reading.margin < settings.min_margin_log else MarkFlag.OK
 
 
 def has_white_gap(samples: RingSamples, settings: MarkSettings) -> bool:
@@ -104,61 +128,26 @@ def has_white_gap(samples: RingSamples, settings: MarkSettings) -> bool:
     samples : RingSamples
     settings : MarkSettings
     """
-    white = np.abs(samples.gap) < settings.hidden_level_share  # NaN beyond the frame is not
+    white = np.abs(samples.gap) < settings.max_gap_share  # NaN beyond the frame is not
     return bool(np.isfinite(samples.gap).all() and white.mean() >= settings.min_gap_share)
 
 
-def _is_hidden(samples: RingSamples, settings: MarkSettings) -> Mask:
-    """Tell at which angles something hides the ring: NaN beyond the frame counts as such.
-
-    That is where paper beside the ring is not white, and the ring is as grey as what is seen beside it;
-    or where the ring is darker or brighter than the print. How white paper is depends on the blur, by which
-    black sectors shine through, and on the noise: the spread of the grey values around the dot shows both.
-    """
-    beside = _smoothed(np.stack([samples.gap, samples.paper]))
-    ring = _smoothed(samples.ring)
-    usual = float(np.nanmedian(np.abs(beside)))
-    level = np.clip(_USUAL_TIMES * usual, settings.least_hidden_share, settings.hidden_level_share)
-    covered = (np.abs(beside) > level) & (np.abs(ring - beside) < settings.cover_likeness_share)
-    off = np.abs(ring - 0.5) - 0.5
-    hidden: Mask = covered.any(axis=0) | ~(off < settings.ring_overshoot_share)
-    return hidden
-
-
-def _smoothed(values: np.ndarray) -> np.ndarray:
-    """Return running means along half a sector, the last axis being a circle."""
-    half = PER_SECTOR // 4
-    shifted = [np.roll(values, k, axis=-1) for k in range(-half, half + 1)]
-    return np.asarray(np.mean(shifted, axis=0))
-
-
-def _sectors(
-    ring: np.ndarray, clear: np.ndarray, mixed: np.ndarray, regularisation: float
-) -> tuple[np.ndarray, np.ndarray, Mask]:
-    """Return grey values of sectors, without blur and with it, and which are in sight, (starts, sectors).
+def _likely_words(
+    samples: RingSamples, blur: RingBlur, book: CodeBook, settings: MarkSettings
+) -> tuple[Int[np.ndarray, " words"], Int[np.ndarray, " words"]]:
+    """Return starts and rows of the words that come into question, by rough costs of sectors.
 
     Blur is undone by least squares with a prior (Tikhonov 1963): a sector of which nothing is known is grey.
+    No sector costs more than one that is grey, since it may be hidden.
     """
-    at = samples_of_sectors(len(ring) // PER_SECTOR)
-    seen = clear[at]
-    weight = seen.sum(axis=-1)
-    value = np.where(seen, ring[at], 0.0).sum(axis=-1) / np.maximum(weight, 1)
-    in_sight = weight > MIDDLE // 2
-    A = np.where(in_sight[..., None], mixed, 0.0)
-    off = np.where(in_sight, value - 0.5 * A.sum(axis=-1), 0.0)
-    normal = np.swapaxes(A, 1, 2) @ A + regularisation * np.eye(A.shape[-1])
-    sharp = np.linalg.solve(normal, np.einsum("sij,si->sj", A, off)[..., None])[..., 0]
-    return 0.5 + sharp, value, in_sight
-
-
-def _best_words(
-    value: np.ndarray, in_sight: np.ndarray, book: CodeBook
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return every word's cost at every start, and the least mean cost with its word at every start."""
-    clipped = np.where(in_sight, np.clip(value, 0.0, 1.0), 0.0)
-    gain = np.where(in_sight, 1.0 - 2.0 * clipped, 0.0)
-    each = gain @ book.words.T.astype(np.float64)
-    each += (clipped**2).sum(axis=1)[:, None]
-    words = np.argmin(each, axis=1)
-    cost = each[np.arange(len(each)), words] / np.maximum(in_sight.sum(axis=1), 1)
-    return each, cost, words
+    mixed = blur.mixing()
+    raw = blur.sectors(np.nan_to_num(samples.ring, nan=0.5))
+    prior = settings.blur_variance_share * np.eye(mixed.shape[-1])
+    transposed = np.swapaxes(mixed, 1, 2)
+    off = transposed @ (raw - 0.5 * mixed.sum(axis=-1))[..., None]
+    value = np.clip(0.5 + np.linalg.solve(transposed @ mixed + prior, off)[..., 0], 0.0, 1.0)
+    white, black = np.minimum(value**2, _GREY), np.minimum((1.0 - value) ** 2, _GREY)
+    cost = white.sum(axis=1)[:, None] + (black - white) @ book.words.T.astype(np.float64)
+    count = min(settings.candidate_words, cost.size)
+    start, row = np.unravel_index(np.argpartition(cost.ravel(), count - 1)[:count], cost.shape)
+    return np.asarray(start), np.asarray(row)

@@ -14,8 +14,8 @@ PER_SECTOR = 8
 _DOT = (0.0, 0.2, 0.4)
 RING_RADII = tuple(RING_INNER + share * (RING_OUTER - RING_INNER) for share in (0.35, 0.5, 0.65))
 """Radii at which the ring is sampled, in radii of the dot."""
-_GAP = tuple(1.0 + share * (RING_INNER - 1.0) for share in (0.4, 0.5, 0.6))
-_PAPER = tuple(RING_OUTER + share * (QUIET - RING_OUTER) for share in (0.4, 0.5, 0.6))
+GAP_RADII = tuple(1.0 + share * (RING_INNER - 1.0) for share in (0.4, 0.5, 0.6))
+PAPER_RADII = tuple(RING_OUTER + share * (QUIET - RING_OUTER) for share in (0.4, 0.5, 0.6))
 _ROUNDS = 4
 _OUTLIER = 2.0 * 1.4826
 _LEAST_OUTLIER = 0.04
@@ -67,7 +67,7 @@ def sample_ring(
     """
     count = PER_SECTOR * sectors
     angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
-    radii = np.array([*_DOT, *_GAP, *RING_RADII, *_PAPER])
+    radii = np.array([*_DOT, *GAP_RADII, *RING_RADII, *PAPER_RADII])
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     flat = displaced(radii[:, None, None] * circle, tilt)
     q = (flat @ root.T + centre).astype(np.float32)

@@ -19,32 +19,12 @@ class MarkSettings(StageSettings):
         description="Most changes between dark and bright a pixel along a row, around a dot; rings have "
         "many. Larger: dots in texture and noise are looked at, too.",
     )
-    hidden_level_share: float = Field(
+    max_gap_share: float = Field(
         0.4,
         gt=0,
         lt=1,
-        description="Grey value of paper beside the ring from which on something hides it there, in soft "
-        "pictures. Larger: softer ones are read, what hides it is missed.",
-    )
-    least_hidden_share: float = Field(
-        0.08,
-        ge=0,
-        lt=1,
-        description="The same in sharp pictures. Larger: faint shadows are missed, bright covers, too.",
-    )
-    cover_likeness_share: float = Field(
-        0.35,
-        gt=0,
-        le=2,
-        description="The ring is hidden where its grey value is so near to that of what hides paper beside "
-        "it. Larger: more sectors are left out.",
-    )
-    ring_overshoot_share: float = Field(
-        0.45,
-        gt=0,
-        le=10,
-        description="A sector so much darker than the dot, or brighter than paper, is hidden. Larger: fewer "
-        "are.",
+        description="Grey value up to which paper between a dot and its ring counts as white. Larger: softer "
+        "marks are looked at, more clutter, too.",
     )
     blur_variance_share: float = Field(
         0.03,
@@ -53,51 +33,81 @@ class MarkSettings(StageSettings):
         description="Variance of sectors' grey values, over that of the print's, when blur is undone. "
         "Larger: less noise, more blur.",
     )
+    candidate_words: int = Field(
+        96,
+        ge=2,
+        le=10000,
+        description="Words of the code, with their starts, that are compared with what is seen. Larger: "
+        "slower.",
+    )
+    least_sigma_share: float = Field(
+        0.04,
+        ge=0.001,
+        le=0.3,
+        description="Least standard deviation of grey values: light, print and blur are uneven. Larger: "
+        "marks of uneven prints are read, clutter may be.",
+    )
+    max_sigma_share: float = Field(
+        0.25,
+        gt=0.01,
+        le=1,
+        description="The greatest that is believed. Larger: noisier marks are read, clutter may be.",
+    )
+    sample_weight_share: float = Field(
+        0.5,
+        ge=0.01,
+        le=1,
+        description="Weight of one of the eight samples of a sector, since neighbours err alike. Larger: the "
+        "best word seems more certain.",
+    )
+    cover_end_log: float = Field(
+        6.0,
+        ge=0,
+        le=100,
+        description="Cost of either end of an arc of the ring that is hidden, as a log-likelihood. Larger: "
+        "fewer covers are seen.",
+    )
     max_hidden_share: float = Field(
-        0.34,
+        0.38,
         ge=0,
         le=0.6,
-        description="Most of a ring that may be hidden. Larger: more marks are read, by fewer sectors.",
+        description="Most of a ring that may be hidden, blurred ends of covers, too. Larger: more marks are "
+        "read, by fewer sectors.",
+    )
+    min_margin_log: float = Field(
+        36.0,
+        ge=1,
+        le=1000,
+        description="Least likelihood of the best word over that of the best of any other mark. Larger: "
+        "fewer marks are read, wrong ones are rarer.",
+    )
+    min_evidence_log: float = Field(
+        1.0,
+        ge=0,
+        le=10,
+        description="The same over that of a ring of which nothing is in sight, a sample. Larger: fewer "
+        "marks are read, clutter is taken for one more rarely.",
+    )
+    min_sight_log: float = Field(
+        0.8,
+        ge=0,
+        le=10,
+        description="The same of a spot that is reported as a mark without a name. Larger: less clutter is "
+        "reported.",
     )
     min_gap_share: float = Field(
         0.75,
         ge=0,
         le=1,
         description="Least share of white paper between a dot and its ring, by which a spot is taken for a "
-        "mark at all. Larger: less clutter is reported as marks without a name.",
-    )
-    min_sight_share: float = Field(
-        0.5,
-        ge=0,
-        le=1,
-        description="Least share of sectors in sight, likewise. Larger: less clutter is reported.",
-    )
-    max_residual_share: float = Field(
-        0.25,
-        gt=0,
-        le=1,
-        description="Most root mean square departure of sectors from the code, blurred as the dot is. "
-        "Larger: noisier marks are read, clutter may be.",
-    )
-    max_wrong_sectors: int = Field(
-        1,
-        ge=0,
-        le=3,
-        description="Most sectors of the other colour than the code has. Larger: more marks are read, wrong "
-        "ones too.",
-    )
-    min_margin_sectors: float = Field(
-        1.6,
-        ge=0.1,
-        le=7,
-        description="By so many sectors, and half as many for each of the wrong colour, the best word fits "
-        "better than any of another mark. Larger: fewer marks are read, wrong ones are rarer.",
+        "mark at all. Larger: less clutter is looked at.",
     )
     min_colour_share: float = Field(
-        0.2,
+        0.1,
         ge=0,
         lt=0.5,
-        description="Least share of black sectors, and of white ones, in sight. Larger: the same.",
+        description="Least share of the ring that is black and in sight, and white and in sight, likewise. "
+        "Larger: the same.",
     )
     max_perspective_radii: float = Field(
         0.12,

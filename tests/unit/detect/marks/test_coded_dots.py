@@ -5,7 +5,7 @@ import pytest
 
 from labcal.bench.marks.coded_dots import coded_outcome
 from labcal.bench.marks.coded_picture import CodedPicture, coded_picture
-from labcal.bench.marks.drawn_picture import Exposure, drawn, tilted
+from labcal.bench.marks.drawn_picture import Cover, Exposure, drawn, tilted
 from labcal.detect.marks.coded_dots import find_coded_dots
 from labcal.detect.marks.picture_marks import MarkFlag
 from labcal.targets.coded_dots import RING_INNER, RING_OUTER
@@ -56,14 +56,43 @@ def test_the_name_is_that_of_the_word_however_it_is_turned(mark: int) -> None:
         assert [name for name, ok in zip(marks.point, marks.ok, strict=True) if ok] == [f"ring-23-{mark}"]
 
 
-def test_one_wrong_sector_is_borne_and_four_are_not() -> None:
+def test_two_wrong_sectors_are_borne_and_three_or_four_are_not() -> None:
     word = code_book(CODE).word(57).copy()
-    word[3] = ~word[3]
+    word[[3, 8]] = ~word[[3, 8]]
     assert find_coded_dots(one_mark(word), CODE).point[0] == "ring-23-57"
-    word[[8, 14, 20]] = ~word[[8, 14, 20]]
-    marks = find_coded_dots(one_mark(word), CODE)
-    assert not marks.ok.any()
-    assert MarkFlag.UNKNOWN_CODE in marks.flag
+    for sector in (14, 20):
+        word[sector] = ~word[sector]
+        marks = find_coded_dots(one_mark(word), CODE)
+        assert not marks.ok.any()
+        assert MarkFlag.AMBIGUOUS in marks.flag  # another word is as near
+
+
+def covered(level: float, share: float, mark: int) -> np.ndarray:
+    """Return a picture of one mark with a share of its ring under a sheet of a grey value."""
+    word, rim = code_book(CODE).word(mark), 0.5 * (RING_INNER + RING_OUTER)
+
+    def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        rho = np.hypot(x, y)
+        sector = np.floor((0.4 - np.arctan2(y, x) / (2 * np.pi)) * len(word)).astype(int) % len(word)
+        return np.where((rho < 1.0) | ((rho > RING_INNER) & (rho < RING_OUTER) & word[sector]), 1.0, 0.0)
+
+    exposure = Exposure((130, 120), np.array([[9.0, 0, 64.2], [0, -9.0, 59.7], [0, 0, 1]]), 0.9,
+                        np.array([0.002, -0.001]), 0.015)  # fmt: skip
+    edge = 9.0 * rim * np.cos(np.pi * share)
+    cover = Cover(np.array([64.2 + edge + 60.0, 59.7]), np.array([60.0, 200.0]), 0.0, level)
+    return drawn(exposure, ink, (cover,), np.random.default_rng(mark))
+
+
+@pytest.mark.parametrize("level", [0.0, 0.25, 0.5, 0.95])
+@pytest.mark.parametrize("mark", [4, 61, 95])
+def test_a_ring_that_is_covered_by_a_third_is_read(level: float, mark: int) -> None:
+    found = find_coded_dots(covered(level, 0.3, mark), CODE)
+    assert [name for name, ok in zip(found.point, found.ok, strict=True) if ok] == [f"ring-23-{mark}"]
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5, 0.95])
+def test_a_ring_that_is_covered_by_a_half_has_no_name(level: float) -> None:
+    assert not find_coded_dots(covered(level, 0.5, 61), CODE).ok.any()
 
 
 def test_plain_dots_and_whole_rings_are_no_marks_at_all() -> None:
