@@ -132,7 +132,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 
 def _marks(arguments: Namespace, session: Session, settings: "CheckSettings") -> "NamedPixels | FoundMarks":
     """Return the pixels of fixed marks: those of a table, or those found in pictures."""
-    from labcal.cameras.rig import read_rig
+    from labcal.cameras.rig_file import read_rig
     from labcal.cli.compiling import announce_compiling
     from labcal.correspond.named_pixels_csv import is_pixels, read_pixels
     from labcal.pipeline import MarkSearch, detect_settings, find_marks, open_pictures
