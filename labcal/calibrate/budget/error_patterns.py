@@ -29,7 +29,7 @@ _AFFINE = 3
 
 @dataclass(frozen=True)
 class ViewSums:
-    """Products of the patterns of one view with derivatives and residuals, the view's pose eliminated; whitened.
+    """Products of the patterns of one view with derivatives and residuals, its pose eliminated; whitened.
 
     Attributes
     ----------
