@@ -64,8 +64,9 @@ class BootstrapScatter:
 
         Notes
         -----
-        Samples are drawn without replacement (the bootstrap of m out of n; Politis, Romano and Wolf 1999). A
-        sample with replacement of ten views holds six or seven, whose sigmas are those of a smaller set. One
+        Samples are drawn without replacement (the bootstrap of m out of n; Politis, Romano and Wolf 1999),
+        each with the views that it left out as the next one, so that all views count alike. A sample with
+        replacement of ten views holds six or seven, whose sigmas are those of a smaller set. One
         without is a calibration as any other, with sigmas of its own. Its views are among those of the
         calibration from all of them: the expected square distance of both is the difference of their
         variances (Hausman 1978). Every sample starts from the rig of all views.
@@ -89,8 +90,7 @@ class BootstrapScatter:
         numbers, variances = _numbers(cameras), _variances(cameras, whole.covariance)
         random = generator(seed, "bench solve", "bootstrap")
         off, expected = [], []
-        for _ in range(SAMPLES):
-            drawn = np.sort(random.permutation(len(whole.views))[: len(whole.views) // 2])
+        for drawn in _balanced_halves(len(whole.views), random):
             state = replace(everything, T_world_target=everything.T_world_target[drawn])
             seen = _of_views(observations, drawn)
             found = adjust_in_rounds(state, seen, freedom, radii, eccentricity_rounds)
@@ -101,6 +101,15 @@ class BootstrapScatter:
         of_lens = ratio[:-1].reshape(len(cameras), 2, 2)
         by_kind = of_lens[:, 0].mean(), of_lens[:, 1].mean(), ratio[-1]
         return cls(*(float(np.sqrt(one)) for one in by_kind))
+
+
+def _balanced_halves(views: int, random: np.random.Generator) -> list[np.ndarray]:
+    """Return samples of half of the views, two and two without a view in common."""
+    found: list[np.ndarray] = []
+    for _ in range(SAMPLES // 2):
+        order = random.permutation(views)
+        found += [np.sort(order[: views // 2]), np.sort(order[views - views // 2 :])]
+    return found
 
 
 def _of_views(observations: Observations, drawn: np.ndarray) -> Observations:

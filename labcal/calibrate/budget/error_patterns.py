@@ -1,4 +1,4 @@
-"""Patterns of errors that dots of a view share, and what they do to the residuals of an adjustment."""
+"""Patterns of errors that dots of a view share, and their products with the derivatives of an adjustment."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ _AFFINE = 3
 
 @dataclass(frozen=True)
 class ViewSums:
-    """What the patterns of one view do, after the view's pose has followed; whitened.
+    """Products of the patterns of one view with derivatives and residuals, its pose eliminated; whitened.
 
     Attributes
     ----------
