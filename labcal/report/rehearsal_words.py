@@ -12,7 +12,7 @@ from labcal.wording import counted
 
 def rehearse_table(result: RehearseResult) -> Group:
     """Return the document for people."""
-    head = f"{result.plan}: {' '.join(expected_words(result))}"
+    head = " ".join([f"{result.plan}.", *expected_words(result)])
     table = Table("what helps", "RMS error after it (mm)", "gain")
     for limit in result.limits:
         gain = "-" if limit.why_not else f"{100.0 * limit.gain:.0f}%"
