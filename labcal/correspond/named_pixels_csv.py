@@ -87,7 +87,7 @@ def read_pixels(path: AnyPath) -> NamedPixels:
     if begin and not all(name.encode() in begin for name in SHORT_HEADER):
         raise InputError(
             f"{place} is no table of pixels: its first line should be {','.join(SHORT_HEADER)}, and where "
-            f"known {','.join(HEADER[5:])}. 'labcal convert --from' makes one from tables of DeepLabCut and "
+            f"known {','.join(HEADER[5:])}. 'labcal convert' makes one from tables of DeepLabCut and "
             "anipose (dlc), COLMAP (colmap-tracks), DICe (dice-subsets) and any with columns that you name "
             "(columns)."
         )

@@ -230,7 +230,7 @@ def errors_against_truth(
 def _shapes(
     kept: Points, true: Vectors3, origin: PointOrigin | None, detections: Detections | None, truth: Truth
 ) -> ShapeCoverage:
-    """Return the coverage of planes and motions of a rig's points, told in its first camera's frame."""
+    """Return the coverage of planes and motions of a rig's points, in the frame of its first camera."""
     if origin is None or not origin.triangulated or detections is None:
         return ShapeCoverage()
     first = next(iter(origin.rig.cameras))

@@ -1,6 +1,6 @@
 """Planes and rigid motions of points against the truth, by sigmas from the joint covariance of the rig.
 
-Both are told in the frame of the first camera, which the rig and the truth have in common: no alignment takes
+Both are in the frame of the first camera, which the rig and the truth have in common: no alignment takes
 a part of their errors away.
 """
 

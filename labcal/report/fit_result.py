@@ -206,9 +206,7 @@ def _adjustment_words(result: FitResult) -> str:
 def _stage_words(result: FitResult) -> str:
     """Return what errors of the stage add to the expected error, or that no sigma holds them."""
     if result.stage is None:
-        return (
-            "errors of the stage are in no sigma, since none are stated (--stage-sigma-mm, --stage-sigma-deg)"
-        )
+        return "errors of the stage are in no sigma: none are stated (stage-sigma-mm, stage-sigma-deg)"
     stated = f"{result.stage.mm:g} mm, {result.stage.deg:g} deg"
     added = [model.expected.stage_mm for model in result.models if model.expected is not None]
     if not added:

@@ -129,5 +129,5 @@ def test_what_is_read_has_the_numbers_of_its_names(tmp_path: Path) -> None:
 
 def test_a_table_of_another_program_is_told_how_to_become_one(tmp_path: Path) -> None:
     path = table(tmp_path, "scorer,net,net\nbodyparts,tip,tip\ncoords,x,y\n0,1,2\n")
-    with pytest.raises(InputError, match=r"is no table of pixels: .*'labcal convert --from' makes one"):
+    with pytest.raises(InputError, match=r"is no table of pixels: .*'labcal convert' makes one"):
         read_pixels(path)
