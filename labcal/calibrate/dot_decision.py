@@ -24,7 +24,7 @@ UNEVEN = 3.0
 CHANCE = 0.01
 """Most probable chance of an advantage in held-out views."""
 _FIRST_FOLDS, _SURE_CHANCE = 2, 1e-4
-"""Where the first parts of the views say so surely that freed dots are better, no more are held out."""
+"""Number of parts of the views after which no more are held out, and the chance below which this is so."""
 
 Calibrate = Callable[[list[SingleCalibration], DotDecision], HandheldCalibration]
 """Calibrates the rig, of cameras that are calibrated alone with their dots treated as is decided."""
