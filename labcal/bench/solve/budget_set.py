@@ -71,7 +71,7 @@ class BudgetFigures(BaseModel):
     parameters: Measured
     """Squared errors of the cameras in units of their covariance, per parameter; NaN for another lens."""
     warned: bool
-    """`calibrate` warns that views disagree."""
+    """`calibrate` warns that views disagree, or that the lens lacks coefficients."""
 
 
 def measured_set(case: BudgetSet) -> BudgetFigures:
@@ -104,7 +104,8 @@ def measured_set(case: BudgetSet) -> BudgetFigures:
             reconstruction, everything, members[(placed[members] & placed[members + POINTS]).all(axis=1)]
         ),
         parameters=_per_parameter(cameras, kind.cameras(), rig.covariance.matrix),
-        warned=found.sources.views.is_beyond_chance,
+        warned=found.sources.views.is_beyond_chance
+        or any(fit.misfit is not None for fit in found.fits.values()),
     )
 
 
