@@ -36,10 +36,10 @@ def check_findings(bench: Bench) -> Findings:
     """Return false alarms, missed changes, wrongly named cameras, and errors after the correction."""
     seeds = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else SETS))
     more = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else MORE_SETS))
-    kinds = QUICK_KINDS if bench.quick else KINDS
+    pairs = QUICK_KINDS if bench.quick else KINDS
     held = [CheckSet(*cell, seed) for cell in product(KINDS, PRINTS, VIEWS) for seed in seeds]
-    drawn = [DrawnSet(kind, seed) for kind in kinds for seed in more]
-    marks = [MarkSet(kind, seed) for kind in kinds for seed in more]
+    drawn = [DrawnSet(kind, seed) for kind in pairs for seed in more]
+    marks = [MarkSet(kind, seed) for kind in pairs for seed in more]
     with bench.executor(len(held) + len(drawn) + len(marks)) as executor:
         where = (CheckFigures, bench.folder / "checks", executor, bench.progress)
         found = {
@@ -56,14 +56,14 @@ def check_findings(bench: Bench) -> Findings:
     return Findings(checks, references)
 
 
-def _findings(name: str, found: Sequence[CheckFigures], nameable: tuple[ChangeKind, ...]) -> Findings:
+def _findings(name: str, found: Sequence[CheckFigures], kinds: tuple[ChangeKind, ...]) -> Findings:
     """Return the checks of one way to check.
 
     Parameters
     ----------
     name : str
     found : sequence of CheckFigures
-    nameable : tuple of ChangeKind
+    kinds : tuple of ChangeKind
         Kinds of changes whose camera the pictures determine.
     """
     still = sum(one.unchanged for one in found)
@@ -73,7 +73,7 @@ def _findings(name: str, found: Sequence[CheckFigures], nameable: tuple[ChangeKi
     telling = [one for one in changed if one.cost_sigmas > TELLING_SIGMAS]
     missed = sum(not one.found for one in telling) / max(1, len(telling))
     mended = [one.mended_sigmas for one in changed if one.found and np.isfinite(one.mended_sigmas)]
-    to_name = [one for one in telling if one.kind in nameable]
+    to_name = [one for one in telling if one.kind in kinds]
     unnamed = sum(one.named is not True for one in to_name) / max(1, len(to_name))
     named = [one.named for one in changed if one.found and one.named is not None]
     wrong = 1.0 - float(np.mean(named)) if named else 0.0
@@ -82,7 +82,7 @@ def _findings(name: str, found: Sequence[CheckFigures], nameable: tuple[ChangeKi
         at_most(f"{name}, {len(telling)} changes that cost more than 3 sigma: share missed", missed, 0.0),
         at_most(f"{name}, {len(named)} cameras named: share of wrong ones", wrong, WRONG_CAMERAS),
         at_most(
-            f"{name}, {len(to_name)} of these, camera {listed([one.value for one in nameable])}: share not named",
+            f"{name}, {len(to_name)} of these, camera {listed([one.value for one in kinds])}: share not named",
             unnamed,
             WRONG_CAMERAS,
         ),
