@@ -77,12 +77,13 @@ def _findings(name: str, found: Sequence[CheckFigures], kinds: tuple[ChangeKind,
     unnamed = sum(one.named is not True for one in to_name) / max(1, len(to_name))
     named = [one.named for one in changed if one.found and one.named is not None]
     wrong = 1.0 - float(np.mean(named)) if named else 0.0
+    words = listed([kind.value for kind in kinds])
     checks = [
         at_most(f"{name}, {still} unchanged rigs: share of false alarms", alarms, float(granted)),
         at_most(f"{name}, {len(telling)} changes that cost more than 3 sigma: share missed", missed, 0.0),
         at_most(f"{name}, {len(named)} cameras named: share of wrong ones", wrong, WRONG_CAMERAS),
         at_most(
-            f"{name}, {len(to_name)} of these, camera {listed([one.value for one in kinds])}: share not named",
+            f"{name}, {len(to_name)} of these, camera {words}: share not named",
             unnamed,
             WRONG_CAMERAS,
         ),
