@@ -51,9 +51,9 @@ def check_page(found: RigCheck, records: Sequence[CheckRecord], maker: PageMaker
     """
     names = list(found.rig.cameras)
     marks = found.tested.made.marks
-    told = (unnamed_words(found), _BY_MARKS if marks else _AMBIGUOUS)
+    notes = (unnamed_words(found), _BY_MARKS if marks else _AMBIGUOUS)
     sections = [
-        Section("What changed", [Prose((_CHANGES, *(words for words in told if words))), _changes(found)]),
+        Section("What changed", [Prose((_CHANGES, *(words for words in notes if words))), _changes(found)]),
         Section("What could have been found", [Prose((_SMALLEST,)), _smallest(found)]),
     ]
     if records:

@@ -147,7 +147,7 @@ def unnamed_words(found: RigCheck) -> str:
     words = f"Which camera: {odds} (probabilities; one is named from {LIKELY:.2f} on)."
     if found.tested.made.marks:
         return words
-    return f"{words} Marks that stay in place, measured before, would tell: --places."
+    return f"{words} Marks that stay in place, measured before, would show it."
 
 
 def cost_words(found: RigCheck) -> str:

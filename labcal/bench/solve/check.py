@@ -25,9 +25,9 @@ TELLING_SIGMAS = 3.0
 WRONG_CAMERAS = 0.05
 MENDED_SIGMAS = 1.5
 """RMS error of points after the correction, in units of the budget before."""
-_TOLD = (ChangeKind.TURNED, ChangeKind.SHIFTED, ChangeKind.REFOCUSED)
-_TOLD_BY_A_TARGET = (ChangeKind.TURNED, ChangeKind.REFOCUSED)
-"""Between two cameras, a target in the hand does not tell which one was shifted."""
+_NAMED_BY_MARKS = (ChangeKind.TURNED, ChangeKind.SHIFTED, ChangeKind.REFOCUSED)
+_NAMED_BY_A_TARGET = (ChangeKind.TURNED, ChangeKind.REFOCUSED)
+"""Between two cameras, a target in the hand does not determine which one was shifted."""
 _CHANCE = 2.6
 """Standard errors of a share that chance is granted."""
 
@@ -36,10 +36,10 @@ def check_findings(bench: Bench) -> Findings:
     """Return false alarms, missed changes, wrongly named cameras, and errors after the correction."""
     seeds = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else SETS))
     more = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else MORE_SETS))
-    kinds = QUICK_KINDS if bench.quick else KINDS
+    pairs = QUICK_KINDS if bench.quick else KINDS
     held = [CheckSet(*cell, seed) for cell in product(KINDS, PRINTS, VIEWS) for seed in seeds]
-    drawn = [DrawnSet(kind, seed) for kind in kinds for seed in more]
-    marks = [MarkSet(kind, seed) for kind in kinds for seed in more]
+    drawn = [DrawnSet(kind, seed) for kind in pairs for seed in more]
+    marks = [MarkSet(kind, seed) for kind in pairs for seed in more]
     with bench.executor(len(held) + len(drawn) + len(marks)) as executor:
         where = (CheckFigures, bench.folder / "checks", executor, bench.progress)
         found = {
@@ -49,22 +49,22 @@ def check_findings(bench: Bench) -> Findings:
         }
     checks, references = [], []
     for name, figures in found.items():
-        tells_shifts = name == "fixed marks"
-        both = _findings(f"check, {name}", figures, _TOLD if tells_shifts else _TOLD_BY_A_TARGET)
+        by_marks = name == "fixed marks"
+        both = _findings(f"check, {name}", figures, _NAMED_BY_MARKS if by_marks else _NAMED_BY_A_TARGET)
         checks += both.checks
         references += both.references
     return Findings(checks, references)
 
 
-def _findings(name: str, found: Sequence[CheckFigures], told: tuple[ChangeKind, ...]) -> Findings:
+def _findings(name: str, found: Sequence[CheckFigures], kinds: tuple[ChangeKind, ...]) -> Findings:
     """Return the checks of one way to check.
 
     Parameters
     ----------
     name : str
     found : sequence of CheckFigures
-    told : tuple of ChangeKind
-        Kinds of which the pictures tell the camera.
+    kinds : tuple of ChangeKind
+        Kinds of changes whose camera the pictures determine.
     """
     still = sum(one.unchanged for one in found)
     alarms = sum(one.alarms for one in found) / still
@@ -73,16 +73,17 @@ def _findings(name: str, found: Sequence[CheckFigures], told: tuple[ChangeKind, 
     telling = [one for one in changed if one.cost_sigmas > TELLING_SIGMAS]
     missed = sum(not one.found for one in telling) / max(1, len(telling))
     mended = [one.mended_sigmas for one in changed if one.found and np.isfinite(one.mended_sigmas)]
-    to_name = [one for one in telling if one.kind in told]
+    to_name = [one for one in telling if one.kind in kinds]
     unnamed = sum(one.named is not True for one in to_name) / max(1, len(to_name))
     named = [one.named for one in changed if one.found and one.named is not None]
     wrong = 1.0 - float(np.mean(named)) if named else 0.0
+    words = listed([kind.value for kind in kinds])
     checks = [
         at_most(f"{name}, {still} unchanged rigs: share of false alarms", alarms, float(granted)),
         at_most(f"{name}, {len(telling)} changes that cost more than 3 sigma: share missed", missed, 0.0),
         at_most(f"{name}, {len(named)} cameras named: share of wrong ones", wrong, WRONG_CAMERAS),
         at_most(
-            f"{name}, {len(to_name)} of these, camera {listed([one.value for one in told])}: share not named",
+            f"{name}, {len(to_name)} of these, camera {words}: share not named",
             unnamed,
             WRONG_CAMERAS,
         ),

@@ -29,6 +29,7 @@ from labcal.targets.grid import DotGrid
 VIEWS = 12
 UNCHANGED = 4
 """Checks of each rig as it was."""
+MOST_SHOTS = 20
 ROUNDS = 2
 """Changes of each kind."""
 
@@ -56,9 +57,13 @@ def measured_drawn(case: DrawnSet) -> CheckFigures:
     rig = calibrate_handheld(_dots(drawn, target, random), target, "brown5", HandheldSettings()).rig
 
     def check(change: Change | None, size: np.ndarray) -> RigCheck:
-        held = replace(true, T_world_target=np.array(kind.poses(NEW_VIEWS, random)))
-        held = held if change is None else change.applied(held, size)
-        return checked(rig, _dots(held, target, random), target)
+        for _ in range(MOST_SHOTS):  # until all pictures can be measured, as whoever takes them sees to
+            held = replace(true, T_world_target=np.array(kind.poses(NEW_VIEWS, random)))
+            held = held if change is None else change.applied(held, size)
+            dots = _dots(held, target, random)
+            if len(set(dots.image[dots.has_id & (dots.flag == "ok")].tolist())) == NEW_VIEWS * len(CAMERAS):
+                break
+        return checked(rig, dots, target)
 
     still = [check(None, np.zeros(0)) for _ in range(UNCHANGED)]
     changes = [one for _ in range(ROUNDS) for one in random_changes(random)]

@@ -90,7 +90,7 @@ class Change:
         """Return each camera's elements, and where they are in the vector.
 
         Of all cameras the first one stays where it is: it is the world. Cameras that move together have one
-        motion, which is told along the axes of the first of them.
+        motion, along the axes of the first of them.
         """
         first = 0
         together = self.kind is ChangeKind.TOGETHER

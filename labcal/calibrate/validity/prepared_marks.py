@@ -123,7 +123,7 @@ def _known_marks(places: NamedPoints) -> tuple[tuple[str, ...], Vectors3, PointC
     if not good.any():
         raise InputError(
             "No place of a mark is usable: each needs the flag 'ok' and a covariance. Measure the marks with "
-            "this rig: labcal measure RIG PICTURES --markers KIND -o places.csv."
+            "this rig, as `labcal measure` does."
         )
     names = tuple(dict.fromkeys(places.name[good].tolist()))
     numbers = np.array([names.index(name) for name in places.name[good].tolist()])
