@@ -20,6 +20,7 @@ from labcal.errors import InputError
 from labcal.evaluate.acceptance.reference_lengths import ReferenceLengths
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
+from labcal.wording import clipped
 
 LINES, LENGTHS, SPACE = 7, 5, 3
 LONGEST_SHARE = 2.0 / 3.0
