@@ -96,7 +96,7 @@ def write_marks(arguments: Namespace, session: Session) -> ExitStatus:
         open_pictures,
         write_mark_overlays,
     )
-    from labcal.pipeline.marks import refuse_pixels
+    from labcal.pipeline.marks import refuse_pixel_sigma, refuse_pixels
     from labcal.reconstruct.reconstruction import load_reconstructor
     from labcal.report.mark_overlays import mark_overlay_command
     from labcal.run.claims import FileOutput, FolderOutput, claim_outputs
@@ -110,6 +110,7 @@ def write_marks(arguments: Namespace, session: Session) -> ExitStatus:
         detect_settings(arguments.changes),
     )
     refuse_pixels(arguments.source)
+    refuse_pixel_sigma(settings.pixel_sigma)
     pictures = open_pictures(arguments.source, arguments.cameras)
     if arguments.pixels is not None:
         outputs.append(FileOutput(arguments.pixels, PIXELS))

@@ -91,6 +91,21 @@ def find_marks(
     return found_marks(used, measured, mark_pixels(measured, kinds, search.mark_diameter))
 
 
+def refuse_pixel_sigma(pixel_sigma: float | None) -> None:
+    """Raise where a noise is stated of pixels of marks, before they are looked for.
+
+    Raises
+    ------
+    InputError
+        The noise is not None.
+    """
+    if pixel_sigma is not None:
+        raise InputError(
+            "Marks that are found have covariances of their own, so that `pixel_sigma` would be dropped. "
+            "Leave it out."
+        )
+
+
 def refuse_pixels(given: object) -> None:
     """Raise where named pixels are given in place of pictures.
 

@@ -10,7 +10,7 @@ from labcal.correspond.named_pixels import NamedPixels
 from labcal.errors import InputError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
-from labcal.pipeline.marks import AnyMarkers, find_marks
+from labcal.pipeline.marks import AnyMarkers, find_marks, refuse_pixel_sigma
 from labcal.shoot.pictures import SUFFIXES
 from labcal.targets.catalogue import target_of
 from labcal.targets.target import Target
@@ -93,6 +93,7 @@ def measure(
     shown = target_of(target) if isinstance(target, str | os.PathLike) else target
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     if markers is not None:
+        refuse_pixel_sigma(how.pixel_sigma)
         pixels = find_marks(used, cast("AnyPictures", pixels), markers)
     marks = pixels if isinstance(pixels, FoundMarks) else None
     given = _named(pixels) if marks is None else marks.pixels

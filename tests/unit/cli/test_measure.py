@@ -125,7 +125,7 @@ def test_displacements_and_scale_bars_are_those_of_python(capfd: pytest.CaptureF
     assert main([*words, "--quiet"]) == 2  # nothing is overwritten
     assert main([*words, "--force"]) == 0
     words = capfd.readouterr().out
-    assert "displacements in 1 view since 'moved' in since.csv" in words
+    assert "since.csv: displacements in 1 view since 'moved'" in words
     assert "2 measurements of scale bars" in words
 
 

@@ -132,6 +132,16 @@ def test_wrong_use_says_what_to_do(words: list[str], told: str, capfd: pytest.Ca
     assert not Path("out.csv").exists()
 
 
+def test_a_noise_is_refused_before_marks_are_looked_for(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked_for: list[object] = []
+    monkeypatch.setattr("labcal.pipeline.find_marks", lambda *given: looked_for.append(given))
+    assert command("--markers", "ring-23", "--pixel-sigma", "1", "-o", "out.csv") == 2
+    assert "--pixel-sigma would be dropped" in capfd.readouterr().err
+    assert looked_for == []
+
+
 def test_a_diameter_that_contradicts_the_pictures_is_warned_of(capfd: pytest.CaptureFixture[str]) -> None:
     assert command("--markers", "ring-23", "--mark-diameter", "9", "-o", "out.csv") == 0
     assert "times as large as stated" in capfd.readouterr().err.replace("\n", " ")
