@@ -20,8 +20,7 @@ _ROUNDS = 2
 _FEWEST = 8
 """Samples in sight, by which the noise is measured."""
 _GREY = 0.25
-"""Most that a sector costs, when likely words are sought: as a grey one does. A ring that is off by less looks
-like the word."""
+"""Most that a sector costs, when likely words are sought: as a grey one does. Less is no contradiction."""
 
 
 @dataclass(frozen=True)
