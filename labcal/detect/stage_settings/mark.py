@@ -68,7 +68,7 @@ class MarkSettings(StageSettings):
         "fewer covers are seen.",
     )
     max_hidden_share: float = Field(
-        0.38,
+        0.45,
         ge=0,
         le=0.6,
         description="Most of a ring that may be hidden, blurred ends of covers, too. Larger: more marks are "
