@@ -82,7 +82,7 @@ class MarkSettings(StageSettings):
         "fewer marks are read, wrong ones are rarer.",
     )
     min_evidence_log: float = Field(
-        1.0,
+        0.9,
         ge=0,
         le=10,
         description="The same over that of a ring of which nothing is in sight, a sample. Larger: fewer "
