@@ -75,14 +75,14 @@ class MarkSettings(StageSettings):
         "read, by fewer sectors.",
     )
     min_margin_log: float = Field(
-        36.0,
+        40.0,
         ge=1,
         le=1000,
         description="Least likelihood of the best word over that of the best of any other mark. Larger: "
         "fewer marks are read, wrong ones are rarer.",
     )
     min_evidence_log: float = Field(
-        0.9,
+        1.0,
         ge=0,
         le=10,
         description="The same over that of a ring of which nothing is in sight, a sample. Larger: fewer "
