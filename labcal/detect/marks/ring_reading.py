@@ -20,8 +20,10 @@ _ROUNDS = 2
 _FEWEST = 8
 """Samples in sight, by which the noise is measured."""
 _GREY = 0.25
-"""Most that a sector costs, when likely words are sought: as a grey one does. A ring that is off by less looks
-like the word."""
+"""Most that a sector costs, when likely words are sought: as a grey one does."""
+
+_UNLIKE = 0.5
+"""Departure of a hidden ring from the word, as a grey value, from which on it is not like it."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ def read_ring(samples: RingSamples, blur: RingBlur, book: CodeBook, settings: Ma
         row=int(row[best]),
         start=int(start[best]),
         hidden=hidden,
-        unlike=hidden & ~(np.abs(samples.ring - printed[1][best]) < _GREY),
+        unlike=hidden & ~(np.abs(samples.ring - printed[1][best]) < _UNLIKE),
     )
     flag = _flag(reading, printed[1][best][~hidden] > 0.5 * blur.ring[~hidden], settings)
     return reading if flag is MarkFlag.OK else replace(reading, flag=flag, mark=-1)

@@ -68,14 +68,14 @@ class MarkSettings(StageSettings):
         "fewer covers are seen.",
     )
     max_hidden_share: float = Field(
-        0.38,
+        0.45,
         ge=0,
         le=0.6,
         description="Most of a ring that may be hidden, blurred ends of covers, too. Larger: more marks are "
         "read, by fewer sectors.",
     )
     min_margin_log: float = Field(
-        36.0,
+        40.0,
         ge=1,
         le=1000,
         description="Least likelihood of the best word over that of the best of any other mark. Larger: "
