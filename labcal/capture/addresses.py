@@ -35,7 +35,9 @@ KINDS: Mapping[str, SourceKind] = {
         SourceKind(
             "watch", "PATH", "pictures that another program drops into a folder, as they appear", "watch"
         ),
-        SourceKind("video", "PATH", "a video file; several with --video-offset", "video"),
+        SourceKind(
+            "video", "PATH", "a video file; several are put in time by the motion of the target", "video"
+        ),
         SourceKind("uvc", "NUMBER", "a webcam, by OpenCV's number (0 is the first)", "uvc"),
         SourceKind(
             "genicam",

@@ -9,7 +9,14 @@ from labcal.paths import AnyPath
 
 @dataclass(frozen=True)
 class SourceSettings:
-    """Settings that sources take as far as they apply to them."""
+    """Settings that sources take as far as they apply to them.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import SourceSettings
+    >>> SourceSettings(cameras="_0=left,_1=right").timeout_s
+    5.0
+    """
 
     exposure_us: float | None = None
     """Exposure time to set and lock, microseconds; as the device has it where left out."""
@@ -32,7 +39,15 @@ class SourceSettings:
 
 @dataclass(frozen=True)
 class CaptureSettings:
-    """Settings of a capture."""
+    """Settings of a capture.
+
+    Examples
+    --------
+    >>> from labcal.pipeline import CaptureSettings, SourceSettings
+    >>> ten = CaptureSettings(views=10, source_settings=SourceSettings(exposure_us=5000.0))
+    >>> ten.views, ten.max_skew_ms
+    (10, 50.0)
+    """
 
     views: int | None = None
     """Number of views; of recordings, all that they hold where left out."""

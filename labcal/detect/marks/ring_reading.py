@@ -117,9 +117,27 @@ def _flag(reading: RingReading, black: Mask, settings: MarkSettings) -> MarkFlag
         return None
     if reading.hidden.mean() > settings.max_hidden_share:
         return MarkFlag.HIDDEN
-    if reading.evidence < settings.min_evidence_log:
+    if reading.evidence < settings.min_evidence_log or arcs_with(reading.hidden, reading.unlike) > 1:
         return MarkFlag.UNKNOWN_CODE
     return MarkFlag.AMBIGUOUS if reading.margin < settings.min_margin_log else MarkFlag.OK
+
+
+def arcs_with(hidden: Mask, unlike: Mask) -> int:
+    """Return the number of hidden arcs of a ring in which it looks otherwise than the word.
+
+    What hides a ring hides one arc. A ring that contradicts a word in two places is of another, or of none:
+    every seventh ring of chance is within two sectors of some word of a code of 23.
+
+    Parameters
+    ----------
+    hidden, unlike : ndarray of bool, shape (angles,)
+    """
+    begins = np.flatnonzero(hidden & ~np.roll(hidden, 1))
+    if not len(begins):
+        return int(unlike.any())
+    turned, marked = np.roll(hidden, -begins[0]), np.roll(unlike, -begins[0])
+    arc = np.cumsum(turned & ~np.concatenate([[False], turned[:-1]]))
+    return len(np.unique(arc[turned & marked]))
 
 
 def has_white_gap(samples: RingSamples, settings: MarkSettings) -> bool:

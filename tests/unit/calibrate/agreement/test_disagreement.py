@@ -187,7 +187,8 @@ def test_only_the_camera_that_loses_a_picture_is_calibrated_anew(
         called.append(name)
         return calibrate_single(name, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("labcal.calibrate.handheld.calibrate_single", counted)
+    for home in ("handheld", "prepared_cameras"):
+        monkeypatch.setattr(f"labcal.calibrate.{home}.calibrate_single", counted)
     found = calibrate_handheld(replace(dots, index=index), TARGET, "brown5", CENTRES)
     assert called == ["left", "right", "right"]
     assert len(found.skipped) == 1
