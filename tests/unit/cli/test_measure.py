@@ -138,7 +138,6 @@ def test_options_of_displacements_and_bars_are_refused_where_they_do_nothing(
         (["--displacements", "d.csv"], "All points are of one view, 'block'"),
         (["--scale-sigma-ppm", "5"], "Give --scale-bar, too"),
         (["--scale-bar", "origin,tip,1"], "is no scale bar"),
-        (["--scale-bar", "origin,tip,75.5,0.01", "--frame", FRAME], "--scale-bar give points in the world"),
         (["--budget", "full"], "or leave --budget out"),
     ):
         assert main([*start, *words]) == 2
