@@ -146,8 +146,9 @@ def _rounds(stage: _Stage, seen: _Seen, asked: Asked) -> Iterator[_Learned]:
         camera = found.camera
         x = Places.of(camera, p).inputs(camera, at, p)
         by_camera = found.placed.seen(p).by_camera
-        residual = seen.q - camera.project(p).q
-        by_stage = None if moves is None else moves.pixels(camera, p)
+        residual = -found.residual
+        if moves is not None:  # that of the camera is without them
+            residual, by_stage = seen.q - camera.project(p).q, moves.pixels(camera, p)
         likely = field_scale(x, residual, by_camera, scale, by_stage)
         scale, waves = likely.scale, waves or likely.waves
         if scale.amplitude_px == 0.0:
