@@ -109,7 +109,7 @@ class _Compared:
     expected: Float64[np.ndarray, " n"]
     """Of their squares, px squared."""
     times: Float64[np.ndarray, " n"]
-    """How many times its median by chance each square is."""
+    """Squares over their median by chance."""
     view: np.ndarray
     """(n,) of str"""
 

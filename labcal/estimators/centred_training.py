@@ -49,7 +49,7 @@ class CentredTraining:
     stage: StageErrors | None = None
     """Errors of the cameras by those of a stage, where these are stated."""
     moves: StageMoves | None = None
-    """What these do to the training points."""
+    """Motions of the training points by these."""
 
 
 def centred_training(

@@ -22,7 +22,7 @@ FEWEST = 20
 
 @dataclass(frozen=True)
 class Judgement:
-    """What speaks against named points.
+    """The doubts about named points.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ _POSE = 6
 
 @dataclass(frozen=True)
 class StageMoves:
-    """What errors of a stage of one standard deviation do to training points.
+    """Motions of training points by errors of a stage, of one standard deviation.
 
     Attributes
     ----------
