@@ -11,16 +11,15 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from labcal.arrays import Vectors3
+from labcal.calibrate.residual_level import CHANCE
+from labcal.calibrate.residual_parts import ResidualParts
 from labcal.calibrate.triangulation_check import scatter_of
 from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.camera import Camera
-from labcal.cameras.parameter_derivatives import parameter_count, parameter_derivatives, parameter_slices
 from labcal.correspond.matching import Matches
 from labcal.distributions import chi2_upper
 
-CHANCE = 1e-4
-"""Probability below which chance is no explanation."""
-_MOST = 3000
+MOST = 3000
 """Points that are tested: more add nothing that the calibration's own errors would not cover."""
 _OUTLYING = 60.0
 """Times the median square of residuals: of normal ones one in ten billion."""
@@ -79,31 +78,21 @@ def systematic_residual(
 
     Notes
     -----
-    Let J (2 c x 3) be the derivatives of a point's pixels by the point, and N an orthonormal basis of the
-    left null space of J. The parts N'r of its residuals r do not depend on the point; by the cameras'
-    parameters they have the derivatives -N'G. Of all points together, z = U'(N'r) with an orthonormal basis U
-    of what changes of whole pictures do to N'r has the covariance U'(N'SN + N'G C G'N)U, where S holds the
+    The parts N'r of a point's residuals r (:class:`~labcal.calibrate.residual_parts.ResidualParts`) have the
+    derivatives -N'G by the cameras' parameters. Of all points together, z = U'(N'r) with an orthonormal basis
+    U of what changes of whole pictures do to N'r has the covariance U'(N'SN + N'G C G'N)U, where S holds the
     variances of pixels and C that of the cameras: z' cov^-1 z is chi-square.
     """
     rows = np.flatnonzero(np.isfinite(point).all(axis=1))
-    rows = rows[:: -(-len(rows) // _MOST) or 1]
+    rows = rows[:: -(-len(rows) // MOST) or 1]
     if len(rows) < _FEWEST:
         return None
-    q, by_point, by_cameras = _derivatives(cameras, point[rows])
-    n, width = len(rows), 2 * len(cameras)
-    residual = (matches.q[rows] - q).reshape(n, width)
-    _, _, axes = np.linalg.svd(by_point.transpose(0, 2, 1))
-    null = axes[:, 3:].reshape(n, width - 3, width)
-    seen = np.einsum("nkw,nw->nk", null, residual)
-    variance = np.zeros((n, width, width))
-    for number in range(len(cameras)):
-        at = slice(2 * number, 2 * number + 2)
-        variance[:, at, at] = matches.covariance[rows, number] + scatter_of(calibration) ** 2 * np.eye(2)
-    noise = np.einsum("nkw,nwv,njv->nkj", null, variance, null)
-    good = _inlying(seen, noise)
-    null, seen, noise = null[good], seen[good], noise[good]
-    by = -np.einsum("nkw,nwp->nkp", null, by_cameras[good]).reshape(seen.size, -1)
-    changes = np.einsum("nkw,nwc->nkc", null, _changes(cameras, q[good])).reshape(seen.size, -1)
+    chosen = range(len(cameras))
+    parts = ResidualParts.of(cameras, chosen, matches.where(rows), point[rows], scatter_of(calibration))
+    good = _inlying(parts.seen, parts.noise)
+    null, seen, noise = parts.null[good], parts.seen[good], parts.noise[good]
+    by = parts.by_cameras[good].reshape(seen.size, -1)
+    changes = np.einsum("nkw,nwc->nkc", null, _changes(cameras, parts.q[good])).reshape(seen.size, -1)
     U, size, _ = np.linalg.svd(changes / np.linalg.norm(changes, axis=0).clip(1e-300), full_matrices=False)
     U = U[:, size > _DETERMINED * size[0]]
     z = U.T @ seen.ravel()
@@ -121,24 +110,6 @@ def systematic_residual(
         expected_px=float(np.sqrt(np.trace(covariance) / pixels)),
         p_value=chi2_upper(chi_square, len(z)),
     )
-
-
-def _derivatives(
-    cameras: Sequence[Camera], p: Vectors3
-) -> tuple[
-    Float64[np.ndarray, "n cameras 2"],
-    Float64[np.ndarray, "n pixels 3"],
-    Float64[np.ndarray, "n pixels free"],
-]:
-    """Return images of points with their derivatives by the point and by the parameters of all cameras."""
-    q = np.empty((len(p), len(cameras), 2))
-    by_point = np.empty((len(p), 2 * len(cameras), 3))
-    by_cameras = np.zeros((len(p), 2 * len(cameras), parameter_count(cameras)))
-    for number, (camera, place) in enumerate(zip(cameras, parameter_slices(cameras), strict=True)):
-        found, at = parameter_derivatives(camera, p), slice(2 * number, 2 * number + 2)
-        q[:, number], by_point[:, at] = found.q, found.by_point
-        by_cameras[:, at, place] = found.by_parameters[:, :, : place.stop - place.start]
-    return q, by_point, by_cameras
 
 
 def _changes(

@@ -1,10 +1,10 @@
 """Comparison of triangulation residuals with those of the calibration."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
 from labcal.cameras.calibration_record import CalibrationRecord
@@ -45,33 +45,73 @@ class TriangulationCheck:
         cls, residuals: TriangulationResiduals, matches: Matches, calibration: CalibrationRecord | None
     ) -> "TriangulationCheck":
         """Compare the residuals of matched dots with their expectation."""
-        return cls.of_groups([(residuals, matches)], calibration)
+        expected = _expected(matches, scatter_of(calibration))
+        compared = _Compared(residuals.px, expected, _times(residuals, expected), matches.view)
+        return cls._by(compared, calibration, lambda _: True)
 
     @classmethod
     def of_groups(
         cls,
         groups: Sequence[tuple[TriangulationResiduals, Matches]],
         calibration: CalibrationRecord | None,
+        beyond_chance: Callable[[Int64[np.ndarray, " rows"]], bool],
     ) -> "TriangulationCheck":
-        """Compare the residuals of points that different cameras see, a group for each set of cameras."""
+        """Compare the residuals of points that different cameras see.
+
+        Parameters
+        ----------
+        groups : sequence of (TriangulationResiduals, Matches)
+            For each set of cameras, weighed by pixels that scatter by the calibration, too.
+        calibration : CalibrationRecord or None
+        beyond_chance : callable
+            Tells of numbers of points, group after group, whether residuals as large as theirs are beyond
+            chance: those of a few points are by chance twice as large as expected.
+        """
         scatter = scatter_of(calibration)
-        expected = np.concatenate([_expected(matches, scatter) for _, matches in groups])
-        px = np.concatenate([residuals.px for residuals, _ in groups])
-        times = np.concatenate([_times(residuals, _expected(of, scatter)) for residuals, of in groups])
-        view = np.concatenate([matches.view for _, matches in groups])
+        compared = _Compared(
+            np.concatenate([residuals.px for residuals, _ in groups]),
+            np.concatenate([_expected(matches, scatter) for _, matches in groups]),
+            np.concatenate([of.chi_square / chi2_quantile(0.5, of.freedom) for of, _ in groups]),
+            np.concatenate([matches.view for _, matches in groups]),
+        )
+        return cls._by(compared, calibration, beyond_chance)
+
+    @classmethod
+    def _by(
+        cls,
+        compared: "_Compared",
+        calibration: CalibrationRecord | None,
+        beyond_chance: Callable[[Int64[np.ndarray, " rows"]], bool],
+    ) -> "TriangulationCheck":
+        px, times, view = compared.px, compared.times, compared.view
         finite = np.isfinite(px)
         square = float((px[finite] ** 2).mean()) if finite.any() else float("nan")
         by_view = rows_by_name(view)
         off = [
             name
             for name, rows in by_view.items()
-            if len(rows) >= _FEWEST and float(np.median(times[rows])) > _TIMES_IN_VIEW
+            if len(rows) >= _FEWEST and float(np.median(times[rows])) > _TIMES_IN_VIEW and beyond_chance(rows)
         ]
-        rest = ~np.isin(view, off)
-        inconsistent = float(np.median(times[rest])) > _TIMES if rest.any() else len(view) > 0
+        rest = np.flatnonzero(~np.isin(view, off))
+        inconsistent = len(view) > 0
+        if len(rest):
+            inconsistent = float(np.median(times[rest])) > _TIMES and beyond_chance(rest)
         views = tuple(by_view) if inconsistent else tuple(off)
         assumed = calibration is None or calibration.scatter_px is None
-        return cls(np.sqrt(square), float(np.sqrt(expected.mean())), assumed, inconsistent, views)
+        return cls(np.sqrt(square), float(np.sqrt(compared.expected.mean())), assumed, inconsistent, views)
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Residuals and their expectation, by point."""
+
+    px: Float64[np.ndarray, " n"]
+    expected: Float64[np.ndarray, " n"]
+    """Of their squares, px squared."""
+    times: Float64[np.ndarray, " n"]
+    """Squares over their median by chance."""
+    view: np.ndarray
+    """(n,) of str"""
 
 
 def scatter_of(calibration: CalibrationRecord | None) -> float:

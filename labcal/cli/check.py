@@ -5,7 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_detector_settings, add_page, add_pictures, add_workers, refuse_option
+from labcal.cli.options import (
+    add_detector_settings,
+    add_page,
+    add_target_and_cameras,
+    add_workers,
+    refuse_option,
+)
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -33,7 +39,14 @@ def add_parser(commands: CommandGroup) -> None:
         "  labcal check rig.json photos --markers apriltag-36h11 --places places.csv",
     )
     parser.add_argument("rig", type=Path, metavar="RIG", help="from 'labcal calibrate'")
-    add_pictures(parser)
+    parser.add_argument(
+        "pictures",
+        nargs="+",
+        metavar="SHOOT-or-IMAGES-or-TABLE",
+        help="one shoot, or pictures and folders, or a table: detections.csv of dots, with --places "
+        "pixels.csv of marks",
+    )
+    add_target_and_cameras(parser)
     parser.add_argument(
         "--dots",
         type=Path,
@@ -46,7 +59,7 @@ def add_parser(commands: CommandGroup) -> None:
         type=Path,
         metavar="places.csv",
         help="in place of --target: places of marks that stay where they are, from 'labcal measure' with "
-        "this rig before; they tell which camera moved. PICTURES may be a table of their pixels",
+        "this rig before; they tell which camera moved",
     )
     parser.add_argument(
         "--markers",

@@ -21,6 +21,11 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
     )
+    add_target_and_cameras(parser)
+
+
+def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
+    """Add what pictures are of, and who took them: ``--target``, ``--cameras``."""
     parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
     parser.add_argument(
         "--cameras",

@@ -18,6 +18,7 @@ from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
+from labcal.estimators.gp_field.stage_moves import StageMoves
 from labcal.estimators.stage_errors import StageErrors
 from labcal.geometry.arrangement import on_one_plane
 from labcal.targets.target import Target
@@ -47,6 +48,8 @@ class CentredTraining:
     """Joint covariance of the cameras, where they placed a target held in the hand."""
     stage: StageErrors | None = None
     """Errors of the cameras by those of a stage, where these are stated."""
+    moves: StageMoves | None = None
+    """Motions of the training points by these."""
 
 
 def centred_training(

@@ -23,6 +23,7 @@ from labcal.errors import InputError
 from labcal.estimators.centred_training import CentredTraining, centred_training
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.fit_settings import FitSettings
+from labcal.estimators.gp_field.stage_moves import StageMoves
 from labcal.estimators.handheld_training import handheld_training
 from labcal.estimators.method_choice import estimator_of
 from labcal.estimators.model import Model, TrainingBox
@@ -150,8 +151,10 @@ def _with_stage_errors(centred: CentredTraining, shoot: Shoot, sigma: StageSigma
             f"determine, but there are none: {centred.reason}. Leave them out; no covariance then holds the "
             "errors of the stage."
         )
-    errors = stage_errors(centred.cameras, centred.data, shoot.nominal_poses(), sigma)
-    return replace(centred, stage=errors)
+    data, poses = centred.data, shoot.nominal_poses()
+    errors = stage_errors(centred.cameras, data, poses, sigma)
+    moves = StageMoves.of(data.view, data.Y, poses, sigma.mm, sigma.deg)
+    return replace(centred, stage=errors, moves=moves)
 
 
 def _refuse_of_held(settings: FitSettings) -> None:
@@ -262,13 +265,15 @@ def fit_methods(
     progress.start("methods", len(estimators) + 1)
     surrogate = None
     if settings.rehearsal:
-        surrogate = surrogate_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens)
+        moves = training.centred.moves
+        surrogate = surrogate_of(data.X, data.Y, data.image_sizes, settings.seed, settings.lens, moves)
     adjustment_mm = 0.0 if surrogate is None else _adjustment_mm(training, surrogate)
     stage_mm = 0.0 if surrogate is None else _stage_mm(training, surrogate)
     progress.advance()
     for estimator in estimators:
         try:
-            model = fit_method(data, estimator, training.centred.cameras, surrogate)
+            centred = training.centred
+            model = fit_method(data, estimator, centred.cameras, surrogate, centred.moves)
             fitted.append(_with_its_origin(model, training, adjustment_mm, stage_mm))
         except InputError as error:
             fitted.append(error)
@@ -320,6 +325,7 @@ def fit_method(
     estimator: PointEstimator,
     resected: tuple[Camera, ...] | None = None,
     surrogate: Surrogate | None = None,
+    moves: StageMoves | None = None,
 ) -> Model:
     """Fit one method to pixels and points.
 
@@ -332,6 +338,8 @@ def fit_method(
         Of the training where its pixels are those of centres.
     surrogate : Surrogate, optional
         The surrogate on which the method is validated.
+    moves : StageMoves, optional
+        Stated errors of the stage, which the field of `hybrid` does not explain.
 
     Raises
     ------
@@ -342,6 +350,6 @@ def fit_method(
     if "image_sizes" in estimator.get_params():
         estimator.set_params(image_sizes=data.image_sizes)
     box = TrainingBox.of(data.X, data.Y)
-    fitted = fit_unless_surrogate(surrogate, estimator, data.X, data.Y)
+    fitted = fit_unless_surrogate(surrogate, estimator, data.X, data.Y, moves)
     rehearsed = None if surrogate is None else validate_on(fitted, surrogate)
     return Model(fitted, data.cameras, data.image_sizes, box, resected, rehearsed)

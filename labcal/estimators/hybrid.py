@@ -16,6 +16,7 @@ from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.gp_field.fitted_camera import FittedCamera
 from labcal.estimators.gp_field.learning import fitted_camera
 from labcal.estimators.gp_field.leave_one_out import log_predictive_density
+from labcal.estimators.gp_field.stage_moves import StageMoves
 
 _SIMPLER = OF_POINTS[:2]
 """Lens formulas that are tried below a field, in place of one with more coefficients."""
@@ -69,6 +70,33 @@ class Hybrid(CameraEstimator):
             ]
         )
 
+    moves: StageMoves | None = None
+    """Errors of a stage that the training points come from, while :meth:`fit_on_stage` is at work."""
+
+    def fit_on_stage(
+        self,
+        X: Float64[np.ndarray, "n inputs"],
+        y: Float64[np.ndarray, "n outputs"],
+        moves: StageMoves | None,
+    ) -> "Hybrid":
+        """Fit to points of a stage with stated errors, which the field then does not explain.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, 2 x cameras)
+            Px.
+        y : ndarray, shape (n, 3)
+            Mm.
+        moves : StageMoves or None
+            By point; None where the stage's errors are not stated.
+        """
+        self.moves = moves
+        try:
+            self.fit(X, y)
+        finally:
+            self.moves = None
+        return self
+
     def _fit(self, pixels: Float64[np.ndarray, "n inputs"], points: Float64[np.ndarray, "n outputs"]) -> None:
         self.resected_: tuple[ResectedCamera, ...] = ()
         super()._fit(pixels, points)
@@ -84,7 +112,7 @@ class Hybrid(CameraEstimator):
         else:
             start = resect(self.method, q, p, camera_of_lens(self.lens, size, None))
         self.resected_ = (*self.resected_, start)
-        found = fitted_camera(start, q, p)
+        found = fitted_camera(start, q, p, self.moves)
         if self.lens != AUTO or found.fitted is None:
             return found
         return self._simplified(found, start, q, p)
@@ -109,14 +137,14 @@ class Hybrid(CameraEstimator):
             behind = resect_through_interface(q, p, in_air[-1])
             if behind is None:
                 continue
-            camera = fitted_camera(behind, q, p)
+            camera = fitted_camera(behind, q, p, self.moves)
             density = log_predictive_density(camera, q, p)
             if density > known:
                 known, best = density, camera
                 if camera.fitted is None:
                     return camera
         for simpler in itertools.takewhile(lambda one: one.camera.lens != found.camera.lens, in_air):
-            camera = fitted_camera(simpler, q, p)
+            camera = fitted_camera(simpler, q, p, self.moves)
             density = log_predictive_density(camera, q, p)
             if density > known:
                 known, best = density, camera

@@ -15,6 +15,7 @@ from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.estimator import PointEstimator
 from labcal.estimators.expected_error import ExpectedError
 from labcal.estimators.gp_field.fitted_camera import measured_by
+from labcal.estimators.gp_field.stage_moves import StageMoves
 from labcal.estimators.hybrid import Hybrid
 from labcal.geometry.ellipsoids import within_ellipsoids
 from labcal.geometry.hull import inside_hull
@@ -64,6 +65,7 @@ def surrogate_of(
     image_sizes: tuple[tuple[int, int], ...],
     seed: int = 0,
     lens: str = AUTO,
+    moves: StageMoves | None = None,
 ) -> Surrogate | None:
     """Return a surrogate from training data, or None if they do not determine cameras.
 
@@ -79,6 +81,8 @@ def surrogate_of(
         Draws points and noise.
     lens : str
         Of `Hybrid`.
+    moves : StageMoves, optional
+        Stated errors of the stage.
 
     Notes
     -----
@@ -88,7 +92,7 @@ def surrogate_of(
     """
     began = time.perf_counter()
     try:
-        hybrid = Hybrid(lens, image_sizes).fit(X, Y)
+        hybrid = Hybrid(lens, image_sizes).fit_on_stage(X, Y, moves)
     except InputError:
         return None
     hybrid_seconds = time.perf_counter() - began
@@ -115,7 +119,11 @@ def surrogate_of(
 
 
 def fit_unless_surrogate(
-    surrogate: Surrogate | None, estimator: PointEstimator, X: Float64[np.ndarray, "n inputs"], Y: Vectors3
+    surrogate: Surrogate | None,
+    estimator: PointEstimator,
+    X: Float64[np.ndarray, "n inputs"],
+    Y: Vectors3,
+    moves: StageMoves | None = None,
 ) -> PointEstimator:
     """Return a method fitted to the training data of a surrogate.
 
@@ -128,9 +136,11 @@ def fit_unless_surrogate(
     variances add up. Below a field a method may be the better one, and its difference holds the field's error
     already. Methods with cameras are not calibrated: the surrogate's are made of the same formulas.
     """
+    taken = surrogate is not None and takes_from(surrogate, estimator)
+    if isinstance(estimator, Hybrid) and not taken:
+        return estimator.fit_on_stage(X, Y, moves)
     if surrogate is None:
         return estimator.fit(X, Y)
-    taken = takes_from(surrogate, estimator)
     if taken and isinstance(estimator, Hybrid):
         return surrogate.hybrid
     if taken and isinstance(estimator, Bundle):

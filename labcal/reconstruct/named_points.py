@@ -8,6 +8,8 @@ from jaxtyping import Bool, Int64
 from labcal.arrays import PointCovariances, Vectors3
 from labcal.bounds import MOST_MM
 from labcal.calibrate.agreement.exchange.by_rays import refuse_exchanged_by_rays
+from labcal.calibrate.residual_level import SeenPoints
+from labcal.calibrate.systematic_residual import SystematicResidual
 from labcal.calibrate.triangulation_check import TriangulationCheck, scatter_of
 from labcal.calibrate.triangulation_residuals import MOST_PX, OUTLYING, TriangulationResiduals
 from labcal.cameras.camera import Camera
@@ -23,6 +25,7 @@ from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
 from labcal.estimators.valid_points import predicted
 from labcal.geometry.covariances import valid_or_not_stated
+from labcal.reconstruct.named_judgement import FEWEST, judged
 from labcal.reconstruct.named_reconstruction import NamedReconstruction
 from labcal.reconstruct.point_budget import Budget, PointBudget, budget_of_a_method
 from labcal.wording import listed
@@ -30,8 +33,6 @@ from labcal.wording import listed
 _PAIR = 2
 _TOGETHER = 2**16
 """Points that are solved at a time, so that memory does not grow with the steps of many."""
-_FEWEST = 20
-"""Points from which on their median residual tells what is usual among them."""
 
 
 def reconstruct_named(
@@ -76,6 +77,8 @@ def reconstruct_named(
     scatter_px = scatter_of(model.calibration)
     for chosen, rows in enough:
         solved.matches.append(found.matches(chosen, rows))
+        solved.chosen.append(chosen)
+        solved.rows.append(rows)
         if isinstance(model, Rig):
             _by_rig([model.camera(cameras[at]) for at in chosen], rows, scatter_px, solved)
         else:
@@ -86,10 +89,10 @@ def reconstruct_named(
         budget = PointBudget.of(model, solved.point, used, wanted)
         if budget.kind is Budget.FULL:
             solved = replace(solved, covariance=budget.noise + budget.calibration)
-    points, check = _flagged(model, found, outside, solved)
+    points, check, systematic = _flagged(model, found, outside, solved)
     residual = solved.px[np.concatenate([rows for _, rows in enough])]
     typical = float(np.median(residual)) if solved.residuals else None
-    return NamedReconstruction(points, typical, check, budget=budget)
+    return NamedReconstruction(points, typical, check, systematic, budget=budget)
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,8 @@ class _Solved:
     """(n,) triangulation residuals, px."""
     outlying: Bool[np.ndarray, " n"]
     tried: Bool[np.ndarray, " n"]
+    chosen: list[tuple[int, ...]] = field(default_factory=list)
+    rows: list[np.ndarray] = field(default_factory=list)
     matches: list[Matches] = field(default_factory=list)
     residuals: list[TriangulationResiduals] = field(default_factory=list)
     """Of the groups of points that the same cameras see; none for a method without cameras."""
@@ -117,10 +122,15 @@ class _Solved:
     def judge(self, rows: Int64[np.ndarray, " rows"], residuals: TriangulationResiduals) -> None:
         """Keep residuals of points, and which of them are larger than noise and calibration explain."""
         usual = float(np.median(residuals.chi_square)) / chi2_quantile(0.5, residuals.freedom)
-        bound = max(1.0, usual if len(rows) >= _FEWEST else 1.0)
+        bound = max(1.0, usual if len(rows) >= FEWEST else 1.0)
         self.px[rows] = residuals.px
         self.outlying[rows] = residuals.chi_square > bound * chi2_upper_quantile(OUTLYING, residuals.freedom)
         self.residuals.append(residuals)
+
+    def seen(self) -> list[SeenPoints]:
+        """Return the points by the cameras that see them."""
+        each = zip(self.chosen, self.matches, self.rows, strict=True)
+        return [SeenPoints(chosen, matches, self.outlying[rows]) for chosen, matches, rows in each]
 
 
 def _outside(model: Model | Rig, found: NamedMatches) -> Bool[np.ndarray, "n cameras"]:
@@ -171,14 +181,17 @@ def _scattered(matches: Matches, scatter_px: float) -> Matches:
 
 def _flagged(
     model: Model | Rig, found: NamedMatches, outside_of: Bool[np.ndarray, "n cameras"], solved: _Solved
-) -> tuple[NamedPoints, TriangulationCheck | None]:
-    """Return points with their flags, and the check of their residuals."""
+) -> tuple[NamedPoints, TriangulationCheck | None, SystematicResidual | None]:
+    """Return points with their flags, the check of their residuals, and what these have in common."""
     outside = outside_of.any(axis=1)
-    groups = list(zip(solved.residuals, solved.matches, strict=False))  # none of a method without cameras
-    check = TriangulationCheck.of_groups(groups, model.calibration) if groups else None
-    doubtful = solved.outlying.copy()
-    if check is not None:
+    check, systematic, doubtful = None, None, solved.outlying.copy()
+    if solved.residuals:  # none of a method without cameras
+        judgement = judged(model, solved.seen(), solved.residuals)
+        check, systematic = judgement.check, judgement.systematic
+        for rows, outlying in zip(solved.rows, judgement.outlying, strict=True):
+            doubtful[rows] = outlying
         doubtful |= np.isin(found.view, check.views)
+        doubtful |= systematic is not None and systematic.beyond_chance
     contradictory = model.calibration is not None and bool(model.calibration.inconsistent)
     if contradictory or (isinstance(model, Model) and model.misfit):
         doubtful[:] = True
@@ -193,13 +206,14 @@ def _flagged(
     flag[~there] = PointFlag.NO_SOLUTION
     flag[~solved.tried] = PointFlag.TOO_FEW_CAMERAS
     flag[~solved.tried & outside] = PointFlag.OUTSIDE_PICTURE
-    return NamedPoints(
+    points = NamedPoints(
         found.view,
         found.name,
         np.where(there[:, None], solved.point, np.nan),
         np.where(sound[:, None, None], solved.covariance, np.nan),
         flag,
-    ), check
+    )
+    return points, check, systematic
 
 
 def _nothing_to_meet(model: Model | Rig, pixels: NamedPixels, outside: bool) -> str:  # noqa: FBT001 -- of a message

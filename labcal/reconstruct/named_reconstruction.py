@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from labcal.calibrate.systematic_residual import SystematicResidual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.correspond.named_points import NamedPoints
 from labcal.paths import AnyPath
@@ -40,6 +41,9 @@ class NamedReconstruction(PublicObject):
     has no cameras."""
     check: TriangulationCheck | None
     """Comparison of the residuals with the value expected from the calibration; None without cameras."""
+    systematic: SystematicResidual | None = None
+    """Shifts, rotations and changes of scale of whole pictures in the residuals of points that all cameras
+    see; None where these are fewer than 20, or the rig states no covariance."""
     frame: FittedFrame | None = None
     """The frame that the points are in; None if it is that of the model."""
     budget: PointBudget | FramedBudget | ScaledBudget | None = None

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labcal.calibrate.systematic_residual import SystematicResidual
 from labcal.cameras.rig import Rig
 from labcal.correspond.named_points import NamedPoints
 from labcal.correspond.points import PointFlag
@@ -52,8 +53,10 @@ def _about_the_model(model: Model | Rig) -> list[str]:
 def _about_residuals(found: NamedReconstruction) -> list[str]:
     """Return the warnings about triangulation residuals."""
     check = found.check
-    if check is None or not (check.inconsistent or check.views):
+    if check is None:
         return []
+    if not (check.inconsistent or check.views):
+        return _about_what_is_alike(found.systematic)
     causes = (
         "the pixels are not those of the pictures as they were taken, count from another corner, are noisier "
         "than stated, or a camera has changed since it was calibrated"
@@ -69,6 +72,19 @@ def _about_residuals(found: NamedReconstruction) -> list[str]:
         "in some views the triangulation residual is far larger than expected from the calibration and the "
         f"noise of the pixels: {causes}. Their points are flagged 'model-misfit'. Views: "
         f"{listed(check.views)}."
+    )
+    return [warning]
+
+
+def _about_what_is_alike(part: SystematicResidual | None) -> list[str]:
+    """Return the warning about what residuals have in common."""
+    if part is None or not part.beyond_chance:
+        return []
+    warning = (
+        f"{part.rms_px:.3g} px of the triangulation residuals are alike all over the pictures, but "
+        f"{part.expected_px:.3g} px are expected from the noise of the pixels and the calibration's own "
+        f"errors (probability {part.p_value:.0e}): a camera has moved or was refocused, its pictures are "
+        "shifted, or the pixels are noisier than stated. All points are flagged 'model-misfit'."
     )
     return [warning]
 

@@ -19,9 +19,16 @@ def with_covariances(pixels: NamedPixels, pixel_sigma: float | None) -> NamedPix
     Raises
     ------
     InputError
-        A pixel states none and neither does the user, or all do and the user does, too.
+        A pixel states none and neither does the user, or all do and the user does, too, or no pixel has a
+        position.
     """
-    unknown = ~pixels.has_covariance & np.isfinite(pixels.position).all(axis=1)
+    there = np.isfinite(pixels.position).all(axis=1)
+    unknown = ~pixels.has_covariance & there
+    if len(pixels) and not there.any():
+        raise InputError(
+            f"None of the {counted(len(pixels), 'pixel')} has a position: x_px or y_px is empty or NaN in "
+            "all lines, so that nothing was measured. Give pixels of at least two cameras."
+        )
     if pixel_sigma is None:
         if unknown.any():
             raise InputError(

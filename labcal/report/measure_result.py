@@ -24,7 +24,7 @@ from labcal.report.marks_result import MarksResult, marks_result, marks_table
 from labcal.report.reconstruct_result import (
     InconsistentPoints,
     counted_flags,
-    inconsistent_points,
+    inconsistency,
     residual_words,
 )
 from labcal.wording import counted
@@ -105,7 +105,7 @@ def measure_result(
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,
         expected_assumed=None if check is None else check.assumed,
-        inconsistent=inconsistent_points(model, check),
+        inconsistent=inconsistency(model, found),
         budget=None if found.budget is None else budget_shares(found.budget),
         frame=None if found.frame is None else _frame(found.frame),
         scale_bars=found.scale,

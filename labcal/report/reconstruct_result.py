@@ -13,6 +13,7 @@ from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.cameras.rig import Rig
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath
+from labcal.reconstruct.named_reconstruction import NamedReconstruction
 from labcal.reconstruct.reconstruction import Reconstruction
 from labcal.reconstruct.target_scale import TargetScale
 from labcal.report.budget_shares import BudgetShares, budget_shares, budget_words
@@ -72,7 +73,7 @@ def reconstruct_result(file: AnyPath, model: Model | Rig, found: Reconstruction)
         triangulation_rms_px=None if check is None else check.rms_px,
         expected_px=None if check is None else check.expected_px,
         expected_assumed=None if check is None else check.assumed,
-        inconsistent=_inconsistent(model, found),
+        inconsistent=inconsistency(model, found),
         warnings=list(found.warnings),
         budget=None if found.budget is None else budget_shares(found.budget),
         residual_ratio=None if check is None else check.rms_px / check.expected_px,
@@ -134,15 +135,17 @@ def residual_words(result: ResidualFigures) -> str:
     return words
 
 
-def _inconsistent(model: Model | Rig, found: Reconstruction) -> InconsistentPoints | None:
-    """Return what speaks against the points of dots; of a camera that has changed, all views do."""
-    known = inconsistent_points(model, found.check)
+def inconsistency(
+    model: Model | Rig, found: Reconstruction | NamedReconstruction
+) -> InconsistentPoints | None:
+    """Return what speaks against points; of a camera that has changed, all views do."""
+    known = _inconsistent_points(model, found.check)
     if found.systematic is None or not found.systematic.beyond_chance:
         return known
     return InconsistentPoints([] if known is None else known.causes, np.unique(found.points.view).tolist())
 
 
-def inconsistent_points(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:
+def _inconsistent_points(model: Model | Rig, check: TriangulationCheck | None) -> InconsistentPoints | None:
     """Return what speaks against the points; None where nothing does."""
     causes = [] if model.calibration is None else list(model.calibration.inconsistent)
     views = [] if check is None else list(check.views)

@@ -27,6 +27,10 @@ _WORTH = 6.0
 this once in some hundred cases (Wilks 1938: half a chi-square)."""
 
 
+_NOISE_ROUNDS = 5
+"""Of the noise beside errors of a stage: each is a fixed-point step, and converges within a percent."""
+
+
 @dataclass(frozen=True)
 class FieldScale:
     """The hyperparameters of a field.
@@ -78,6 +82,7 @@ def field_scale(
     residual: Float64[np.ndarray, "n 2"],
     by_camera: Float64[np.ndarray, "n 2 free"],
     near: FieldScale | None = None,
+    by_stage: Float64[np.ndarray, "n 2 effects"] | None = None,
 ) -> LikelyScale:
     """Return the best field of residuals while the parameters of the camera are free.
 
@@ -92,6 +97,8 @@ def field_scale(
         parallel rays, are 0 and count for nothing.
     near : FieldScale, optional
         Where to begin.
+    by_stage : ndarray, shape (n, 2, effects), optional
+        What errors of a stage do to the residuals, px by their standard deviations: these are no field.
 
     Notes
     -----
@@ -103,6 +110,9 @@ def field_scale(
     likelihood = RestrictedLikelihood(
         x, residual, by_camera if seen.all() else np.ascontiguousarray(by_camera[..., seen])
     )
+    if by_stage is not None:
+        noise_px = None if near is None else near.noise_px
+        likelihood = _with_stage(likelihood, by_stage, noise_px)
     no_field = likelihood.cost(NO_FIELD)
     rival = None
     if near is not None and near.amplitude_px > 0.0:
@@ -125,6 +135,19 @@ def field_scale(
         -likelihood.cost(best),
         None if rival is None else _scale(likelihood, rival, no_field),
     )
+
+
+def _with_stage(
+    likelihood: RestrictedLikelihood, by_stage: np.ndarray, noise_px: float | None
+) -> RestrictedLikelihood:
+    """Return the likelihood with errors of a stage; unknown noise is that without a field."""
+    if noise_px is not None:
+        return replace(likelihood, by_stage=by_stage, noise_px=noise_px)
+    noise_px = likelihood.noise(NO_FIELD)
+    for _ in range(_NOISE_ROUNDS):
+        likelihood = replace(likelihood, by_stage=by_stage, noise_px=noise_px)
+        noise_px = likelihood.noise(NO_FIELD)
+    return likelihood
 
 
 def _scale(likelihood: RestrictedLikelihood, logs: Logs, no_field: float) -> FieldScale:
@@ -191,4 +214,5 @@ def _thinned(likelihood: RestrictedLikelihood) -> RestrictedLikelihood:
         x=likelihood.x[some],
         residual=likelihood.residual[some],
         by_camera=likelihood.by_camera[some],
+        by_stage=None if likelihood.by_stage is None else likelihood.by_stage[some],
     )

@@ -11,6 +11,7 @@ from labcal.estimators.gp_field.evidence import FieldScale, field_scale
 from labcal.estimators.gp_field.fitted_camera import Asked, FittedCamera, FittedField
 from labcal.estimators.gp_field.pixel_field import PixelField
 from labcal.estimators.gp_field.places import Places
+from labcal.estimators.gp_field.stage_moves import StageMoves, likeliest_moves
 from labcal.optim.whitening import CorrelatedNoise
 from labcal.run.threads import one_blas_thread
 
@@ -25,7 +26,9 @@ _EXACT_PX = 1e-4
 
 
 @one_blas_thread()
-def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera:
+def fitted_camera(
+    start: ResectedCamera, q: Pixels, p: Vectors3, moves: StageMoves | None = None
+) -> FittedCamera:
     """Return a camera with the field that its residuals require, or without if they require none.
 
     Parameters
@@ -34,6 +37,8 @@ def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera
         Found with independent errors.
     q, p : ndarray, shapes (n, 2) and (n, 3)
         Pixels, and the world points (mm) that they see.
+    moves : StageMoves, optional
+        Errors of the stage that the points come from, which the field should not explain.
 
     Notes
     -----
@@ -45,16 +50,26 @@ def fitted_camera(start: ResectedCamera, q: Pixels, p: Vectors3) -> FittedCamera
     """
     if start.sigma_px < _EXACT_PX:
         return FittedCamera(start.placed, start.covariance, start.sigma_px)
-    ideal = _fitted(_Stage(start, None, start.camera.project(p).q), q, p, Asked.IDEAL)
+    seen = _Seen(q, p, moves)
+    ideal = _fitted(_Stage(start, None, start.camera.project(p).q), seen, Asked.IDEAL)
     if ideal is None:
         return FittedCamera(start.placed, start.covariance, start.sigma_px)
     known = [ideal]
     for begun in (ideal, *ideal.with_waves()):
         # At the places of the lens formula alone waves have harmonics: those not found are looked for anew.
         scale = begun.scale if begun.scale.kernel.waves is not None else None
-        arrived = _fitted(_Stage(begun.found, scale, begun.arrived(q)), q, p, Asked.ARRIVED)
+        arrived = _fitted(_Stage(begun.found, scale, begun.arrived), seen, Asked.ARRIVED)
         known += [] if arrived is None else [arrived]
     return max(known, key=lambda one: one.likelihood).camera
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Pixels, the world points (mm) that they see, and how a stage moves these."""
+
+    q: Pixels
+    p: Vectors3
+    moves: StageMoves | None
 
 
 @dataclass(frozen=True)
@@ -71,6 +86,8 @@ class _Learned:
     """The result of some rounds."""
 
     found: ResectedCamera
+    q: Pixels
+    """Measured, without what errors of the stage explain."""
     scale: FieldScale
     restricted: float
     """The restricted log-likelihood of the scale."""
@@ -104,14 +121,15 @@ class _Learned:
         field = PixelField(self.waves, self.fitted.field.x, self.fitted.field.residual)
         return (replace(self, scale=self.waves, fitted=replace(self.fitted, field=field), waves=None),)
 
-    def arrived(self, q: Pixels) -> Pixels:
-        """Return the true images of training points, by lens and field."""
-        return np.asarray(q + self.found.residual + self.fitted.field.smoothed())
+    @property
+    def arrived(self) -> Pixels:
+        """The true images of training points, by lens and field."""
+        return np.asarray(self.q + self.found.residual + self.fitted.field.smoothed())
 
 
-def _fitted(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | None:
+def _fitted(stage: _Stage, seen: _Seen, asked: Asked) -> _Learned | None:
     """Return camera and field after some rounds, or None if no field is required."""
-    ends = list(_rounds(stage, q, p, asked))
+    ends = list(_rounds(stage, seen, asked))
     if len(ends) < ROUNDS:
         return None
     before, last = (end.fitted.field.smoothed() for end in ends[-2:])
@@ -120,17 +138,25 @@ def _fitted(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> _Learned | N
     return max(ends, key=lambda end: end.restricted)
 
 
-def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Learned]:
+def _rounds(stage: _Stage, seen: _Seen, asked: Asked) -> Iterator[_Learned]:
     """Yield camera and field after each round, until no field is required."""
     found, scale, at, waves = stage.found, stage.scale, stage.at, None
+    p, moves, by_stage = seen.p, seen.moves, None
     for _ in range(ROUNDS):
         camera = found.camera
         x = Places.of(camera, p).inputs(camera, at, p)
-        likely = field_scale(x, -found.residual, found.placed.seen(p).by_camera, scale)
+        by_camera = found.placed.seen(p).by_camera
+        residual = -found.residual
+        if moves is not None:  # that of the camera is without them
+            residual, by_stage = seen.q - camera.project(p).q, moves.pixels(camera, p)
+        likely = field_scale(x, residual, by_camera, scale, by_stage)
         scale, waves = likely.scale, waves or likely.waves
         if scale.amplitude_px == 0.0:
             return
-        found = adjusted(found.placed, q, p, CorrelatedNoise(scale.root(x)), NEAR)
+        root, q = scale.root(x), seen.q
+        if by_stage is not None:
+            q = q - likeliest_moves(root, residual, by_camera, by_stage)
+        found = adjusted(found.placed, q, p, CorrelatedNoise(root), NEAR)
         if not np.isfinite(found.residual).all():
             return
         if asked is Asked.IDEAL:
@@ -139,7 +165,7 @@ def _rounds(stage: _Stage, q: Pixels, p: Vectors3, asked: Asked) -> Iterator[_Le
         places = Places.of(camera, p)
         field = PixelField(scale, places.inputs(camera, at, p), -found.residual)
         fitted = FittedField(field, places, asked, np.array(p))
-        end = _Learned(found, scale, likely.likelihood, fitted, waves)
+        end = _Learned(found, q, scale, likely.likelihood, fitted, waves)
         if asked is Asked.ARRIVED:
-            at = end.arrived(q)
+            at = end.arrived
         yield end

@@ -45,6 +45,8 @@ class _Parts:
     """Orthonormal in the whitened space: what the camera can take up."""
     left: Float64[np.ndarray, "n 2"]
     """Whitened residuals without that."""
+    square: float
+    """Sum of squares of whitened residuals and random effects."""
     half_determinants: float
 
 
@@ -66,12 +68,19 @@ class RestrictedLikelihood:
         Derivatives of the prediction.
     spread : Spread
         Of waves, where there are some.
+    by_stage : float64 array, (n, 2, effects), optional
+        What errors of a stage do to the residuals, px by their standard deviations: random effects beside the
+        field.
+    noise_px : float
+        Standard deviation of the noise, over which that of the random effects is taken.
     """
 
     x: Float64[np.ndarray, "n 3"]
     residual: Float64[np.ndarray, "n 2"]
     by_camera: Float64[np.ndarray, "n 2 free"]
     spread: Spread = ALL_ALIKE
+    by_stage: Float64[np.ndarray, "n 2 effects"] | None = None
+    noise_px: float = 1.0
 
     def with_spread(self, spread: Spread) -> "RestrictedLikelihood":
         """Return that of the same residuals with waves of other directions."""
@@ -149,7 +158,7 @@ class RestrictedLikelihood:
         return int(max(1, self.residual.size - self.by_camera.shape[2]))
 
     def _variance(self, parts: _Parts) -> float:
-        return float((parts.left**2).sum()) / self._freedom
+        return parts.square / self._freedom
 
     def _cost(self, parts: _Parts) -> float:
         return 0.5 * self._freedom * float(np.log(self._variance(parts))) + parts.half_determinants
@@ -160,10 +169,29 @@ class RestrictedLikelihood:
         both = np.concatenate([self.residual, self.by_camera.reshape(n, -1)], axis=1)
         both = scipy.linalg.solve_triangular(root, both, lower=True, check_finite=False)
         r, J = both[:, :2].ravel(), both[:, 2:].reshape(2 * n, -1)
-        Q, R = np.linalg.qr(J / np.linalg.norm(self.by_camera.reshape(2 * n, -1), axis=0))
+        J = J / np.linalg.norm(self.by_camera.reshape(2 * n, -1), axis=0)
+        if self.by_stage is not None:
+            r, J = self._with_effects(self.by_stage, root, r, J)
+        Q, R = np.linalg.qr(J)
         left = r - Q @ (Q.T @ r)
+        square = float((left**2).sum())
+        Q, left = Q[: 2 * n], left[: 2 * n]
         half = 2.0 * float(np.log(np.diagonal(root)).sum()) + float(np.log(np.abs(np.diagonal(R))).sum())
-        return _Parts(root, Q.reshape(n, 2, -1), left.reshape(n, 2), half)
+        return _Parts(root, Q.reshape(n, 2, -1), left.reshape(n, 2), square, half)
+
+    def _with_effects(
+        self, by_stage: np.ndarray, root: np.ndarray, r: np.ndarray, J: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return whitened residuals and derivatives with those of random effects, which are measured as 0.
+
+        The inverse of a covariance with random effects is that of least squares with a row more for each
+        (Henderson 1975).
+        """
+        n, effects = len(root), by_stage.shape[2]
+        flat = by_stage.reshape(n, -1)
+        white = scipy.linalg.solve_triangular(root, flat, lower=True, check_finite=False).reshape(2 * n, -1)
+        prior = np.concatenate([np.zeros((effects, J.shape[1])), self.noise_px * np.eye(effects)], axis=1)
+        return np.concatenate([r, np.zeros(effects)]), np.concatenate([np.hstack([J, white]), prior])
 
 
 def _solved_back(root: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -46,7 +46,7 @@ class RequestedFrame:
         Raises
         ------
         InputError
-            They are none of these.
+            They are none of these, or do not name three different points.
         """
         kind, colon, value = words.partition(":")
         if kind not in {one.value for one in FrameKind} or not colon or not value:
@@ -54,6 +54,12 @@ class RequestedFrame:
                 f"'{clipped(printable(words))}' names no frame. Give `frame` as points:ORIGIN,ON-X,IN-PLANE "
                 "(three names), board:detections.csv (of a target that lies in it), rigid:known.csv or "
                 "similarity:known.csv (columns point, X_mm, Y_mm, Z_mm and, where known, sigma_mm)."
+            )
+        names = value.split(",")
+        if kind == FrameKind.POINTS.value and not len(names) == len(set(names)) == 3:  # noqa: PLR2004 -- origin, on x, in the plane
+            raise InputError(
+                f"A frame by points takes three different names, with commas between them, but `frame` is "
+                f"'{clipped(printable(words))}'. Give it as points:ORIGIN,ON-X,IN-PLANE."
             )
         return cls(FrameKind(kind), value, view)
 
@@ -98,11 +104,6 @@ class RequestedFrame:
 
     def _by_points(self, points: NamedPoints, budget: PointBudget | ScaledBudget | None) -> FittedFrame:
         names = tuple(self.value.split(","))
-        if len(names) != 3 or len(set(names)) != 3:  # noqa: PLR2004 -- origin, on x, in the plane
-            raise InputError(
-                f"A frame by points takes three different names, with commas between them, but `frame` is "
-                f"'{clipped(printable(self.value))}'."
-            )
         for name in names:
             if name not in points.name:
                 raise UnknownNameError("point", name, dict.fromkeys(points.name.tolist()))

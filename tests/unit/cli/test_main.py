@@ -47,6 +47,13 @@ def test_importing_the_package_imports_nothing_heavy() -> None:
     assert heavy_modules_after("import scipy") == {"scipy"}  # the test can see one
 
 
+def test_check_names_the_tables_that_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--help"]) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    assert "RIG SHOOT-or-IMAGES-or-TABLE" in words
+    assert "detections.csv of dots" in words
+
+
 @pytest.mark.parametrize("words", [["--help"], *([verb, "--help"] for verb in VERBS)], ids=" ".join)
 def test_help_imports_nothing_heavy_and_ends_with_an_example(words: list[str]) -> None:
     code = f"from labcal.cli import main\nassert main({words!r}) == 0"

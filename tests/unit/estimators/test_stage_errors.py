@@ -1,7 +1,9 @@
 """Errors of a stage, against cameras that are fitted to readings which are drawn anew each time."""
 
+import inspect
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,8 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
+from labcal.estimators import fitting
+from labcal.estimators.centred_training import CentredTraining
 from labcal.estimators.stage_errors import StageErrors, StageSigma, stage_errors
 from labcal.estimators.valid_points import predicted
 from labcal.geometry.poses import from_rotation_vector, pose, transform
@@ -116,3 +120,26 @@ def test_fit_says_whether_sigmas_hold_them() -> None:
     assert "errors of the stage are in no sigma" in str(fit_table(plain, rehearsed=False).caption)
     stated = replace(plain, stage=StageSigma(0.01, 0.005))
     assert "(0.01 mm, 0.005 deg)" in str(fit_table(stated, rehearsed=False).caption)
+
+
+def test_the_field_of_hybrid_is_told_of_them() -> None:
+    """With and without a surrogate; it would take them for the lens's otherwise."""
+    rng, read = np.random.default_rng(1), {}
+    for view, T in poses().items():
+        turn = from_rotation_vector(np.radians(SIGMA.deg) * rng.standard_normal(3), np.zeros(3))
+        read[view] = pose(turn[:3, :3] @ T[:3, :3], T[:3, 3] + SIGMA.mm * rng.standard_normal(3))
+    exact = training(read)
+    data = replace(exact, X=exact.X + 0.02 * rng.standard_normal(exact.X.shape))
+    shoot = SimpleNamespace(nominal_poses=lambda: read)
+    plain = CentredTraining(data, cameras(), None, None)
+    centred = inspect.unwrap(fitting._with_stage_errors)(plain, shoot, SIGMA)  # without the checks of types
+    assert centred.stage is not None
+    for rehearsal in (False, True):
+        settings = FitSettings(lens="brown-k1k2", rehearsal=rehearsal)
+        methods = pipeline.estimators_of(["hybrid"], settings)
+        (model,) = pipeline.fit_methods(fitting.Training(centred, None, ()), methods, settings)
+        assert isinstance(model, Model)
+        assert model.estimator.field_px_.tolist() == [0.0, 0.0]
+    (without,) = pipeline.fit_methods(fitting.Training(plain, None, ()), methods, settings)
+    assert isinstance(without, Model)
+    assert (without.estimator.field_px_ > 0.0).any()

@@ -14,6 +14,7 @@ from labcal.pipeline import MeasureSettings
 from labcal.reconstruct.frames.by_known import MeasuredKnown, frame_by_known
 from labcal.reconstruct.frames.by_points import frame_by_points
 from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameKind
+from labcal.reconstruct.frames.requested_frame import RequestedFrame
 
 NAMES = ("o", "x", "xy", "far", "up", "other")
 R_BA = from_rotation_vector(np.array([0.4, -0.9, 0.3]), np.zeros(3))[:3, :3]
@@ -244,6 +245,8 @@ def test_a_frame_that_is_none_is_refused() -> None:
         measured("points:origin,right-corner")
     with pytest.raises(InputError, match="takes three different names"):
         measured("points:origin,tip,origin")
+    with pytest.raises(InputError, match="takes three different names"):  # before a table is read
+        RequestedFrame.of("points:a,a,b")
     with pytest.raises(UnknownNameError, match="Did you mean 'origin'"):
         measured("points:orign,right-corner,upper-corner")
     with pytest.raises(InputError, match="`target` goes with a frame by a board"):

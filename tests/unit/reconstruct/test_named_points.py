@@ -111,6 +111,14 @@ def test_pixels_of_one_camera_only_are_refused_with_what_they_allow() -> None:
         pipeline.measure(trio(), pixels.where(pixels.camera == "left"))
 
 
+def test_pixels_without_a_position_are_said_to_have_none() -> None:
+    pixels = pixels_of(trio(), places(5), SIGMA)
+    none = moved(pixels, np.full_like(pixels.position, np.nan))
+    for settings in (None, MeasureSettings(pixel_sigma=0.1)):
+        with pytest.raises(InputError, match="None of the 15 pixels has a position"):
+            pipeline.measure(trio(), none, settings=settings)
+
+
 def test_a_table_without_lines_is_one_without_points() -> None:
     none = pixels_of(trio(), places(1), SIGMA).where([])
     for settings in (None, MeasureSettings(pixel_sigma=0.1)):

@@ -40,7 +40,7 @@ def test_rounds_that_do_not_come_to_rest_are_judged_by_likelihood(
 ) -> None:
     ends = rounds(*fields)
     monkeypatch.setattr(learning, "_rounds", lambda *_: iter(ends))
-    found = inspect.unwrap(learning._fitted)(None, None, None, None)  # without the checks of types
+    found = inspect.unwrap(learning._fitted)(None, None, None)  # without the checks of types
     assert found is (None if taken is None else ends[taken])
 
 
