@@ -3,7 +3,7 @@
 The picture of a dot is modelled here on its own, without the detector: an ellipse drawn at several times the
 resolution, blurred by a Gauss function and averaged over each pixel. What is not known to a detector is not
 known to the bound either: centre, the ellipse's three parameters, blur, both levels and the slope of the
-light are all unknown, and the noise is white with a known standard deviation.
+light are all unknown. The noise of every pixel is independent, with a known standard deviation.
 """
 
 from dataclasses import dataclass
@@ -62,21 +62,38 @@ def centre_bound(dot: ImagedDot, noise: float) -> np.ndarray:
     dot : ImagedDot
     noise : float
         Standard deviation of every pixel, in the unit of the levels.
+    """
+    return np.asarray(centre_bounds(dot, np.array([[noise, noise]]))[0])
+
+
+def centre_bounds(dot: ImagedDot, noises: np.ndarray) -> np.ndarray:
+    """Return the least covariances of a dot's centre under several noises, px squared, shape (k, 2, 2).
+
+    Parameters
+    ----------
+    dot : ImagedDot
+    noises : ndarray, shape (k, 2)
+        Standard deviations of pixels of the dot and of the board, in the unit of the levels. Between the two
+        the variance grows in a line with the light, as that of photons does.
 
     Notes
     -----
     The inverse of the Fisher information of ten parameters (Kay 1993, section 3.9), its block of the centre.
+    What the variance itself tells of the edge is not counted.
     """
-    derivatives, inside = _derivatives(dot)
-    J = derivatives[:, inside] / noise
-    scale = np.linalg.norm(J, axis=1)  # so that the inverse does not care for units
-    scaled = J / scale[:, None]
-    covariance = np.linalg.inv(scaled @ scaled.T) / np.outer(scale, scale)
-    return np.asarray(covariance[:2, :2])
+    derivatives, covered, inside = _derivatives(dot)
+    D, share = derivatives[:, inside], covered[inside]
+    bounds = []
+    for dark, light in noises.tolist():
+        J = D / np.sqrt(share * dark**2 + (1.0 - share) * light**2)
+        scale = np.linalg.norm(J, axis=1)  # so that the inverse does not care for units
+        scaled = J / scale[:, None]
+        bounds.append((np.linalg.inv(scaled @ scaled.T) / np.outer(scale, scale))[:2, :2])
+    return np.array(bounds)
 
 
-def _derivatives(dot: ImagedDot) -> tuple[np.ndarray, np.ndarray]:
-    """Return derivatives of every pixel by every parameter, (10, h, w), and a mask of used pixels, (h, w)."""
+def _derivatives(dot: ImagedDot) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return derivatives by every parameter, (10, h, w), shares of the dot, and a mask of used pixels."""
     extent = np.sqrt(np.diag(dot.shape)) * dot.reach + 1.0
     low = np.floor(dot.centre - extent).astype(int)
     size = np.ceil(dot.centre + extent).astype(int) - low + 1
@@ -99,7 +116,7 @@ def _derivatives(dot: ImagedDot) -> tuple[np.ndarray, np.ndarray]:
     away = np.stack([x - centre[0], y - centre[1]])
     lights = [1.0 - covered, covered, level * away[0], level * away[1]]
     inside = _ellipse_radius(away, dot.shape) <= dot.reach
-    return np.stack([*shaped, *lights]), inside
+    return np.stack([*shaped, *lights]), covered, inside
 
 
 def _ellipse_radius(away: np.ndarray, shape: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.bench.detect.accuracy import SIGMAS, chi_square_z, over_bound
-from labcal.bench.detect.bound import ImagedDot, centre_bound
+from labcal.bench.detect.bound import ImagedDot, centre_bounds
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.marks.coded_picture import CodedPicture, coded_picture
 from labcal.bench.marks.drawn_picture import INK, PAPER
@@ -44,7 +44,9 @@ class CodedOutcome:
     covariance : ndarray, shape (m, 2, 2)
         As stated, px squared.
     bound : ndarray, shape (m, 2, 2)
-        The least covariance possible, px squared.
+        The least covariance possible if all pixels had the mean variance of paper and ink, px squared.
+    sharper_bound : ndarray, shape (m, 2, 2)
+        The least one possible with the noise as it is: ink has less, so that its pixels tell more.
     """
 
     found: np.ndarray
@@ -53,6 +55,7 @@ class CodedOutcome:
     error: np.ndarray
     covariance: np.ndarray
     bound: np.ndarray
+    sharper_bound: np.ndarray
 
 
 def coded_dot_findings(bench: Bench) -> Findings:
@@ -85,13 +88,15 @@ def coded_outcome(picture: CodedPicture, marks: PictureMarks) -> CodedOutcome:
         found[right] = number
     measured = np.flatnonzero(picture.measurable & (found >= 0))
     of = found[measured]
+    bounds = np.array([_bounds(picture, k) for k in measured.tolist()]).reshape(-1, 2, 2, 2)
     return CodedOutcome(
         found=found[picture.measurable] >= 0,
         hidden=picture.hidden[picture.measurable],
         wrong=wrong,
         error=marks.position[of] - picture.centroid[measured],
         covariance=marks.covariance[of],
-        bound=np.array([_bound(picture, k) for k in measured.tolist()]).reshape(-1, 2, 2),
+        bound=bounds[:, 0],
+        sharper_bound=bounds[:, 1],
     )
 
 
@@ -104,8 +109,9 @@ def coded_dot_checks(name: str, outcomes: list[CodedOutcome]) -> Findings:
     outcomes : list of CodedOutcome
     """
     found, hidden = (np.concatenate([getattr(one, part) for one in outcomes]) for part in ("found", "hidden"))
-    error, covariance, bound = (
-        np.concatenate([getattr(one, part) for one in outcomes]) for part in ("error", "covariance", "bound")
+    error, covariance, bound, sharper = (
+        np.concatenate([getattr(one, part) for one in outcomes])
+        for part in ("error", "covariance", "bound", "sharper_bound")
     )
     squares = np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0])
     checks = [
@@ -127,6 +133,10 @@ def coded_dot_checks(name: str, outcomes: list[CodedOutcome]) -> Findings:
                 name=f"{name}: share not read, 10 to 30% hidden", value=1.0 - _mean(found[hidden > _MUCH])
             ),
             Figure(name=f"{name}: RMS error over what is stated", value=over_bound(error, covariance)),
+            Figure(
+                name=f"{name}: RMS error over the bound of a fit that weights pixels by their noise",
+                value=over_bound(error, sharper),
+            ),
         ],
     )
 
@@ -136,12 +146,15 @@ def _mean(found: np.ndarray) -> float:
     return float(found.mean()) if len(found) else float("nan")
 
 
-def _bound(picture: CodedPicture, number: int) -> np.ndarray:
-    """Return the least covariance of a dot's centre, whose own pixels reach to half-way to its ring."""
+def _bounds(picture: CodedPicture, number: int) -> np.ndarray:
+    """Return the least covariances of a dot's centre, with the mean variance, and with those of either side.
+
+    The dot's own pixels reach to half-way to its ring.
+    """
     centre, exposure = picture.centroid[number], picture.exposure
     light = float(exposure.light(centre))
     reach = 0.5 * (1.0 + RING_INNER)
     dot = ImagedDot(centre, picture.shape[number], exposure.blur_px, INK * light, PAPER * light, reach)
-    # The noise of paper and of ink differ; an edge shows the mean of their variances.
-    variance = exposure.noise**2 * light * 0.5 * (PAPER + INK) + ROUNDING
-    return np.asarray(centre_bound(dot, float(np.sqrt(variance))))
+    ink, paper = (exposure.noise**2 * light * level + ROUNDING for level in (INK, PAPER))
+    mean = 0.5 * (ink + paper)
+    return np.asarray(centre_bounds(dot, np.sqrt([[mean, mean], [ink, paper]])))

@@ -3,12 +3,12 @@
 import numpy as np
 
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
-from labcal.detect.marks.picture_marks import PictureMarks, SeenMark, collected
+from labcal.detect.marks.picture_marks import MarkFlag, PictureMarks, SeenMark, collected
 from labcal.detect.marks.ring_blur import ring_blur
 from labcal.detect.marks.ring_light import Ring, without_rings
 from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
 from labcal.detect.marks.ring_samples import sample_ring
-from labcal.detect.marks.round_dots import measured_spots, round_spots
+from labcal.detect.marks.round_dots import measured_spots, round_spots, sharp_spots
 from labcal.detect.outlines.outlines import Outlines, matrix_root
 from labcal.detect.settings import DEFAULTS, DetectSettings
 from labcal.detect.stage_settings.mark import MarkSettings
@@ -59,7 +59,8 @@ def find_coded_dots(
     size = (grey.shape[1], grey.shape[0])
     spots = round_spots(grey, settings, settings.mark.max_texture_share)
     book = code_book(RingCode(code))
-    read = [_read(grey, spots, number, book, settings.mark) for number in range(len(spots.centre))]
+    both = spots, sharp_spots(grey, spots, settings)
+    read = [_read(grey, both, number, book, settings.mark) for number in range(len(spots.centre))]
     readings = [reading for reading, _ in read]
     seen = _each_once(readings, spots)
     named = [k for k in seen if readings[k].mark >= 0]
@@ -79,37 +80,63 @@ def find_coded_dots(
 
 
 def _read(
-    grey: GreyPicture, spots: Outlines, number: int, book: CodeBook, settings: MarkSettings
+    grey: GreyPicture, both: tuple[Outlines, Outlines], number: int, book: CodeBook, settings: MarkSettings
 ) -> tuple[RingReading, np.ndarray]:
     """Read the ring around a spot: without perspective, then with that by which the best word fits best.
 
+    Where the rough outline and its blur do not make the name certain, the sharp ones are tried, too, and
+    those kept with which the best word fits best.
+
     Returns the reading, and the displacement of the circle's centre at which it was read, in radii.
     """
-    centre, shape = spots.centre[number], spots.shape[number]
-    root = matrix_root(shape[None])[0]
-    minor = np.linalg.eigh(shape)[1][:, 0]
-    sectors = book.code.sectors
-    if not has_white_gap(sample_ring(grey, centre, root, np.zeros(2), sectors), settings):
+    rough, sharp = (_View(grey, outlines, number, book, settings) for outlines in both)
+    if not has_white_gap(
+        sample_ring(grey, rough.centre, rough.root, np.zeros(2), book.code.sectors), settings
+    ):
         return NO_MARK, np.zeros(2)
-    blur = ring_blur(root, max(float(spots.blur[number]), _LEAST_BLUR_PX), sectors)
-
-    def read_at(step: float) -> RingReading:
-        samples = sample_ring(grey, centre, root, step * minor, sectors)
-        return read_ring(samples, blur, book, settings)
-
-    best, at = read_at(0.0), 0.0
-    if best.evidence < settings.min_sight_log * _HOPELESS or best.margin > settings.min_margin_log * _CERTAIN:
-        return best, at * minor
-    farthest = min(settings.max_perspective_radii, settings.perspective_per_px * float(spots.radius[number]))
+    view, best, at = rough, rough.read(0.0), 0.0
+    if best.evidence < settings.min_sight_log * _HOPELESS or _is_certain(best, settings):
+        return best, np.zeros(2)
+    other = sharp.read(0.0)
+    if other.evidence > best.evidence:
+        view, best = sharp, other
+    if _is_certain(best, settings):
+        return best, np.zeros(2)
+    radius = float(both[0].radius[number])
+    farthest = min(settings.max_perspective_radii, settings.perspective_per_px * radius)
     width = settings.perspective_step_radii
     around = [sign * step for step in np.arange(width, farthest + 1e-9, width) for sign in (1.0, -1.0)]
     while around:
-        top, step = max(((read_at(step), step) for step in around), key=lambda one: one[0].evidence)
+        top, step = max(((view.read(step), step) for step in around), key=lambda one: one[0].evidence)
         if top.evidence > best.evidence:
             best, at = top, step
         width *= 0.5
         around = [at - width, at + width] if width > settings.perspective_step_radii * _FINEST else []
-    return best, at * minor
+    return best, at * view.minor
+
+
+def _is_certain(reading: RingReading, settings: MarkSettings) -> bool:
+    """Tell whether a ring has a name that no better perspective would change."""
+    return reading.flag is MarkFlag.OK and reading.margin > settings.min_margin_log * _CERTAIN
+
+
+class _View:
+    """A ring as it is seen around one outline of its dot."""
+
+    def __init__(
+        self, grey: GreyPicture, outlines: Outlines, number: int, book: CodeBook, settings: MarkSettings
+    ) -> None:
+        self._grey, self._book, self._settings = grey, book, settings
+        shape = outlines.shape[number]
+        self.centre, self.root = outlines.centre[number], matrix_root(shape[None])[0]
+        self.minor = np.linalg.eigh(shape)[1][:, 0]
+        self._blur = max(float(outlines.blur[number]), _LEAST_BLUR_PX)
+
+    def read(self, step: float) -> RingReading:
+        """Return the reading with a displacement of the circle's centre along the minor axis, in radii."""
+        sectors = self._book.code.sectors
+        samples = sample_ring(self._grey, self.centre, self.root, step * self.minor, sectors)
+        return read_ring(samples, ring_blur(self.root, self._blur, sectors), self._book, self._settings)
 
 
 def _each_once(readings: list[RingReading], spots: Outlines) -> list[int]:

@@ -3,7 +3,7 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 from scipy.stats import norm
 
-from labcal.bench.detect.bound import ImagedDot, _coverage, centre_bound, outline_shapes
+from labcal.bench.detect.bound import ImagedDot, _coverage, centre_bound, centre_bounds, outline_shapes
 
 
 def imaged(shape: np.ndarray, centre: tuple[float, float] = (60.3, 50.8)) -> ImagedDot:
@@ -42,6 +42,21 @@ def test_the_bound_turns_with_the_dot_and_grows_with_the_noise() -> None:
     np.testing.assert_allclose(turned, turn @ level @ turn.T, atol=0.03 * level.max())
     np.testing.assert_allclose(centre_bound(imaged(flat), 0.01), level / 4.0)
     assert level[0, 0] > level[1, 1]  # along its long axis a dot is known less well
+
+
+def test_darker_pixels_with_less_noise_tell_more_of_the_centre() -> None:
+    radius, dark, light = 30.0, 0.004, 0.016
+    dot, mean = imaged(radius**2 * np.eye(2)), np.sqrt(0.5 * (dark**2 + light**2))
+    own, alike = centre_bounds(dot, np.array([[dark, light], [mean, mean]]))
+    np.testing.assert_allclose(alike, centre_bound(dot, float(mean)))
+    # Each piece of the outline tells of its own shift, as above, but each pixel by its own variance.
+    x, sigma = np.linspace(-6.0, 6.0, 4001), np.sqrt(0.7**2 + 1.0 / 12.0)
+    share = norm.cdf(-x / sigma)
+    told = (0.7 * norm.pdf(x / sigma) / sigma) ** 2 / (share * dark**2 + (1.0 - share) * light**2)
+    ratio = np.sqrt(np.diag(own) * np.pi * radius * np.trapezoid(told, x))
+    assert (ratio > 0.99).all()
+    assert (ratio < 1.12).all()
+    assert np.trace(own) < 0.9 * np.trace(alike)
 
 
 def test_the_shape_of_an_outline_is_that_of_its_ellipse() -> None:

@@ -6,8 +6,11 @@ import pytest
 from labcal.bench.marks.coded_dots import coded_outcome
 from labcal.bench.marks.coded_picture import CodedPicture, coded_picture
 from labcal.bench.marks.drawn_picture import Cover, Exposure, drawn, tilted
+from labcal.detect.grey import grey_picture
 from labcal.detect.marks.coded_dots import find_coded_dots
 from labcal.detect.marks.picture_marks import MarkFlag
+from labcal.detect.marks.round_dots import round_spots, sharp_spots
+from labcal.detect.settings import DEFAULTS
 from labcal.targets.coded_dots import RING_INNER, RING_OUTER
 from labcal.targets.ring_codes import RingCode, code_book
 
@@ -15,7 +18,9 @@ CODE = RingCode.RING_23
 SIZE = (260, 200)
 
 
-def one_mark(word: np.ndarray, tilt: float = 40.0, radius: float = 9.0, turn: float = 0.3) -> np.ndarray:
+def one_mark(
+    word: np.ndarray, tilt: float = 40.0, radius: float = 9.0, turn: float = 0.3, blur: float = 0.8
+) -> np.ndarray:
     """Draw one mark whose sectors are a word's, black where it is true."""
 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -26,7 +31,7 @@ def one_mark(word: np.ndarray, tilt: float = 40.0, radius: float = 9.0, turn: fl
 
     H = tilted(np.radians(tilt), 0.4, 0.0, 600.0 / radius, 600.0)
     H = np.array([[1.0, 0.0, 131.2], [0.0, 1.0, 99.7], [0.0, 0.0, 1.0]]) @ H
-    exposure = Exposure(SIZE, H, 0.8, np.array([0.002, -0.001]), 0.01)
+    exposure = Exposure(SIZE, H, blur, np.array([0.002, -0.001]), 0.01)
     return drawn(exposure, ink, (), np.random.default_rng(5))
 
 
@@ -64,6 +69,25 @@ def test_wrong_sectors_are_borne_side_by_side_and_not_in_two_places() -> None:
         marks = find_coded_dots(one_mark(word), CODE)
         assert [name for name, ok in zip(marks.point, marks.ok, strict=True) if ok] == ["ring-23-57"] * borne
         assert borne or MarkFlag.UNKNOWN_CODE in marks.flag or MarkFlag.AMBIGUOUS in marks.flag
+
+
+@pytest.mark.parametrize("mark", [17, 88])
+def test_a_ring_that_is_as_soft_as_a_third_of_its_dot_is_read(mark: int) -> None:
+    picture = one_mark(code_book(CODE).word(mark), 10.0, 6.2, blur=2.15)
+    marks = find_coded_dots(picture, CODE)
+    assert [name for name, ok in zip(marks.point, marks.ok, strict=True) if ok] == [f"ring-23-{mark}"]
+
+
+def test_sharp_spots_have_the_blur_and_the_size_of_the_print() -> None:
+    grey = grey_picture(one_mark(code_book(CODE).word(17), 0.0, 6.2, blur=2.15))
+    rough = round_spots(grey, DEFAULTS, DEFAULTS.mark.max_texture_share)
+    rough = rough.select(np.linalg.norm(rough.centre - [131.2, 99.7], axis=1) < 1.0)
+    sharp = sharp_spots(grey, rough, DEFAULTS)
+    seen = np.hypot(2.15, 12.0**-0.5)
+    assert rough.blur[0] < 0.75 * seen
+    assert sharp.blur[0] == pytest.approx(seen, rel=0.1)
+    assert sharp.radius[0] == pytest.approx(6.2, rel=0.03)
+    assert len(sharp_spots(grey, rough.select(np.zeros(1, dtype=bool)), DEFAULTS).centre) == 0
 
 
 def covered(level: float, share: float, mark: int) -> np.ndarray:
