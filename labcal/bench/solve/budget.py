@@ -73,7 +73,7 @@ def budget_findings(bench: Bench) -> Findings:
         references += _figures_of_cell(cell, by_cell[cell])
     checks += [_of_simple(cell.kind, by_cell[cell]) for cell in simple]
     points = QUICK_POINTS if bench.quick else MILLION
-    checks += named_points_checks(bench.seed, points, bench.folder / "budgets")
+    checks += named_points_checks(bench.seed, points)
     treatments = treatment_findings(bench)
     return Findings(checks + treatments.checks, references + treatments.references)
 

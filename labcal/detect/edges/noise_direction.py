@@ -15,6 +15,14 @@ _MOST = 0.8
 _ALIKE = np.eye(2)
 
 
+def neighbouring(harmonics: Harmonics) -> Harmonics:
+    """Return as many harmonics with neighbouring odd numbers, from the same longest wave on.
+
+    The chosen ones of a large dot are further apart, and tell no direction.
+    """
+    return harmonics._replace(stride=_NEIGHBOURS)
+
+
 def noise_by_direction(
     sums: Float64[np.ndarray, "n k 2"],
     expected: Float64[np.ndarray, "n k"],

@@ -9,7 +9,7 @@ from jaxtyping import Float64
 from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.harmonics import Harmonics, harmonic_sums
-from labcal.detect.edges.noise_direction import noise_by_direction
+from labcal.detect.edges.noise_direction import neighbouring, noise_by_direction
 from labcal.detect.edges.residuals import VARIANCE
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.edge import EdgeSettings
@@ -59,8 +59,8 @@ def outline_noise(
     table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
     radius = float(np.median(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2)))
     harmonics = chosen_harmonics(radius, settings)
-    sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
-    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
+    fits = table, weights, picture
+    sums = _in_noise(grey, fits, harmonics, settings)
     step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
     powers = own_powers(sums, step)
     number = harmonics.first + harmonics.stride * np.arange(harmonics.terms)
@@ -68,8 +68,24 @@ def outline_noise(
     factor = beside_flat_parts(ratio, error, flat, settings)
     if factor == 1.0:
         return OutlineNoise(factor, np.eye(2))
+    nearest = neighbouring(harmonics)
+    if nearest != harmonics:
+        sums = _in_noise(grey, fits, nearest, settings)
     kept = without_shared_shape(sums[..., :2], step)
-    return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], harmonics, settings))
+    return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], nearest, settings))
+
+
+def _in_noise(
+    grey: GreyPicture,
+    fits: tuple[np.ndarray, np.ndarray, tuple[np.ndarray, float]],
+    harmonics: Harmonics,
+    settings: EdgeSettings,
+) -> Float64[np.ndarray, "n k 3"]:
+    """Return the sums of :func:`~labcal.detect.edges.harmonics.harmonic_sums` over the dots' noise."""
+    table, weights, picture = fits
+    sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
+    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
+    return np.asarray(sums)
 
 
 def beside_flat_parts(ratio: float, error: float, flat: float, settings: EdgeSettings) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labcal.detect.edges.harmonics import Harmonics
-from labcal.detect.edges.noise_direction import noise_by_direction
+from labcal.detect.edges.noise_direction import neighbouring, noise_by_direction
 from labcal.detect.stage_settings.edge import EdgeSettings
 
 SETTINGS = EdgeSettings()
@@ -55,3 +55,8 @@ def test_harmonics_without_neighbours_tell_no_direction(harmonics: Harmonics) ->
     sums = sums_along(drawn(0.8, 0.0, 100, 1), harmonics)
     expected = np.full((100, harmonics.terms), 2.0)
     np.testing.assert_array_equal(noise_by_direction(sums, expected, harmonics, SETTINGS), np.eye(2))
+
+
+def test_neighbours_start_at_the_same_longest_wave() -> None:
+    assert neighbouring(Harmonics(5, 4, 3)) == Harmonics(5, 2, 3)
+    assert neighbouring(ODD) == ODD
