@@ -33,8 +33,9 @@ def add_parser(commands: CommandGroup) -> None:
         "--only",
         metavar="GROUP,...",
         help="only some groups of checks; of detect: suite, accuracy, developed, real, bias, speed, hostile, "
-        "coded-dots, tags, marks-in-space; of solve: limits, training, adjustment, mistakes, budget, real, "
-        "mrcal",
+        "coded-dots, tags, marks-in-space; of solve: limits, training, adjustment, mistakes, coverage, "
+        "certify, check, compare, rehearse, real, mrcal, and budget, which are all that the error budget "
+        "rests on (coverage to real, and the marks of detect)",
     )
     parser.add_argument(
         "--method",
@@ -83,7 +84,9 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_output(parser, "DIR", "folder to appear")
     add_seed(parser)
-    add_scheduler(parser, "cases of 'distortion', or of 'solve' (groups limits, mistakes and budget),")
+    add_scheduler(
+        parser, "cases of 'distortion', or of 'solve' (groups limits, mistakes, coverage to rehearse),"
+    )
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
