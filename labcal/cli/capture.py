@@ -1,5 +1,6 @@
 """``labcal capture``: a shoot from cameras, real, replayed or simulated."""
 
+import os
 import sys
 from argparse import Namespace
 from dataclasses import dataclass
@@ -130,10 +131,10 @@ class CaptureResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Take the pictures."""
     from labcal.pipeline import CaptureSettings, SourceSettings, capture
-    from labcal.run.begun import begun_in
+    from labcal.run.begun import COMMAND
     from labcal.run.claims import FolderOutput, claim_outputs
 
-    if begun_in(arguments.output) is None:  # else it is gone on with
+    if not os.path.lexists(arguments.output / COMMAND):  # else it is gone on with
         places = [address.partition(":")[2] for address in arguments.sources]
         read = [*places, *([arguments.stage] if arguments.stage else [])]
         claim_outputs([FolderOutput(arguments.output)], read, force=arguments.force)

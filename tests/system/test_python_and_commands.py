@@ -145,7 +145,7 @@ def test_rehearse(labcal: Run, tmp_path: Path) -> None:
     assert told.status == 0
     assert told.document == plain_data(rehearse_result(tmp_path / "command", made))
     assert set(same_files(tmp_path / "python", tmp_path / "command")) == {
-        "index.html", "map.csv", "poses.csv", "rehearsal.json", "rig.json",
+        "index.html", "map.csv", "poses.csv", "rehearsal.json", "rig.json", "scene.yaml",
     }  # fmt: skip
 
 

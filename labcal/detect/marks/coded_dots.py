@@ -84,8 +84,8 @@ def _read(
 ) -> tuple[RingReading, np.ndarray]:
     """Read the ring around a spot: without perspective, then with that by which the best word fits best.
 
-    Where the rough outline and its blur do not make the name certain, the sharp ones are tried, too, and
-    those kept with which the best word fits best.
+    Where the rough outline and its blur give no name, the sharp ones are tried, too. A second look finds a
+    word in rings of other codes, with margins that are half as large: its name has to be certain.
 
     Returns the reading, and the displacement of the circle's centre at which it was read, in radii.
     """
@@ -94,15 +94,24 @@ def _read(
         sample_ring(grey, rough.centre, rough.root, np.zeros(2), book.code.sectors), settings
     ):
         return NO_MARK, np.zeros(2)
-    view, best, at = rough, rough.read(0.0), 0.0
-    if best.evidence < settings.min_sight_log * _HOPELESS or _is_certain(best, settings):
-        return best, np.zeros(2)
-    other = sharp.read(0.0)
-    if other.evidence > best.evidence:
-        view, best = sharp, other
+    first, at = rough.read(0.0), np.zeros(2)
+    if first.evidence < settings.min_sight_log * _HOPELESS or _is_certain(first, settings):
+        return first, at
+    radius = float(both[0].radius[number])
+    first, at = _with_perspective(rough, first, radius, settings)
+    if first.flag is MarkFlag.OK:
+        return first, at
+    second, second_at = _with_perspective(sharp, sharp.read(0.0), radius, settings)
+    return (second, second_at) if _is_certain(second, settings) else (first, at)
+
+
+def _with_perspective(
+    view: "_View", reading: RingReading, radius: float, settings: MarkSettings
+) -> tuple[RingReading, np.ndarray]:
+    """Return the reading with the perspective by which the best word fits best, and that of the centre."""
+    best, at = reading, 0.0
     if _is_certain(best, settings):
         return best, np.zeros(2)
-    radius = float(both[0].radius[number])
     farthest = min(settings.max_perspective_radii, settings.perspective_per_px * radius)
     width = settings.perspective_step_radii
     around = [sign * step for step in np.arange(width, farthest + 1e-9, width) for sign in (1.0, -1.0)]
