@@ -1,6 +1,6 @@
 """Sources that take what a test wants."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -58,10 +58,3 @@ class StandIn:
 
     def close(self) -> None:
         self.called.append("close")
-
-
-def nothing(_words: str) -> None:
-    """Do nothing when asked."""
-
-
-Ask = Callable[[str], None]

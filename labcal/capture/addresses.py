@@ -1,7 +1,7 @@
 """Addresses of sources: ``KIND:PLACE``, with the name of the camera before it where there are several."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 
 from labcal.capture.settings import SourceSettings
@@ -59,7 +59,7 @@ class Address:
     """One of :data:`KINDS`."""
     place: str
     """Scene, path, number or serial number."""
-    camera: str | None = field(default=None)
+    camera: str | None = None
     """Name of its camera, where given."""
 
     def __str__(self) -> str:

@@ -14,6 +14,7 @@ from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
 from labcal.shoot.manifest import Role
 from labcal.shoot.pictures import MOST_BYTES
+from labcal.wording import listed
 
 
 class FolderSource:
@@ -37,11 +38,23 @@ class FolderSource:
         self._sets: Iterator[tuple[str, list[Picture]]] = iter(())
 
     def open(self) -> None:
-        """Find the pictures, and read the first one of each camera for its size."""
+        """Find the pictures, and read the first one of each camera for its size.
+
+        Raises
+        ------
+        InputError
+            There are none; or they are of several cameras, and the address names one.
+        """
         found = open_pictures(self._address.place, self._cameras)
         self._poses = {} if found.shoot is None else found.shoot.nominal_poses()
         self._roles = found.roles
-        self._infos = tuple(self._info(camera, found) for camera in dict.fromkeys(_cameras(found)))
+        cameras = list(dict.fromkeys(one.camera for one in found.sources))
+        if len(cameras) > 1 and self._address.camera is not None:
+            raise InputError(
+                f"{self._address} has pictures of {listed(cameras)}, but as '{self._address.camera}' they "
+                "would be of one camera. Give it alone, without a name, or a folder for each camera."
+            )
+        self._infos = tuple(self._info(camera, found) for camera in cameras)
         self._sets = iter(
             [(view, list(pictures)) for view, pictures in groupby(found.sources, lambda one: one.view)]
         )
@@ -81,7 +94,7 @@ class FolderSource:
 
     def _name(self, camera: str) -> str:
         """Return the name of a camera, which that of the address replaces where there is one only."""
-        return self._address.camera or camera
+        return camera if self._address.camera is None else self._address.camera
 
     def _info(self, camera: str, found: PictureSet) -> CameraInfo:
         first = next(one for one in found.sources if one.camera == camera)
@@ -94,10 +107,6 @@ class FolderSource:
 def file_of(path: Path) -> Encoded:
     """Return a picture's file as it is."""
     return Encoded(read_bytes(path, "picture", MOST_BYTES), path.suffix.lower())
-
-
-def _cameras(found: PictureSet) -> list[str]:
-    return [one.camera for one in found.sources]
 
 
 def source_of(address: Address, settings: SourceSettings) -> FolderSource:

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Collection
-from pathlib import Path
 
 from labcal.arrays import Pose
 from labcal.capture.addresses import Address
@@ -10,7 +9,7 @@ from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
 from labcal.errors import InputError
 from labcal.render.irradiance import Case
-from labcal.render.picture import Job, picture_of
+from labcal.render.picture import picture_of
 from labcal.render.sensor_response import Exposure, exposure_for
 from labcal.scene.catalogue import load_scene
 from labcal.scene.check import check_scene
@@ -92,7 +91,7 @@ class SimulatedCameras:
         quality, now = self.scene.photometry.jpeg_quality, time.time()
         frames = {}
         for take in planned_takes(self.scene, (view,), self._seed).takes:
-            picture = picture_of(Job(built, Case(take, self._seed), self._exposure, Path(f"unused{suffix}")))
+            picture = picture_of(built, Case(take, self._seed), self._exposure)
             data = Encoded(bytes(encoded_picture(f"picture{suffix}", picture, quality)), suffix)
             frames[take.camera] = Frame(
                 picture, now, 1000.0 * self.scene.photometry.exposure_ms, encoded=data

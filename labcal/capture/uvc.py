@@ -11,6 +11,7 @@ from labcal.capture.addresses import Address
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.errors import DeviceError, InputError
+from labcal.shoot.pictures import red_first
 
 _MANUAL = 1.0  # of V4L2: 1 manual, 3 aperture priority
 _MICROSECONDS = 100.0  # V4L2 states exposure in units of 100 microseconds
@@ -112,7 +113,7 @@ class Webcam:
             raise DeviceError(
                 f"The webcam {self._address} gives no picture. See whether it is still plugged in."
             )
-        return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., ::-1])  # noqa: PLR2004 -- grey
+        return red_first(picture)
 
     def _drain(self) -> None:
         """Throw away pictures that are ready at once, and the one that is being exposed."""

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 
 from labcal.errors import InputError
+from labcal.shoot.pictures import red_first
 
 _LEAST_RATE, _MOST_RATE = 0.1, 10000.0
 
@@ -47,11 +47,11 @@ class VideoFile:
                 done, picture = reader.read()
                 if not done or picture is None:
                     return
-                yield picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., ::-1])  # noqa: PLR2004
+                yield red_first(picture)
         finally:
             reader.release()
 
-    def _reader(self) -> Any:  # noqa: ANN401 -- OpenCV's class has no type that is told
+    def _reader(self) -> cv2.VideoCapture:
         reader = cv2.VideoCapture(str(self.path))
         reader.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0.0)  # the pixels as the sensor stored them
         return reader

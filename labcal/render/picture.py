@@ -39,11 +39,11 @@ def render_picture(job: Job) -> float:
         The file cannot be written.
     """
     began = time.perf_counter()
-    deliver(*_exposed(job), Destination(job.path, _texts(job)))
+    deliver(*_exposed(job.scene, job.case, job.exposure), Destination(job.path, _texts(job)))
     return time.perf_counter() - began
 
 
-def picture_of(job: Job) -> np.ndarray:
+def picture_of(scene: Scene, case: Case, exposure: Exposure) -> np.ndarray:
     """Render one picture, and return it: uint8 or uint16, shape (height, width) or (height, width, 3).
 
     Raises
@@ -51,16 +51,18 @@ def picture_of(job: Job) -> np.ndarray:
     DeviceError
         Dr.Jit has no LLVM library to compile with.
     """
-    return sensor_picture(*_exposed(job))
+    return sensor_picture(*_exposed(scene, case, exposure))
 
 
-def _exposed(job: Job) -> tuple[np.ndarray, Photometry, Exposure, Shot | None]:
+def _exposed(
+    scene: Scene, case: Case, exposure: Exposure
+) -> tuple[np.ndarray, Photometry, Exposure, Shot | None]:
     """Return the light of a picture, and all that makes a picture of it."""
-    scene, case, photometry = job.scene, job.case, job.case.take.photometry(job.scene.photometry)
+    photometry = case.take.photometry(scene.photometry)
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
         light = render_light(Laboratories(mi, scene, case.seed), case)
     shot = Shot(case.seed, case.view, case.camera) if scene.noise else None
-    return light, photometry, job.exposure, shot
+    return light, photometry, exposure, shot
 
 
 def _texts(job: Job) -> dict[str, str]:

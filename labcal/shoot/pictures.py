@@ -88,6 +88,17 @@ def read_picture(path: AnyPath) -> np.ndarray:
         raise InputError(
             f"{path} is not a picture, or is damaged. Copy it again, or convert it to PNG, JPEG or TIFF."
         )
+    return red_first(picture)
+
+
+def red_first(picture: np.ndarray) -> np.ndarray:
+    """Return a picture of OpenCV's, whose colours begin with blue, in the order red, green, blue.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (height, width), (height, width, 3) or (height, width, 4)
+        An alpha channel is dropped.
+    """
     return picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 2::-1])  # noqa: PLR2004 -- grey
 
 

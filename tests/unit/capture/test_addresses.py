@@ -1,9 +1,13 @@
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from labcal.capture.addresses import KINDS, Address, named_addresses, parse_address, source_at
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import Source
 from labcal.errors import InputError, UnknownNameError
+from labcal.shoot.pictures import write_picture
 
 
 def test_an_address_is_a_kind_and_a_place_with_the_cameras_name_before_it() -> None:
@@ -38,3 +42,14 @@ def test_every_kind_has_a_source() -> None:
         source = source_at(Address(kind, places.get(kind, "0")), SourceSettings())
         assert isinstance(source, Source), kind
         source.close()  # one that was never opened
+
+
+def test_a_folder_of_two_cameras_is_never_taken_for_one(tmp_path: Path) -> None:
+    for name in ("a_0.png", "a_1.png"):
+        write_picture(tmp_path / name, np.zeros((24, 32), np.uint8))
+    settings = SourceSettings(cameras="_0=left,_1=right")
+    alone = source_at(Address("folder", str(tmp_path)), settings)
+    alone.open()
+    assert [one.name for one in alone.describe()] == ["left", "right"]
+    with pytest.raises(InputError, match="left, right"):
+        source_at(Address("folder", str(tmp_path), "both"), settings).open()
