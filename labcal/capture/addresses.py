@@ -23,27 +23,25 @@ class SourceKind:
     """Description for help, a noun phrase."""
     module: str
     """Module that has the function `source_of`."""
-    extra: str | None = None
-    """Extra of labcal that it needs."""
 
 
 KINDS: Mapping[str, SourceKind] = {
     kind.name: kind
     for kind in (
-        SourceKind("sim", "SCENE", "the cameras of a scene, rendered at the poses of its plan", "simulated"),
-        SourceKind("folder", "PATH", "pictures that are in a folder already, in order", "folder"),
+        SourceKind("sim", "SCENE", "the cameras of a scene, rendered", "simulated"),
+        SourceKind("folder", "PATH", "pictures that are there already, in order", "folder"),
+        SourceKind("watch", "PATH", "a folder into which another program drops pictures", "watch"),
         SourceKind(
-            "watch", "PATH", "pictures that another program drops into a folder, as they appear", "watch"
+            "video",
+            "PATH",
+            "a video file, several of which are put in time by the motion of the target",
+            "video",
         ),
-        SourceKind(
-            "video", "PATH", "a video file; several are put in time by the motion of the target", "video"
-        ),
-        SourceKind("uvc", "NUMBER", "a webcam, by OpenCV's number (0 is the first)", "uvc"),
+        SourceKind("uvc", "NUMBER", "a webcam, by its number, 0 the first", "uvc"),
         SourceKind(
             "genicam",
             "SERIAL",
             "a GigE Vision or USB3 Vision camera, by serial number, name or IP address",
-            "genicam",
             "genicam",
         ),
     )

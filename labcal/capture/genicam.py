@@ -4,7 +4,7 @@ import time
 from collections.abc import Collection
 from contextlib import suppress
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from labcal.capture.addresses import Address
 from labcal.capture.settings import SourceSettings
@@ -12,6 +12,10 @@ from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.errors import DeviceError
 from labcal.extras import optional_module
 from labcal.wording import listed
+
+if TYPE_CHECKING:
+    from viva_genicam import DeviceInfo
+    from viva_genicam import Frame as GenicamFrame
 
 _SERIAL_REGISTER = 0xD8  # bootstrap register of GigE Vision: 16 bytes of text
 _SERIAL_BYTES = 16
@@ -124,7 +128,7 @@ class GenicamCamera:
                 self._camera.close()
         self._stream = self._camera = None
 
-    def _next(self) -> Any:  # noqa: ANN401 -- of a library without types that others could import
+    def _next(self) -> "GenicamFrame":
         """Return the next picture that was exposed after now; it may have holes."""
         library = self._library
         if library is None or self._stream is None:
@@ -133,7 +137,7 @@ class GenicamCamera:
             self._drain(library)
             if self._triggered:
                 self._camera.trigger_software()
-            frame = self._stream.next_frame(int(1000.0 * self._settings.timeout_s))
+            frame: GenicamFrame | None = self._stream.next_frame(int(1000.0 * self._settings.timeout_s))
         except (library.GenicamError, TimeoutError, OSError) as error:
             raise self._failed(f"gave no picture within {self._settings.timeout_s:g} s", error) from error
         if frame is None:
@@ -146,11 +150,11 @@ class GenicamCamera:
             while self._stream.next_frame(1) is not None:
                 pass
 
-    def _found(self, library: ModuleType) -> Any:  # noqa: ANN401 -- as above
+    def _found(self, library: ModuleType) -> "DeviceInfo":
         """Return the device that answers to the address."""
         place = self._address.place
         known: list[str] = []
-        devices = [*library.discover(timeout_ms=_DISCOVERY_MS, all=True), *_usb(library)]
+        devices: list[DeviceInfo] = [*library.discover(timeout_ms=_DISCOVERY_MS, all=True), *_usb(library)]
         for device in devices:
             names = self._names(library, device)
             if place in names:
@@ -164,7 +168,7 @@ class GenicamCamera:
             "computer's network, that no firewall is between, and that no other program uses it."
         )
 
-    def _names(self, library: ModuleType, device: Any) -> list[str]:  # noqa: ANN401 -- as above
+    def _names(self, library: ModuleType, device: "DeviceInfo") -> list[str]:
         """Return serial number, name and IP address of a device, as far as it tells them."""
         if device.transport == "u3v":
             return [name for name in (device.serial,) if name]

@@ -110,9 +110,7 @@ class Webcam:
         """Return the next picture, red first."""
         done, picture = self._capture.read()
         if not done or picture is None:
-            raise DeviceError(
-                f"The webcam {self._address} gives no picture. See whether it is still plugged in."
-            )
+            raise self._silent()
         return red_first(picture)
 
     def _drain(self) -> None:
@@ -122,9 +120,7 @@ class Webcam:
         for _ in range(_MOST_STALE):
             began = time.monotonic()
             if not self._capture.grab():
-                raise DeviceError(
-                    f"The webcam {self._address} gives no picture. See whether it is still plugged in."
-                )
+                raise self._silent()
             if time.monotonic() - began > 0.5 * period:
                 return
 
@@ -137,6 +133,11 @@ class Webcam:
             self._set(cv2.CAP_PROP_EXPOSURE, wanted.exposure_us / _MICROSECONDS, "exposure")
         if wanted.gain is not None:
             self._set(cv2.CAP_PROP_GAIN, wanted.gain, "gain")
+
+    def _silent(self) -> DeviceError:
+        return DeviceError(
+            f"The webcam {self._address} gives no picture. See whether it is still plugged in."
+        )
 
     def _set(self, key: int, value: float, name: str) -> None:
         """Set a property; note it by its name where the device refuses."""

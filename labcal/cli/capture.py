@@ -15,20 +15,21 @@ from labcal.wording import counted
 
 def add_parser(commands: CommandGroup) -> None:
     """Describe the arguments."""
+    from labcal.capture.addresses import KINDS
+
     parser = commands.add(
         "capture",
         run,
-        "Take pictures with cameras into a shoot: webcams (uvc:0), GigE Vision and USB3 Vision cameras "
-        "(genicam:SERIAL), a scene that is rendered (sim:SCENE), pictures that another program drops into a "
-        "folder (watch:PATH) or that are there already (folder:PATH). The shoot is whole after every view.",
+        "Take pictures with cameras into a shoot, or with what stands in for them. The shoot is whole after "
+        "every view.",
         example="labcal capture left=uvc:0 right=uvc:2 --target paper-13x10 --views 20 -o shoot",
     )
     parser.add_argument(
         "sources",
         nargs="+",
         metavar="SOURCE",
-        help="address of a source, KIND:PLACE, with the camera's name before: left=uvc:0; several are "
-        "triggered together",
+        help="address of a source, with the camera's name before, as in left=uvc:0; several are triggered "
+        f"together. {'; '.join(f'{kind.name}:{kind.place}: {kind.does}' for kind in KINDS.values())}",
     )
     add_output(parser, "SHOOT", "folder to appear")
     parser.add_argument("--target", metavar="NAME", help="the target; a scene brings its own")
