@@ -15,6 +15,8 @@ from labcal.distributions import chi2_upper
 
 CHANCE = 1e-4
 """Probability below which chance is no explanation."""
+_MOSTLY = 0.5
+"""Share of outlying points from which on they are the rule."""
 _MOST = 3000
 """Points that are tested: more add nothing that the calibration's own errors would not cover."""
 
@@ -92,7 +94,7 @@ class ResidualLevel:
             The level of the test.
         """
         outlying = np.concatenate([group.outlying for group in self.groups])[rows]
-        if not outlying.mean() > 0.5:  # noqa: PLR2004 -- most of them
+        if not outlying.mean() > _MOSTLY:
             rows = rows[~outlying]
         rows = rows[:: -(-len(rows) // _MOST) or 1]
         parts, first, lost = [], 0, 0

@@ -7,7 +7,14 @@ import numpy as np
 from jaxtyping import Float64
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labcal.bounds import MOST_PARAMETER_VARIANCE, Amount, Margin
+from labcal.bounds import Amount, Margin
+from labcal.cameras.lower_triangle import (
+    MOST_PARAMETERS,
+    Element,
+    full_matrix,
+    lower_triangle,
+    require_covariance,
+)
 from labcal.cameras.record import CameraRecord
 from labcal.wording import clipped, printable
 
@@ -15,14 +22,6 @@ POSE_PARAMETERS = ("turn_x", "turn_y", "turn_z", "shift_x", "shift_y", "shift_z"
 """Rotation vector about the camera's axes (rad), applied after ``T_cam_world``, and shift along them (mm)."""
 INTRINSIC_PARAMETERS = ("fx", "fy", "cx", "cy")
 """Px."""
-_MOST = 400
-"""Parameters of a rig, at most: twenty cameras."""
-_ROUNDING = 1e-6
-"""Of the least eigenvalue of correlations, below which they are none."""
-Element = Annotated[
-    float, Field(ge=-MOST_PARAMETER_VARIANCE, le=MOST_PARAMETER_VARIANCE, allow_inf_nan=False)
-]
-"""Of a covariance."""
 
 
 class RigCovariance(BaseModel):
@@ -37,7 +36,7 @@ class RigCovariance(BaseModel):
 
     datum: Literal["first-camera, target-pitch"] = "first-camera, target-pitch"
     """Frame and scale, which are exact by definition."""
-    parameters: Annotated[tuple[str, ...], Field(min_length=1, max_length=_MOST)]
+    parameters: Annotated[tuple[str, ...], Field(min_length=1, max_length=MOST_PARAMETERS)]
     """Names in order: camera by camera ``CAMERA.fx`` and so on, coefficients, then turns and shifts."""
     lower: tuple[tuple[Element, ...], ...]
     """Lower triangle of the covariance, a tuple for each row; px, rad, mm and the coefficients' units."""
@@ -52,33 +51,20 @@ class RigCovariance(BaseModel):
 
     @model_validator(mode="after")
     def _is_a_covariance(self) -> "RigCovariance":
-        count = len(self.parameters)
-        if [len(row) for row in self.lower] != list(range(1, count + 1)):
-            raise ValueError(f"'lower' has not the rows of a lower triangle of {count} parameters")
-        variance = np.array([row[-1] for row in self.lower])
-        if not (variance >= 0.0).all():
-            raise ValueError("'lower' has a negative variance")
-        scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))
-        correlation = self.matrix / scale[:, None] / scale
-        if not np.isfinite(correlation).all() or not np.linalg.eigvalsh(correlation)[0] > -_ROUNDING * count:
-            raise ValueError("'lower' is no covariance: some combination has a negative variance")
+        require_covariance(self.lower, len(self.parameters))
         return self
 
     @property
     def matrix(self) -> Float64[np.ndarray, "parameters parameters"]:
         """The covariance as a full matrix."""
-        count = len(self.parameters)
-        matrix = np.zeros((count, count))
-        matrix[np.tril_indices(count)] = [value for row in self.lower for value in row]
-        return matrix + np.tril(matrix, -1).T
+        return full_matrix(self.lower)
 
     @classmethod
     def of(
         cls, cameras: Mapping[str, CameraRecord], covariance: Float64[np.ndarray, "parameters parameters"]
     ) -> "RigCovariance":
         """Return the record of a covariance in the order of :func:`parameter_names`, without its sources."""
-        lower = tuple(tuple(row[: number + 1].tolist()) for number, row in enumerate(covariance))
-        return cls(parameters=parameter_names(cameras), lower=lower)
+        return cls(parameters=parameter_names(cameras), lower=lower_triangle(covariance))
 
 
 def parameter_names(cameras: Mapping[str, CameraRecord]) -> tuple[str, ...]:

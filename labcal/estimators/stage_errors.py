@@ -12,17 +12,19 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from labcal.arrays import PointCovariances, Pose, Vectors3
 from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
+from labcal.cameras.lower_triangle import (
+    MOST_PARAMETERS,
+    Element,
+    full_matrix,
+    lower_triangle,
+    require_covariance,
+)
 from labcal.cameras.parameter_derivatives import POSE, parameter_derivatives, posed_slices
-from labcal.cameras.rig_covariance import Element
 from labcal.correspond.training import TrainingData
 from labcal.geometry.cross_matrices import cross_matrices
 
-_MOST = 400
-"""Parameters of the cameras, at most: twenty cameras."""
 _DETERMINED = 1e-12
 """Share of the largest eigenvalue of a scaled normal matrix below which a combination is not determined."""
-_ROUNDING = 1e-6
-"""Of the least eigenvalue of correlations, below which they are none."""
 
 
 @dataclass(frozen=True)
@@ -50,30 +52,19 @@ class StageErrors(BaseModel):
     """Of the stage's places along each axis."""
     sigma_deg: Annotated[float, Field(ge=0, le=180, allow_inf_nan=False)]
     """Of the stage's rotations about each axis."""
-    lower: Annotated[tuple[tuple[Element, ...], ...], Field(min_length=1, max_length=_MOST)]
+    lower: Annotated[tuple[tuple[Element, ...], ...], Field(min_length=1, max_length=MOST_PARAMETERS)]
     """Lower triangle, a tuple for each row: camera by camera fx fy cx cy, coefficients, turn (rad) about the
     camera's axes and shift (mm) along them, in the world of the stage."""
 
     @model_validator(mode="after")
     def _is_a_covariance(self) -> "StageErrors":
-        if [len(row) for row in self.lower] != list(range(1, len(self.lower) + 1)):
-            raise ValueError("'lower' has not the rows of a lower triangle")
-        variance = np.array([row[-1] for row in self.lower])
-        if not (variance >= 0.0).all():
-            raise ValueError("'lower' has a negative variance")
-        scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))
-        correlation = self.matrix / scale[:, None] / scale
-        if not np.linalg.eigvalsh(correlation)[0] > -_ROUNDING * len(self.lower):
-            raise ValueError("'lower' is no covariance: some combination has a negative variance")
+        require_covariance(self.lower, len(self.lower))
         return self
 
     @property
     def matrix(self) -> Float64[np.ndarray, "parameters parameters"]:
         """The covariance as a full matrix."""
-        count = len(self.lower)
-        matrix = np.zeros((count, count))
-        matrix[np.tril_indices(count)] = [value for row in self.lower for value in row]
-        return matrix + np.tril(matrix, -1).T
+        return full_matrix(self.lower)
 
     def fits(self, cameras: Sequence[Camera]) -> bool:
         """Tell whether the covariance has the size that the parameters of these cameras have."""
@@ -138,8 +129,7 @@ def stage_errors(
     scaled = moved * np.repeat([radians(sigma.deg), sigma.mm], 3)
     flat = scaled.reshape(len(moved), -1)
     matrix = flat @ flat.T
-    lower = tuple(tuple(row[: row_number + 1].tolist()) for row_number, row in enumerate(matrix))
-    return StageErrors(sigma_mm=sigma.mm, sigma_deg=sigma.deg, lower=lower)
+    return StageErrors(sigma_mm=sigma.mm, sigma_deg=sigma.deg, lower=lower_triangle(matrix))
 
 
 def _inverse(normal: Float64[np.ndarray, "k k"]) -> Float64[np.ndarray, "k k"]:
