@@ -94,6 +94,21 @@ class Detections(PictureLines):
         """Of each line, the place of its camera among :attr:`cameras`."""
         return numbers_of_names(self.camera.tolist(), {})
 
+    def with_cameras_in_order(self, order: Sequence[str]) -> "Detections":
+        """Return the lines of each camera together, in an order, where they do not appear in it already.
+
+        Parameters
+        ----------
+        order : sequence of str
+            Names of cameras. Those that are not among them come last.
+        """
+        wanted = [name for name in order if name in self.cameras]
+        wanted += [name for name in self.cameras if name not in wanted]
+        if tuple(wanted) == self.cameras:
+            return self
+        place = np.array([wanted.index(name) for name in self.cameras], dtype=np.int64)[self.camera_number]
+        return self.where(np.argsort(place, kind="stable"))
+
     def by_view(self) -> list["Detections"]:
         """Return the lines of every view, in the order of :attr:`views`."""
         order = np.argsort(self.view_number, kind="stable")

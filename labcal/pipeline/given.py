@@ -24,11 +24,18 @@ def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
 def dots_of(
     detections: Detections | AnyPath | None, shown: Shoot | AnyTarget | None, progress: Progress | None = None
 ) -> Detections:
-    """Return dots that are given, by the table's path, too, or those of a shoot."""
+    """Return dots that are given, by the table's path, too, or those of a shoot.
+
+    Of a shoot, cameras come in the order of its manifest, also where the first picture of one is refused.
+    """
     if isinstance(detections, Detections):
-        return detections
-    if detections is not None:
-        return read_detections(as_path(detections))
-    if isinstance(shown, Shoot):
-        return detect(shown, progress=progress)
-    raise InputError("No dots are given. Give `detections`, or a shoot, in whose pictures they are found.")
+        dots = detections
+    elif detections is not None:
+        dots = read_detections(as_path(detections))
+    elif isinstance(shown, Shoot):
+        dots = detect(shown, progress=progress)
+    else:
+        raise InputError(
+            "No dots are given. Give `detections`, or a shoot, in whose pictures they are found."
+        )
+    return dots.with_cameras_in_order(list(shown.manifest.cameras)) if isinstance(shown, Shoot) else dots
