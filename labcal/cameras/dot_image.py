@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Outlines, Pixels, Pose, Vectors3
+from labcal.arrays import Lengths, Mask, Outlines, Pixels, Pose, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.imaging import Projection
 from labcal.geometry.poses import transform
@@ -67,6 +67,11 @@ def dot_images(camera: Camera, T_world_target: Pose, centres: Vectors3, radii: n
     images = outlined_images(
         lambda p: camera.project(transform(T_world_target, p)), centres, flat_outlines(centres, radii)
     )
+    return of_places(images, radii)
+
+
+def of_places(images: DotImages, radii: Lengths) -> DotImages:
+    """Return images in which the centroid of a place without extent, of radius 0, is its centre."""
     if radii.all():
         return images
     centroid = np.where((radii == 0.0)[:, None], images.centre, images.centroid)

@@ -49,6 +49,8 @@ class Refusal(StrEnum):
     """The dots are all alike, and the grid fits the target at more than one place, or not exactly."""
     NO_MARKERS = "no-markers"
     """No marker of the target's dictionary is seen."""
+    NO_CODED_DOTS = "no-coded-dots"
+    """No coded dot of the target is read."""
     OTHER_BOARD = "other-board"
     """Markers are seen, but not where the target has them."""
     MIRRORED = "mirrored"
@@ -93,6 +95,10 @@ _ADVICE = {
     Refusal.NO_MARKERS: (
         "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
         "that a marker is at least 15 px across, and that the target names the board's dictionary."
+    ),
+    Refusal.NO_CODED_DOTS: (
+        "No coded dot of the target was read. Check that it is in the picture, sharp and not mirrored, that a "
+        "dot is at least 10 px across, and that the target names the code and the marks of the print."
     ),
     Refusal.OTHER_BOARD: (
         "Markers were found, but not in the places that the target gives them. Check its squares along x and "

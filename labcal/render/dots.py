@@ -2,10 +2,9 @@
 
 from functools import cache
 
-import numpy as np
-
 from labcal.render.variant import Jit
 from labcal.scene.print import TruePrint
+from labcal.targets.grid import DotGrid
 
 
 @cache
@@ -20,7 +19,8 @@ def dots_plugin(variant: str) -> str:
     import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
     import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
 
-    from labcal.render.ink import Ink  # noqa: PLC0415 -- imports Dr.Jit
+    from labcal.render.artwork_ink import ArtworkInk  # noqa: PLC0415 -- imports Dr.Jit
+    from labcal.render.ink import Ink  # noqa: PLC0415 -- as above
 
     class DotTexture(mi.Texture):
         """Reflectance of a print over its board; uv runs from 0 to 1 along the board's edges."""
@@ -30,8 +30,10 @@ def dots_plugin(variant: str) -> str:
 
         def show(self, made: TruePrint, dark: tuple[float, ...], light: tuple[float, ...]) -> None:
             """Set the print, with reflectances in the number of channels of the variant."""
-            offsets = made.dot_offsets().astype(np.float32)
-            self.ink = Ink(made, mi.Float(offsets[:, 0].copy()), mi.Float(offsets[:, 1].copy()))
+            grid = made.target
+            self.ink = (
+                Ink.of(made, grid, mi.Float) if isinstance(grid, DotGrid) else ArtworkInk.of(made, mi.Float)
+            )
             self.is_even = made.amplitude == 0.0
             self.dark, self.light = mi.Spectrum(*dark), mi.Spectrum(*light)
 
@@ -40,7 +42,7 @@ def dots_plugin(variant: str) -> str:
             reflectance = dr.select(self.ink.is_dark(si.uv) & active, self.dark, self.light)
             if self.is_even:
                 return reflectance
-            return dr.clip(reflectance * self.ink.evenness(si.uv), 0.0, 1.0)
+            return dr.clip(reflectance * self.ink.paper.evenness(si.uv), 0.0, 1.0)
 
         def mean(self) -> Jit:
             """Return the reflectance of the bare board, roughly the mean."""

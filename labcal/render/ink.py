@@ -1,41 +1,40 @@
-"""The inked areas of a print on float32 arrays of Dr.Jit, by the distance to the nearest dot centre."""
+"""The inked areas of a grid of dots on float32 arrays of Dr.Jit, by the nearest dot centre."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import drjit as dr
 import numpy as np
 
+from labcal.render.paper import Paper
 from labcal.render.variant import Jit
 from labcal.scene.print import TruePrint
-from labcal.targets.grid import Layout, Polarity
+from labcal.targets.grid import DotGrid, Layout, Polarity
 
 
 @dataclass(frozen=True)
 class Ink:
     """A print with positions in uv, from 0 to 1 along the edges of the board."""
 
-    made: TruePrint
+    paper: Paper
+    grid: DotGrid
     offset_x: Jit
     """Displacement of each dot along x in the design, mm; one float per entry."""
     offset_y: Jit
 
-    def designed(self, uv: Jit) -> tuple[Jit, Jit]:
-        """Return the position in the design, mm, of a position on the board."""
-        surface = self.made.surface
-        (x_middle, y_middle), (width, height) = surface.middle.tolist(), (2.0 * surface.half).tolist()
-        x, y = (uv.x - 0.5) * width, (uv.y - 0.5) * height
-        if not np.array_equal(self.made.A, np.eye(2)):
-            (a, b), (c, d) = np.linalg.inv(self.made.A).tolist()
-            x, y = a * x + b * y, c * x + d * y
-        return x + x_middle, y + y_middle
+    @classmethod
+    def of(cls, made: TruePrint, grid: DotGrid, floats: Callable[[np.ndarray], Jit]) -> "Ink":
+        """Return the ink of a print of a grid; `floats` makes an array of the variant."""
+        offsets = made.dot_offsets().astype(np.float32)
+        return cls(Paper(made), grid, floats(offsets[:, 0].copy()), floats(offsets[:, 1].copy()))
 
     def is_dark(self, uv: Jit) -> Jit:
         """Return a mask of positions at which the print has the darker of its two colours."""
-        target = self.made.target
-        x, y = self.designed(uv)
+        target = self.grid
+        x, y = self.paper.designed(uv)
         col, row, shift = self._nearest(x, y)
         dx, dy = x - shift - col * target.pitch_x_mm, y - row * target.pitch_y_mm
-        if self.made.is_displaced:
+        if self.paper.made.is_displaced:
             number = dr.uint32_array_t(x)(row * target.cols + col)
             dx -= dr.gather(type(x), self.offset_x, number)
             dy -= dr.gather(type(x), self.offset_y, number)
@@ -50,7 +49,7 @@ class Ink:
 
     def _nearest(self, x: Jit, y: Jit) -> tuple[Jit, Jit, Jit]:
         """Return column and row of the nearest dot in the design, and the shift of its row in mm."""
-        target = self.made.target
+        target = self.grid
         if target.layout is Layout.SYMMETRIC:
             col = dr.clip(dr.round(x / target.pitch_x_mm), 0, target.cols - 1)
             row = dr.clip(dr.round(y / target.pitch_y_mm), 0, target.rows - 1)
@@ -62,11 +61,3 @@ class Ink:
         odd = row - 2.0 * dr.floor(0.5 * row)
         col = dr.clip(0.5 * (right - left - odd), 0, target.cols - 1)
         return dr.round(col), row, 0.5 * target.pitch_x_mm * odd
-
-    def evenness(self, uv: Jit) -> Jit:
-        """Return the factor of the local unevenness of the paper; 1 for even paper."""
-        width, height = (2.0 * self.made.surface.half).tolist()
-        factor: Jit = 1.0
-        for along_x, along_y, phase in self.made.waves.tolist():
-            factor += self.made.amplitude * dr.cos(along_x * width * uv.x + along_y * height * uv.y + phase)
-        return factor

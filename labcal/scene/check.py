@@ -11,11 +11,13 @@ from labcal.scene.model import Scene
 from labcal.scene.placement import Handheld
 from labcal.scene.plan import built_scene, planned_takes
 from labcal.scene.print import TruePrint
+from labcal.scene.printed import key_indices
 from labcal.scene.subframes import subframes
 from labcal.scene.take import Take
 from labcal.scene.truth import true_dots
 from labcal.scene.views import planned_views
 from labcal.scene.visibility import what_hides
+from labcal.targets.grid import DotGrid
 
 
 def check_scene(scene: Scene, seed: int, count: int | None = None) -> None:
@@ -70,12 +72,12 @@ def _check_place(scene: Scene, take: Take) -> None:
 
 
 def _check_key(scene: Scene, made: TruePrint, take: Take) -> None:
-    """Raise unless the camera sees the rings or, if the target has none, all dots."""
+    """Raise unless the camera sees the rings or, of a grid that has none, all dots."""
     if isinstance(scene.placement, Handheld) and not scene.placement.all_rings:
         return
     dots = true_dots(scene, made, take)
-    kind = "dot" if scene.target.rings is None else "ring"
-    for col, row in scene.target.key_indices:
+    kind = "ring" if isinstance(scene.target, DotGrid) and scene.target.rings else "dot"
+    for col, row in key_indices(scene.target):
         number = row * scene.target.cols + col
         if not dots.visible[number]:
             ring = f"In view '{take.view}' of the scene '{scene.name}' the {kind} at ({col}, {row})"

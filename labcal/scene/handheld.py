@@ -14,7 +14,8 @@ from labcal.geometry.poses import pose, transform
 from labcal.rng import generator
 from labcal.scene.model import Scene
 from labcal.scene.placement import Handheld
-from labcal.targets.grid import DotGrid
+from labcal.scene.printed import key_indices
+from labcal.targets.target import PrintableTarget
 
 TRIES_PER_VIEW = 100
 CANDIDATES_PER_VIEW = 6
@@ -48,13 +49,13 @@ class Shape:
     dots: Float64[np.ndarray, "n few 3"]
     """On the outlines of all dots."""
     key: Float64[np.ndarray, "key many 3"]
-    """On the outlines of the rings, of which nothing may be missed; of all dots where there are no rings."""
+    """On the outlines of the rings, of which nothing may be missed; of all dots of a grid without rings."""
 
     @classmethod
-    def of(cls, target: DotGrid) -> "Shape":
+    def of(cls, target: PrintableTarget) -> "Shape":
         """Return the shape of a target."""
         outlines = flat_outlines(target.points(), 0.5 * target.outer_diameters_mm())
-        key = [row * target.cols + col for col, row in target.key_indices]
+        key = np.array([row * target.cols + col for col, row in key_indices(target)], dtype=np.int64)
         return cls(target.points(), outlines[:, ::EVERY], outlines[key])
 
 

@@ -9,8 +9,9 @@ from labcal.errors import InputError
 from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.rng import generator
 from labcal.scene.motion import Track
+from labcal.scene.printed import grid_of
 from labcal.scene.take import Take
-from labcal.targets.grid import DotGrid
+from labcal.targets.target import PrintableTarget
 
 PITCH_FACTOR = 1.03
 DRIFT_MM = 4.0
@@ -73,13 +74,19 @@ class Outcome:
     """Names of the views that the mistake concerns."""
 
 
-def printed_target(target: DotGrid, mistake: Mistake | None, size: float = 1.0) -> DotGrid:
-    """Return the target as printed, which a mistake can make different from its description."""
+def printed_target(target: PrintableTarget, mistake: Mistake | None, size: float = 1.0) -> PrintableTarget:
+    """Return the target as printed, which a mistake can make different from its description.
+
+    Raises
+    ------
+    InputError
+        The mistake takes a grid of dots, and the target is of another kind.
+    """
     if mistake is not Mistake.WRONG_PITCH:
         return target
-    factor = _pitch_factor(size)
-    return target.model_copy(
-        update={"pitch_x_mm": factor * target.pitch_x_mm, "pitch_y_mm": factor * target.pitch_y_mm}
+    factor, grid = _pitch_factor(size), grid_of(target, f"The mistake '{mistake}' is made with")
+    return grid.model_copy(
+        update={"pitch_x_mm": factor * grid.pitch_x_mm, "pitch_y_mm": factor * grid.pitch_y_mm}
     )
 
 

@@ -17,8 +17,9 @@ from labcal.scene.motion import Motion, ShutterKind
 from labcal.scene.occluders import Occluder
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
+from labcal.scene.printed import grid_of
 from labcal.scene.room import Room
-from labcal.targets.catalogue import described_grid
+from labcal.targets.catalogue import DescribedTarget, load_target
 from labcal.targets.grid import DotGrid
 
 MOST_SAMPLES = 65536
@@ -42,7 +43,7 @@ class Scene(BaseModel):
     """Name of the scene: letters, digits and hyphens."""
     description: str = ""
     """Description of the scene, for people."""
-    target: DotGrid
+    target: DescribedTarget
     """The target; in a file the name of one, or its whole description."""
     cameras: Annotated[dict[Name, CameraDescription], Field(min_length=1)]
     """Cameras by name."""
@@ -76,7 +77,7 @@ class Scene(BaseModel):
     @field_validator("target", mode="before")
     @classmethod
     def _target_by_name(cls, value: object) -> object:
-        return described_grid(value, "the laboratory prints", "plain-11x8")
+        return load_target(value) if isinstance(value, str) else value
 
     @field_validator("mistake", mode="before")
     @classmethod
@@ -97,6 +98,17 @@ class Scene(BaseModel):
         if alike := differ_in_case(self.cameras):
             raise ValueError(f"the cameras '{alike[0]}' and '{alike[1]}' differ only in capital letters")
         return self
+
+    @property
+    def grid(self) -> DotGrid:
+        """The target, where it is a grid of dots.
+
+        Raises
+        ------
+        InputError
+            It is of another kind.
+        """
+        return grid_of(self.target, f"In the scene '{self.name}' this takes")
 
     def true_cameras(self) -> dict[str, Camera]:
         """Return the cameras by name, in the scene's order.

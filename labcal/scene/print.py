@@ -13,6 +13,8 @@ from labcal.rng import generator
 from labcal.scene.board import Board
 from labcal.scene.surface import Surface
 from labcal.targets.grid import DotGrid, Layout
+from labcal.targets.registry import kind_of
+from labcal.targets.target import PrintableTarget
 
 WAVES = 8
 """Plane waves that make up the unevenness of the paper."""
@@ -28,7 +30,7 @@ class TruePrint:
     then off by its own displacement; and the paper is bent as a whole.
     """
 
-    target: DotGrid
+    target: PrintableTarget
     surface: Surface
     A: np.ndarray
     """(2, 2), what the printer makes of lengths."""
@@ -40,13 +42,14 @@ class TruePrint:
     """Of each wave, as a share of the reflectance."""
 
     @classmethod
-    def of(cls, target: DotGrid, board: Board, seed: int) -> "TruePrint":
+    def of(cls, target: PrintableTarget, board: Board, seed: int) -> "TruePrint":
         """Return the print for a seed, the same in all views.
 
         Raises
         ------
         InputError
-            A dot would touch its neighbour's place or leave the board.
+            A dot would touch its neighbour's place or leave the board, or dots are misplaced of a target that
+            is no grid.
         """
         draws = generator(seed, "misplaced dots").standard_normal((target.count, 2))
         made = cls(
@@ -97,7 +100,25 @@ class TruePrint:
 
     def _require_room(self) -> None:
         """Raise unless every dot is inside its cell of the grid and on the board."""
+        self._require_apart()
+        off = np.abs(self.flat_outlines(1.0) - self.surface.middle) - self.surface.half
+        allowed = np.maximum(0.0, np.abs(self._nominal_outlines() - self.surface.middle) - self.surface.half)
+        if (off > allowed.max(axis=(0, 1)) + 1e-9).any():
+            raise InputError(
+                f"The print of the target '{self.target.name}' does not fit on its board any more. Lessen "
+                "board.print_scale, print_shear or misplacement_mm, or widen the target's margin_mm."
+            )
+
+    def _require_apart(self) -> None:
+        """Raise unless every dot is inside its cell of the grid."""
         target = self.target
+        if not isinstance(target, DotGrid):
+            if self.is_displaced:
+                raise InputError(
+                    f"Single dots can be misplaced on a grid of dots only, and the target '{target.name}' is "
+                    f"of the kind '{kind_of(target).name}'. Leave out board.misplacement_mm."
+                )
+            return
         room = 0.5 * np.array(target.cell_mm)
         offsets = self.dot_offsets()
         if target.layout is Layout.ASYMMETRIC:  # cells stand on their corners
@@ -110,20 +131,13 @@ class TruePrint:
                 f"'{target.name}' comes to lie half a pitch off, and dots may touch. Lessen "
                 "board.misplacement_mm."
             )
-        off = np.abs(self.flat_outlines(1.0) - self.surface.middle) - self.surface.half
-        allowed = np.maximum(0.0, np.abs(self._nominal_outlines() - self.surface.middle) - self.surface.half)
-        if (off > allowed.max(axis=(0, 1)) + 1e-9).any():
-            raise InputError(
-                f"The print of the target '{target.name}' does not fit on its board any more. Lessen "
-                "board.print_scale, print_shear or misplacement_mm, or widen the target's margin_mm."
-            )
 
     def _nominal_outlines(self) -> np.ndarray:
         """Return the outlines of the design; without margin, dots may be cut by the edge of the board."""
         return flat_outlines(self.target.points(), 0.5 * self.target.outer_diameters_mm())[..., :2]
 
 
-def _waves(target: DotGrid, board: Board, seed: int) -> np.ndarray:
+def _waves(target: PrintableTarget, board: Board, seed: int) -> np.ndarray:
     """Draw the waves of the unevenness of the paper."""
     if board.unevenness == 0.0:
         return np.zeros((0, 3))

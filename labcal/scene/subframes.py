@@ -8,7 +8,7 @@ from labcal.cameras.dot_image import flat_outlines
 from labcal.errors import InputError
 from labcal.scene.motion import ShutterTimes
 from labcal.scene.take import Take
-from labcal.targets.grid import DotGrid
+from labcal.targets.target import PrintableTarget
 
 LARGEST_STEP_PX = 0.1
 """No part of a dot's outline moves by more from one sub-frame to the next."""
@@ -45,7 +45,7 @@ class Subframes:
         return int(shared[0]), int(shared[-1]) + 1
 
 
-def subframes(take: Take, target: DotGrid) -> Subframes:
+def subframes(take: Take, target: PrintableTarget) -> Subframes:
     """Return the sub-frames of a picture, each at most 0.1 px from the next.
 
     A row's average is the integral over its exposure of what is interpolated between the sub-frames. So the
@@ -54,7 +54,7 @@ def subframes(take: Take, target: DotGrid) -> Subframes:
     Parameters
     ----------
     take : Take
-    target : DotGrid
+    target : PrintableTarget
         The target as it is printed.
 
     Raises
@@ -80,7 +80,7 @@ def subframes(take: Take, target: DotGrid) -> Subframes:
     return Subframes(seconds[shared], weights[shared])
 
 
-def _speed(take: Take, target: DotGrid) -> float:
+def _speed(take: Take, target: PrintableTarget) -> float:
     """Return the highest speed of a dot outline in the picture, px/s; 0 if it shows none."""
     outlines = flat_outlines(target.points(), 0.5 * target.outer_diameters_mm())[:, ::EVERY].reshape(-1, 3)
     span = take.shutter.span_s

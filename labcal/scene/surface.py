@@ -7,7 +7,7 @@ import numpy as np
 from labcal.arrays import Vectors3
 from labcal.scene.board import Bend
 from labcal.scene.solids import Met, Starts
-from labcal.targets.grid import DotGrid
+from labcal.targets.target import PrintableTarget
 
 FACET_ERROR_MM = 5e-4
 """Largest deviation of the facets of a mesh from the surface."""
@@ -24,7 +24,7 @@ class Surface:
     bend: Bend
 
     @classmethod
-    def of(cls, target: DotGrid, bend: Bend) -> "Surface":
+    def of(cls, target: PrintableTarget, bend: Bend) -> "Surface":
         """Return the surface of a target's board."""
         x_min, y_min, x_max, y_max = target.extent_mm
         return cls(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.cameras.dot_image import outlined_images
+from labcal.cameras.dot_image import of_places, outlined_images
 from labcal.cameras.record import CameraRecord, matrix4_record
 from labcal.scene.model import Scene
 from labcal.scene.print import TruePrint
@@ -29,7 +29,8 @@ def true_dots(scene: Scene, made: TruePrint, take: Take) -> TrueDots:
         the board is seen from its front, and nothing solid is in the way of any part of the dot (in the
         middle of the frame). A dot that no row sees is where it is in the middle of the frame.
     """
-    images = outlined_images(take.project, made.centres, made.outlines)
+    radii = 0.5 * made.target.outer_diameters_mm()
+    images = of_places(outlined_images(take.project, made.centres, made.outlines), radii)
     hidden = unseen(scene, made, take.track.T_world_target, viewpoints(take.device, images))
     return TrueDots(
         view=take.view,

@@ -9,6 +9,7 @@ from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.scene.handheld import handheld_poses
 from labcal.scene.model import Scene
 from labcal.scene.placement import HeldPoses, Stage
+from labcal.scene.printed import steps_mm
 from labcal.shoot.manifest import Role
 
 
@@ -41,8 +42,7 @@ def planned_views(scene: Scene, seed: int) -> tuple[PlannedView, ...]:
     if isinstance(scene.placement, Stage):
         views = []
         for place in scene.placement.places(seed):
-            pitch = np.array([scene.target.pitch_x_mm, scene.target.pitch_y_mm, 0.0])
-            shift = pitch * np.array([*place.shift_pitches, 0.0])
+            shift = np.array([*(steps_mm(scene.target) * place.shift_pitches), 0.0])
             T_world_target = pose(np.eye(3), np.array(place.origin_mm) + shift)
             views.append(PlannedView(place.name, place.role, T_world_target, T_world_target))
         return tuple(views)

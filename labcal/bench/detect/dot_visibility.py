@@ -69,7 +69,7 @@ def dot_visibility(scene: Scene, take: Take, clear_px: float) -> DotVisibility:
     eyes = viewpoints(take.device, images)
     hidden, near = np.zeros(len(minor)), np.zeros(len(minor), dtype=bool)
     # The scale that the dots have along their minor axes: what is clear by it is clear along the others too.
-    margin_mm = clear_px * 0.5 * scene.target.dot_diameter_mm / np.nanmedian(minor)
+    margin_mm = clear_px * 0.5 * scene.grid.dot_diameter_mm / np.nanmedian(minor)
     for body in obstacles(scene, T_world_target):
         hidden = np.maximum(hidden, _covered(body, made, T_world_target, eyes))
         near |= _covered(body.grown(margin_mm), made, T_world_target, eyes) > 0.0
@@ -84,7 +84,7 @@ def dot_visibility(scene: Scene, take: Take, clear_px: float) -> DotVisibility:
         hidden=hidden,
         in_frame=in_frame,
         measurable=in_frame & within.all(axis=(1, 2)) & ~near & (minor >= LEAST_MINOR_PX),
-        ring=np.array([(col, row) in scene.target.ring_indices for col, row in index.tolist()]),
+        ring=np.array([(col, row) in scene.grid.ring_indices for col, row in index.tolist()]),
     )
 
 

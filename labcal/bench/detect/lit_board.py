@@ -79,7 +79,7 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
     ]
     return LitBoard(
         name=design.name,
-        target=scene.target,
+        target=scene.grid,
         clean=WHITE / BARE_BOARD * light * falling_light(design, seen.centroid[seen.in_frame], light.shape),
         number=number,
         centroid=seen.centroid[number],

@@ -59,7 +59,7 @@ def suite_pictures(count: int, seed: int, names: frozenset[str] = frozenset()) -
             blur = blur_px(design, first.minor_px[first.in_frame])
             seen = dot_visibility(stage.scene, stage.take, CLEAR_PX + 2.0 * blur)
             picture = exposed_picture(_light(stage, seed), design, seen, blur, seed)
-            yield SuitePicture(design, stage.scene.target, picture, blur, seen)
+            yield SuitePicture(design, stage.scene.grid, picture, blur, seen)
 
 
 def _light(stage: SuiteScene, seed: int) -> np.ndarray:

@@ -48,7 +48,7 @@ def faulty_scene(scene: Scene, fault: Fault) -> Scene:
         size = fault.size / (PITCH_FACTOR - 1.0)
         return scene.model_copy(update={"mistake": Mistake.WRONG_PITCH, "mistake_size": size})
     if kind == "bend":
-        return _with_board(scene, {"bend": {"along_x_mm": fault.size * _board_over_dots(scene.target)}})
+        return _with_board(scene, {"bend": {"along_x_mm": fault.size * _board_over_dots(scene.grid)}})
     return _with_board(scene, {"misplacement_mm": fault.size})
 
 

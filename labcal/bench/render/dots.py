@@ -75,7 +75,7 @@ def _errors(
         laboratories = Laboratories(mi, scene, seed)
         for tilt in tilts:
             random = generator(seed, "bench dots", name, f"{radius:g} px", f"{tilt:g} degrees")
-            take = still_take(scene, _turned(scene.target, tilt, random))
+            take = still_take(scene, _turned(scene.grid, tilt, random))
             seen = true_dots(scene, made, take)
             light = render_light(laboratories, Case(take, seed))
             yield grey_errors(light / np.float32(scene.board.light[0]), _whole(scene, take, seen, radius))
@@ -128,7 +128,7 @@ def _whole(scene: Scene, take: Take, seen: TrueDots, radius_px: float) -> _Whole
     room = (outline >= GAP_PX).all(axis=(1, 2))
     room &= (outline <= np.array(take.device.size) - 1 - GAP_PX).all(axis=(1, 2))
     ring = np.zeros(scene.target.count, dtype=bool)
-    for col, row in scene.target.ring_indices:
+    for col, row in scene.grid.ring_indices:
         ring[row * scene.target.cols + col] = True
     edge = (seen.index == 0).any(axis=1) | (seen.index == [scene.target.cols - 1, scene.target.rows - 1]).any(
         axis=1

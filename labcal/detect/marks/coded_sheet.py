@@ -45,7 +45,7 @@ def detect_coded_sheet(grey: GreyPicture, sheet: CodedDots, settings: DetectSett
     held = (place >= 0) & (place < sheet.count)
     dots = _dots(marks, np.where(named & held, place, -1), sheet)
     if not dots.has_id.any():
-        return dots.refused(Refusal.NO_MARKERS)
+        return dots.refused(Refusal.NO_CODED_DOTS)
     index = dots.index[dots.ok]
     if len(index) < _FEWEST or np.linalg.matrix_rank(index - index[0]) < 2:  # noqa: PLR2004 -- a plane
         return dots.refused(Refusal.TOO_FEW_DOTS)

@@ -1,0 +1,42 @@
+"""Properties of a target of any kind that the laboratory needs to print it and to place it."""
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.errors import InputError
+from labcal.targets.grid import DotGrid, GridIndex
+from labcal.targets.registry import kind_of
+from labcal.targets.target import PrintableTarget
+
+
+def steps_mm(target: PrintableTarget) -> Float64[np.ndarray, "2"]:
+    """Return the distance from column to column and from row to row, mm."""
+    places = target.points(np.array([[0, 0], [1, 0], [0, 1]]))
+    return np.array([places[1, 0] - places[0, 0], places[2, 1] - places[0, 1]])
+
+
+def key_indices(target: PrintableTarget) -> tuple[GridIndex, ...]:
+    """Return (col, row) of the dots that must be seen to number the others: none where all are coded."""
+    return target.key_indices if isinstance(target, DotGrid) else ()
+
+
+def grid_of(target: PrintableTarget, who: str) -> DotGrid:
+    """Return a target that is a grid of dots.
+
+    Parameters
+    ----------
+    target : PrintableTarget
+    who : str
+        Subject and verb of what takes nothing else, for the message.
+
+    Raises
+    ------
+    InputError
+        It is of another kind.
+    """
+    if isinstance(target, DotGrid):
+        return target
+    raise InputError(
+        f"{who} grids of dots only, and the target '{target.name}' is of the kind '{kind_of(target).name}'. "
+        "Name another one, such as plain-11x8."
+    )
