@@ -103,7 +103,7 @@ def _dots(question: TargetQuestion, sights: list[Sight], room: Room, radius_mm: 
     pitch = _rounded_up(diameter / DOT_SHARE)
     while _count(room, pitch) > MOST_DOTS:
         pitch = _rounded_up(pitch * 1.001 + 1e-9)
-    margin = round(_MARGIN_SHARE * pitch, 2)
+    margin = _margin(pitch)
     reach = min(_RING_FIELD * min(sight.width_mm(question.near_mm)) for sight in sights) / pitch
     if reach < min(FEWEST) - 2:
         return None
@@ -212,8 +212,14 @@ def _counts(room: Room, pitch: float, margin: float) -> tuple[int, int]:
     return cols, rows
 
 
+def _margin(pitch: float) -> float:
+    """Return the bare board around the outermost dots, mm: three quarters of a pitch."""
+    step = 0.1 if pitch < 3.0 else 0.5  # noqa: PLR2004 -- as of pitches
+    return round(math.ceil(_MARGIN_SHARE * pitch / step - 1e-9) * step, 3)
+
+
 def _count(room: Room, pitch: float) -> int:
-    cols, rows = _counts(room, pitch, _MARGIN_SHARE * pitch)
+    cols, rows = _counts(room, pitch, _margin(pitch))
     return max(cols, 0) * max(rows, 0)
 
 
@@ -224,6 +230,8 @@ def _rounded_up(length_mm: float) -> float:
 
 
 def _name(question: TargetQuestion, cols: int, rows: int) -> str:
+    if question.name is not None:
+        return question.name
     paper = question.paper.name.replace(".", "-")
     tiles = "" if question.tiles == (1, 1) else f"-{question.tiles[0]}by{question.tiles[1]}"
     return f"{paper}{tiles}-{cols}x{rows}"

@@ -8,6 +8,7 @@ import numpy as np
 from labcal.bounds import MOST_MM
 from labcal.cameras.camera import Camera
 from labcal.errors import InputError
+from labcal.run.names import Name
 from labcal.scene.photometry import Photometry
 from labcal.targets.paper import PAPERS, PRINTER_MARGIN_MM, SHEET_BORDER_MM, Paper
 from labcal.targets.registry import PLAIN, target_kinds
@@ -42,6 +43,8 @@ class TargetQuestion:
         Rim that the printer leaves bare.
     room_mm : (float, float), optional
         Largest width and height of the board, such as those of the working volume.
+    name : str, optional
+        Name of the target; made of paper and counts where left out.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class TargetQuestion:
     photometry: Photometry = field(default_factory=lambda: Photometry.model_validate("machine-vision-5mp"))
     printer_margin_mm: float = PRINTER_MARGIN_MM
     room_mm: tuple[float, float] | None = None
+    name: Name | None = None
 
     def __post_init__(self) -> None:
         if not self.cameras:
