@@ -18,8 +18,8 @@ LEAST_AXIS_PX = 5.0
 """Least minor semi-axis of a dot. All drawn pictures of a webcam are indexed from 4 px on."""
 LEAST_CODED_AXIS_PX = 6.0
 """The same of a coded dot, whose ring is read from 5 px on."""
-LEAST_MARKER_PX = 28.0
-"""Least side of a marker of 7 cells."""
+LEAST_MARKER_PX = 18.0
+"""Least side of a marker of 7 cells. All drawn pictures of a webcam are read from 14 px on."""
 BLUR_SHARE = 0.35
 """Most blur over the minor semi-axis with which the detector was tried."""
 DOT_SHARE = 0.6
