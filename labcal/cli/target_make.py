@@ -127,8 +127,8 @@ def counts_of(text: str, name: str) -> tuple[int, int]:
 
 
 def _question(arguments: Namespace) -> "TargetQuestion":
+    from labcal.guide.target_design.cameras import sensor_of
     from labcal.guide.target_design.question import TargetQuestion
-    from labcal.scene.photometry import Photometry
     from labcal.targets.paper import paper_of
 
     known = _known(arguments)
@@ -142,7 +142,7 @@ def _question(arguments: Namespace) -> "TargetQuestion":
         raise InputError("`volume` takes a width and a height in mm, as 300,200.")
     photometry = known.photometry
     if arguments.sensor is not None or photometry is None:
-        photometry = Photometry.model_validate(arguments.sensor or USUAL_SENSOR)
+        photometry = sensor_of(arguments.sensor or USUAL_SENSOR)
     return TargetQuestion(
         cameras=known.cameras,
         near_mm=min(distances),

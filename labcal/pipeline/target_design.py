@@ -56,7 +56,7 @@ def make_target(  # noqa: PLR0913 -- what is asked, two files, and how
     >>> import numpy as np
     >>> K = [[1100, 0, 639.5], [0, 1100, 479.5], [0, 0, 1]]
     >>> camera = Camera(K, "pinhole", np.zeros(5), np.eye(4), (1280, 960))
-    >>> found = make_target(TargetQuestion({"left": camera}, near_mm=450, far_mm=550, tilt_max_deg=40))
+    >>> found = make_target(TargetQuestion({"left": camera}, near_mm=450.0, far_mm=550.0, tilt_max_deg=40.0))
     >>> found.target.pitch_x_mm < 15 and found.least_px > 5
     True
     """

@@ -53,6 +53,20 @@ def described_camera(description: Mapping[str, object]) -> Camera:
         raise InputError(f"The camera cannot be used: {explain_validation(error, PlannedCamera)}.") from error
 
 
+def sensor_of(preset: str) -> Photometry:
+    """Return the sensor of a preset's name.
+
+    Raises
+    ------
+    InputError
+        There is none of that name.
+    """
+    try:
+        return Photometry.model_validate(preset)
+    except ValidationError as error:
+        raise InputError(f"The sensor cannot be used: {explain_validation(error, Photometry)}.") from error
+
+
 def camera_alone(planned: PlannedCamera) -> Camera:
     """Return a planned camera at the origin, looking along z.
 

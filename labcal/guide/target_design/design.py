@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from labcal.errors import InputError
+from labcal.guide.target_design.alternatives import alternatives
 from labcal.guide.target_design.forms import Need, farthest_mm, formed, need_of
 from labcal.guide.target_design.question import TargetQuestion
 from labcal.guide.target_design.room import rooms
@@ -97,22 +98,20 @@ def _best(question: TargetQuestion, sights: list[Sight], growth: float) -> AnyTa
 
 def _refusal(question: TargetQuestion, sights: list[Sight], tried: tuple[TriedView, ...]) -> str:
     """Return why there is no target, and what would do."""
+    easier = alternatives(question, lambda changed: _best(changed, sights, 1.0) is not None)
+    mend = f"Ask for {' or '.join(easier)}." if easier else "Take cameras with more pixels or a longer lens."
     failed = [view for view in tried if not view.passed]
     if failed:
         view = failed[0]
         why = view.refusal or f"{view.found} of {view.whole} dots measured"
         return (
             f"No target of the kind '{question.kind}' on {question.paper.sides} is found in all drawn pictures: "
-            f"at {view.distance_mm:g} mm, tilted by {view.tilt_deg:g} degrees ({why}). Ask for a smaller tilt, "
-            "a shorter distance or larger paper."
+            f"at {view.distance_mm:g} mm, tilted by {view.tilt_deg:g} degrees ({why}). {mend}"
         )
-    width, height = question.paper.width_mm * question.tiles[0], question.paper.height_mm * question.tiles[1]
     scale = least_scale(sights, question.far_mm, question.tilt_max_deg)
     part = need_of(question.kind, question.photometry.blur_px)
     return (
-        f"No target of the kind '{question.kind}' fits: at {question.far_mm:g} mm and a tilt of "
-        f"{question.tilt_max_deg:g} degrees a {part.part} of {part.least_px:.3g} px is "
-        f"{part.least_px / scale:.1f} mm, and {width:g} mm x {height:g} mm of paper, or what the picture shows "
-        f"at {question.near_mm:g} mm, has too little room for enough of them. Ask for a shorter distance, a "
-        "smaller tilt, or larger paper (or tiles)."
+        f"No target of the kind '{question.kind}' fits on {question.paper.sides}: at {question.far_mm:g} mm and "
+        f"a tilt of {question.tilt_max_deg:g} degrees a {part.part} of {part.least_px:.3g} px is "
+        f"{part.least_px / scale:.1f} mm, and there is too little room for enough of them. {mend}"
     )
