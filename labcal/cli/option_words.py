@@ -25,9 +25,7 @@ OPTIONS = {
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
     "distances_mm": "--distances-mm", "pictures": "--pictures",
     "mark_diameter": "--mark-diameter", "markers": "--markers",
-    "paper": "--paper", "tiles": "--tiles", "distance": "--distance", "volume": "--volume", "fov": "--fov",
-    "focal_px": "--focal-px", "focal_mm": "--focal-mm", "pixel_um": "--pixel-um", "tilt": "--tilt",
-    "printer_margin": "--printer-margin",
+    "paper": "--paper", "tiles": "--tiles",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

@@ -85,7 +85,7 @@ class ExportedTarget:
     paper: str | None
     """The paper of the pages; without `--paper` the smallest one that the sheet fits."""
     fits_a4: bool
-    """Whether a single sheet of A4 holds it."""
+    """True if a single sheet of A4 holds it."""
     pages: int
     tiles: tuple[int, int]
     """Pages side by side, and one above the other."""
@@ -165,7 +165,7 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     else:
         if arguments.dpi is not None:
             raise InputError("Pages of a paper are written as PDF, which has no pixels: leave `dpi` out.")
-        counts = None if arguments.tiles is None else counts_of(arguments.tiles, "tiles")
+        counts = None if arguments.tiles is None else counts_of(arguments.tiles, "--tiles")
         sheet = paper_of(arguments.paper)
         paper, dpi = sheet.name, None
         tiles = export_pages(target, arguments.output, sheet, counts, force=arguments.force).counts

@@ -122,7 +122,9 @@ def counts_of(text: str, name: str) -> tuple[int, int]:
     """
     found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text.strip().lower())
     if found is None:
-        raise InputError(f"`{name}` takes two whole numbers with an x between them, as 1280x960, but '{text}' was given.")
+        raise InputError(
+            f"{name} takes two whole numbers with an x between them, as 1280x960, but '{text}' was given."
+        )
     return int(found[1]), int(found[2])
 
 
@@ -132,14 +134,14 @@ def _question(arguments: Namespace) -> "TargetQuestion":
     from labcal.targets.paper import paper_of
 
     known = _known(arguments)
-    distances = numbers(arguments.distance, "distance") or known.distances_mm
+    distances = numbers(arguments.distance, "--distance") or known.distances_mm
     if distances is None or len(distances) > 2:  # noqa: PLR2004 -- a near and a far one
         raise InputError(
-            "The working distance is not known. Give `distance` in mm: one number, or the least and the greatest."
+            "The working distance is not known. Give --distance in mm: one number, or the least and the greatest."
         )
-    room = numbers(arguments.volume, "volume") or known.room_mm
+    room = numbers(arguments.volume, "--volume") or known.room_mm
     if room is not None and len(room) != 2:  # noqa: PLR2004 -- width and height
-        raise InputError("`volume` takes a width and a height in mm, as 300,200.")
+        raise InputError("--volume takes a width and a height in mm, as 300,200.")
     photometry = known.photometry
     if arguments.sensor is not None or photometry is None:
         photometry = sensor_of(arguments.sensor or USUAL_SENSOR)
@@ -148,11 +150,11 @@ def _question(arguments: Namespace) -> "TargetQuestion":
         near_mm=min(distances),
         far_mm=max(distances),
         paper=paper_of(arguments.paper),
-        tiles=counts_of(arguments.tiles, "tiles"),
-        tilt_max_deg=_number(arguments.tilt, "tilt"),
+        tiles=counts_of(arguments.tiles, "--tiles"),
+        tilt_max_deg=_number(arguments.tilt, "--tilt"),
         kind=arguments.kind,
         photometry=photometry,
-        printer_margin_mm=_number(arguments.printer_margin, "printer_margin"),
+        printer_margin_mm=_number(arguments.printer_margin, "--printer-margin"),
         room_mm=None if room is None else (room[0], room[1]),
         name=arguments.name,
     )
@@ -163,20 +165,20 @@ def _known(arguments: Namespace) -> "KnownCameras":
     from labcal.guide.target_design.cameras import KnownCameras, described_camera, known_cameras
 
     described = {
-        "size": None if arguments.size is None else counts_of(arguments.size, "size"),
-        "fov_deg": _number(arguments.fov, "fov"),
-        "focal_px": _number(arguments.focal_px, "focal_px"),
-        "focal_mm": _number(arguments.focal_mm, "focal_mm"),
-        "pixel_um": _number(arguments.pixel_um, "pixel_um"),
+        "size": None if arguments.size is None else counts_of(arguments.size, "--size"),
+        "fov_deg": _number(arguments.fov, "--fov"),
+        "focal_px": _number(arguments.focal_px, "--focal-px"),
+        "focal_mm": _number(arguments.focal_mm, "--focal-mm"),
+        "pixel_um": _number(arguments.pixel_um, "--pixel-um"),
     }
     given = {name: value for name, value in described.items() if value is not None}
     if arguments.rig is not None:
         if given:
-            raise InputError("The cameras are given by `rig`, and by size and lens, too: keep one of them.")
+            raise InputError("The cameras are given by --rig, and by size and lens, too: keep one of them.")
         return known_cameras(arguments.rig)
     if "size" not in given or len(given) == 1:
         raise InputError(
-            "The cameras are not known. Give `rig`, or `size` with `fov`, `focal_px`, or `focal_mm` and `pixel_um`."
+            "The cameras are not known. Give --rig, or --size with --fov, --focal-px, or --focal-mm and --pixel-um."
         )
     return KnownCameras({"camera": described_camera({**given, "lens": arguments.lens})})
 
@@ -185,5 +187,5 @@ def _number(text: str | None, name: str) -> float | None:
     """Return the number of an option; None where it is not given."""
     found = numbers(text, name)
     if len(found) > 1:
-        raise InputError(f"`{name}` takes one number, but '{text}' was given.")
+        raise InputError(f"{name} takes one number, but '{text}' was given.")
     return found[0] if found else None

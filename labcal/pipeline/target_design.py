@@ -72,11 +72,15 @@ def make_target(  # noqa: PLR0913 -- what is asked, two files, and how
     outputs = []
     if output is not None:
         if as_path(output).suffix.lower() not in {".yaml", ".yml"}:
-            raise InputError(f"A description is written as YAML, not as {as_path(output).name}: name it in .yaml.")
+            raise InputError(
+                f"A description is written as YAML, not as {as_path(output).name}: name it in .yaml."
+            )
         outputs.append(description_output(output))
     if print_file is not None:
         if as_path(print_file).suffix.lower() != ".pdf":
-            raise InputError(f"The sheet is written as PDF, not as {as_path(print_file).name}: name it in .pdf.")
+            raise InputError(
+                f"The sheet is written as PDF, not as {as_path(print_file).name}: name it in .pdf."
+            )
         outputs.append(artwork_output(print_file))
     claim_outputs(outputs, [], force=force)
     found = designed(asked, number, progress_of(progress))

@@ -22,7 +22,7 @@ class ShippedResult:
     target: str
     fits: bool
     reasons: tuple[str, ...]
-    """Why it does not fit."""
+    """Reasons why it does not fit."""
     relative_error: float
     """Expected error of a calibration over that with the design; null where it does not fit."""
     paper: str | None
@@ -129,7 +129,9 @@ def shipped_words(result: DesignResult) -> str:
         return "Shipped targets: none fits."
     named = [f"{one.target} ({one.relative_error:.2g} times)" for one in fitting[:3]]
     verb = "fits" if len(named) == 1 else "fit"
-    return f"Shipped targets: {', '.join(named)} {verb}; in brackets the expected error over that of the design."
+    return (
+        f"Shipped targets: {', '.join(named)} {verb}; in brackets the expected error over that of the design."
+    )
 
 
 def chosen_words(result: DesignResult) -> str:
@@ -141,8 +143,12 @@ def chosen_words(result: DesignResult) -> str:
         what = f"{sizes['squares'][0]} x {sizes['squares'][1]} squares of {sizes['square_mm']:g} mm"
     else:
         pitch = sizes.get("pitch_x_mm") or sizes.get("pitch_mm")
-        what = f"{sizes['cols']} x {sizes['rows']} dots of {sizes['dot_diameter_mm']:g} mm, {pitch:g} mm apart"
-    return f"Design {result.target}: {what}; a board of {width:g} mm x {height:g} mm on {result.paper}{tiles}."
+        what = (
+            f"{sizes['cols']} x {sizes['rows']} dots of {sizes['dot_diameter_mm']:g} mm, {pitch:g} mm apart"
+        )
+    return (
+        f"Design {result.target}: {what}; a board of {width:g} mm x {height:g} mm on {result.paper}{tiles}."
+    )
 
 
 def why_words(result: DesignResult) -> str:

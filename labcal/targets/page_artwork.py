@@ -80,7 +80,9 @@ def _drawn(target: AnyTarget, sheet: Sheet, tiling: Tiling) -> bytes:
 def _page(target: AnyTarget, sheet: Sheet, tiling: Tiling, tile: Tile, number: int) -> Figure:
     """Return a page: its part of the sheet in the middle, and below it a line that says which part it is."""
     width, height = tiling.page_mm
-    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), dpi=POINTS_PER_INCH, facecolor="white")
+    figure = Figure(
+        figsize=(width / MM_PER_INCH, height / MM_PER_INCH), dpi=POINTS_PER_INCH, facecolor="white"
+    )
     FigureCanvasAgg(figure)
     window, many = tile.window, len(tiling.tiles) > 1
     lift = LABEL_MM if many else 0.0

@@ -95,7 +95,10 @@ def tiled(
         x, y = (
             _cuts(ends, length, _between(places))
             for ends, length, places in zip(
-                ((whole.x_min, whole.x_max), (whole.y_min, whole.y_max)), most, target.points().T[:2], strict=True
+                ((whole.x_min, whole.x_max), (whole.y_min, whole.y_max)),
+                most,
+                target.points().T[:2],
+                strict=True,
             )
         )
         if x is not None and y is not None:

@@ -40,7 +40,10 @@ def _nearer(question: TargetQuestion) -> Iterator[tuple[TargetQuestion, str]]:
         far = float(round(share * question.far_mm, -1 if question.far_mm > 200.0 else 0))  # noqa: PLR2004 -- of people
         if far < 1.0:
             return
-        yield replace(question, near_mm=min(question.near_mm, far), far_mm=far), f"a distance of at most {far:g} mm"
+        yield (
+            replace(question, near_mm=min(question.near_mm, far), far_mm=far),
+            f"a distance of at most {far:g} mm",
+        )
         share -= _DISTANCE_STEP
 
 

@@ -48,7 +48,7 @@ def described_camera(description: Mapping[str, object]) -> Camera:
         A key is missing, or a value is not allowed.
     """
     try:
-        return camera_alone(PlannedCamera.model_validate(dict(description)))
+        return planned_lens_camera(PlannedCamera.model_validate(dict(description)))
     except ValidationError as error:
         raise InputError(f"The camera cannot be used: {explain_validation(error, PlannedCamera)}.") from error
 
@@ -67,7 +67,7 @@ def sensor_of(preset: str) -> Photometry:
         raise InputError(f"The sensor cannot be used: {explain_validation(error, Photometry)}.") from error
 
 
-def camera_alone(planned: PlannedCamera) -> Camera:
+def planned_lens_camera(planned: PlannedCamera) -> Camera:
     """Return a planned camera at the origin, looking along z.
 
     Raises
@@ -117,7 +117,7 @@ def _of_plan(name: str) -> KnownCameras:
     plan = load_rig_plan(name)
     volume = plan.volume
     return KnownCameras(
-        {camera: camera_alone(planned) for camera, planned in plan.cameras.items()},
+        {camera: planned_lens_camera(planned) for camera, planned in plan.cameras.items()},
         plan.photometry,
         (volume.near_mm, volume.far_mm),
         (volume.width_mm, volume.height_mm),

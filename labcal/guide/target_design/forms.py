@@ -42,7 +42,7 @@ _RING_FIELD = 0.55
 
 @dataclass(frozen=True)
 class Need:
-    """What the detector needs of a target.
+    """Least sizes of a target in the picture, with which it is found.
 
     Parameters
     ----------
@@ -160,9 +160,7 @@ def _charuco(question: TargetQuestion, sights: list[Sight], room: Room, side_mm:
     def made(cols: int, rows: int) -> AnyTarget | None:
         if min(cols, rows) < 3:  # noqa: PLR2004 -- the fewest squares
             return None
-        dictionary = next(
-            (one for one in _DICTIONARIES if one.size >= (cols * rows + 1) // 2), None
-        )
+        dictionary = next((one for one in _DICTIONARIES if one.size >= (cols * rows + 1) // 2), None)
         if dictionary is None:
             return None
         return CharucoBoard(
@@ -242,4 +240,6 @@ def _words(question: TargetQuestion) -> str:
     sizes = sorted({f"{camera.size[0]} x {camera.size[1]}" for camera in question.cameras.values()})
     near, far = question.near_mm, question.far_mm
     distance = f"{near:g} mm" if near == far else f"{near:g} to {far:g} mm"
-    return f"for pictures of {', '.join(sizes)} px at {distance}, tilted up to {question.tilt_max_deg:g} degrees"
+    return (
+        f"for pictures of {', '.join(sizes)} px at {distance}, tilted up to {question.tilt_max_deg:g} degrees"
+    )

@@ -22,7 +22,7 @@ MOST_TILT_DEG = 70.0
 
 @dataclass(frozen=True)
 class TargetQuestion:
-    """What a target is wanted for.
+    """Cameras, distances, tilts and paper for which a target is wanted.
 
     Parameters
     ----------
@@ -50,6 +50,15 @@ class TargetQuestion:
     ------
     InputError
         There is no camera, or a number is out of bounds.
+
+    Examples
+    --------
+    >>> from labcal import examples
+    >>> from labcal.pipeline import TargetQuestion
+    >>> rig = examples.rig()
+    >>> cameras = {name: rig.camera(name) for name in rig.cameras}
+    >>> TargetQuestion(cameras, near_mm=400.0, far_mm=900.0).middle_mm
+    600.0
     """
 
     cameras: Mapping[str, Camera]

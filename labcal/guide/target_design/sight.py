@@ -1,4 +1,4 @@
-"""How large a target appears to cameras: pixels a millimetre by distance and tilt."""
+"""Sizes of a target in pictures: pixels a millimetre by distance and tilt."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -51,7 +51,9 @@ class Sight:
             *((0.5 + _FIELD * np.linspace(-0.5, 0.5, _CELLS)) * (side - 1) for side in (width, height))
         )
         q = np.stack([u.ravel(), v.ravel()], axis=-1)
-        bend = np.stack([_turn(camera, q, step) for step in (np.array([_STEP_PX, 0]), np.array([0, _STEP_PX]))])
+        bend = np.stack(
+            [_turn(camera, q, step) for step in (np.array([_STEP_PX, 0]), np.array([0, _STEP_PX]))]
+        )
         most = np.linalg.svd(np.moveaxis(bend, 0, -1), compute_uv=False)[:, 0]
         if not np.isfinite(most).any():
             raise InputError("No pixel of a camera has a ray: its description is damaged.")
@@ -62,7 +64,8 @@ class Sight:
         ]
         scale = float(1.0 / middle)
         field = [
-            angle if np.isfinite(angle) else side / scale for angle, side in zip(ends, (width, height), strict=True)
+            angle if np.isfinite(angle) else side / scale
+            for angle, side in zip(ends, (width, height), strict=True)
         ]
         return cls(float(1.0 / np.nanmax(most)), scale, (field[0], field[1]))
 

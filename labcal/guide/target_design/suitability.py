@@ -1,4 +1,4 @@
-"""How well a target fits a question: what of it is too small, too large or hidden, and what it is worth."""
+"""Suitability of a target for a question: parts that are too small or too large, and the expected error."""
 
 import math
 from dataclasses import dataclass
@@ -78,11 +78,15 @@ def reasons_against(target: AnyTarget, question: TargetQuestion, sights: list[Si
     scale = least_scale(sights, farthest_mm(question, max(width, height)), question.tilt_max_deg)
     size = need.feature_mm(target) * scale
     if size < need.least_px - 0.05:
-        reasons.append(f"too small: {need.part} of {size:.1f} px at the far distance, {need.least_px:.3g} needed")
+        reasons.append(
+            f"too small: {need.part} of {size:.1f} px at the far distance, {need.least_px:.3g} needed"
+        )
     span = rings_mm(target)
     near = min(min(sight.width_mm(question.near_mm)) for sight in sights)
     if span > near:
-        reasons.append(f"too large: its rings are {span:.0f} mm apart, and {near:.0f} mm are seen at the near distance")
+        reasons.append(
+            f"too large: its rings are {span:.0f} mm apart, and {near:.0f} mm are seen at the near distance"
+        )
     return reasons
 
 
@@ -117,7 +121,9 @@ def expected_error(target: AnyTarget, question: TargetQuestion, sights: list[Sig
     width, height = board_mm(target)
     for sight in sights:
         across, up = sight.width_mm(question.middle_mm)
-        share = min(1.0, max(width, height) / max(across, up)) * min(1.0, min(width, height) / min(across, up))
+        share = min(1.0, max(width, height) / max(across, up)) * min(
+            1.0, min(width, height) / min(across, up)
+        )
         seen = min(1.0, across * up * share / (width * height))
         size = _edge_mm(target) * sight.px_per_mm(question.middle_mm, 0.0)
         total += target.count * seen * size * share

@@ -57,7 +57,11 @@ def test_make_only_tells_without_an_output(capsys: pytest.CaptureFixture[str]) -
     ],
 )
 def test_make_refuses_in_words_that_mend(
-    words: list[str], said: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    words: list[str],
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["target", "make", *words, "--json"]) == 2

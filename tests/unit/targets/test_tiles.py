@@ -15,7 +15,8 @@ from labcal.targets.tiles import LABEL_MM, OVERLAP_MM, Tiling, tiled
 
 
 @pytest.mark.parametrize(
-    ("text", "sides"), [("a4", (210, 297)), ("A3", (297, 420)), ("300x200", (200, 300)), ("Letter", (215.9, 279.4))]
+    ("text", "sides"),
+    [("a4", (210, 297)), ("A3", (297, 420)), ("300x200", (200, 300)), ("Letter", (215.9, 279.4))],
 )
 def test_paper_has_a_name_or_sides(text: str, sides: tuple[float, float]) -> None:
     paper = paper_of(text)
@@ -41,7 +42,9 @@ def test_shipped_targets_for_a4_leave_room_for_the_code() -> None:
 CASES = [("plain-11x8", "a4", None), ("paper-13x10", "a3", None), ("plain-11x8", "a4", (2, 2))]
 
 
-@pytest.mark.parametrize(("name", "paper", "counts"), [*CASES, *((name, "a4", None) for name in target_names())])
+@pytest.mark.parametrize(
+    ("name", "paper", "counts"), [*CASES, *((name, "a4", None) for name in target_names())]
+)
 def test_tiles_cover_the_sheet_overlap_and_fit_their_page(
     name: str, paper: str, counts: tuple[int, int] | None
 ) -> None:

@@ -29,7 +29,11 @@ def camera(**description: object) -> Camera:
 
 def small(**changes: object) -> TargetQuestion:
     question = TargetQuestion(
-        {"left": camera(size=(640, 480), fov_deg=60)}, near_mm=400.0, far_mm=600.0, photometry=WEBCAM, tilt_max_deg=40.0
+        {"left": camera(size=(640, 480), fov_deg=60)},
+        near_mm=400.0,
+        far_mm=600.0,
+        photometry=WEBCAM,
+        tilt_max_deg=40.0,
     )
     return replace(question, **changes)  # type: ignore[arg-type]
 
@@ -92,7 +96,11 @@ def test_harder_questions_get_larger_dots(change: dict[str, float]) -> None:
 
 def test_the_design_is_better_than_what_ships_and_says_why_others_do_not_fit() -> None:
     question = TargetQuestion(
-        {"left": camera(size=(1280, 960), fov_deg=65)}, near_mm=400.0, far_mm=700.0, photometry=WEBCAM, tilt_max_deg=45.0
+        {"left": camera(size=(1280, 960), fov_deg=65)},
+        near_mm=400.0,
+        far_mm=700.0,
+        photometry=WEBCAM,
+        tilt_max_deg=45.0,
     )
     found = designed(question)
     by_name = {one.target: one for one in found.shipped}
@@ -115,7 +123,9 @@ def test_what_cannot_be_is_refused_with_what_would_do() -> None:
             small(**change)
 
 
-@pytest.mark.parametrize(("cols", "rows", "reach"), [(5, 4, 9.0), (8, 8, 9.0), (24, 30, 50.0), (24, 30, 3.5), (4, 5, 2.0)])
+@pytest.mark.parametrize(
+    ("cols", "rows", "reach"), [(5, 4, 9.0), (8, 8, 9.0), (24, 30, 50.0), (24, 30, 3.5), (4, 5, 2.0)]
+)
 def test_rings_lie_in_the_grid_and_tell_their_axes(cols: int, rows: int, reach: float) -> None:
     rings = rings_among(cols, rows, reach)
     assert rings.x_steps != rings.y_steps
