@@ -51,7 +51,7 @@ def add_parser(commands: CommandGroup) -> None:
     export.add_argument(
         "--paper",
         metavar="NAME",
-        help="write a PDF of pages of this paper (a4, letter, a3, ... or 300x200 mm): one where the sheet fits, "
+        help="write a PDF of pages of this paper (a4, letter, a3, ... or 300x200 mm): one if the sheet fits, "
         "else tiles that overlap, to be cut and joined",
     )
     export.add_argument(
@@ -195,4 +195,7 @@ def _too_large(width_mm: float, height_mm: float, smallest: "Paper | None") -> s
     """Return what to do with a sheet that A4 does not hold."""
     size = f"{width_mm:.0f} mm x {height_mm:.0f} mm"
     needed = "paper larger than A0" if smallest is None else smallest.sides
-    return f"the sheet of {size} does not fit on A4: it needs {needed}. Give `paper` a4 to write tiles to be joined."
+    return (
+        f"the sheet of {size} does not fit on A4: it needs {needed}. Give `paper` a4 to write tiles to be "
+        "joined."
+    )

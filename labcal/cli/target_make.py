@@ -25,14 +25,15 @@ def add_make(target: CommandGroup) -> None:
     make = target.add(
         "make",
         run_make,
-        "Design a target for cameras, distance and paper: the smallest dots that are found safely, and as many "
-        "as there is room for. The design is tried in drawn pictures; shipped targets that would do are named.",
-        example="labcal target make --size 1280x960 --fov 60 --distance 400,800 -o board.yaml --print board.pdf\n"
+        "Design a target for cameras, distance and paper: the smallest dots that are found safely, and as "
+        "many as there is room for. It is tried in drawn pictures; shipped targets that would do are named.",
+        example="labcal target make --size 1280x960 --fov 60 --distance 400,800 "
+        "-o board.yaml --print board.pdf\n"
         "  labcal target make --rig rig.json --distance 500,700 --paper a3 -o board.yaml",
     )
     make.add_argument(
         "-o", "--output", type=Path, metavar="FILE.yaml",
-        help="the description to write, which every command takes as --target; without it the design is only told",
+        help="the description to write, which every command takes as --target; left out: only told",
     )  # fmt: skip
     make.add_argument("--force", action="store_true", help="replace what labcal made there")
     make.add_argument(
@@ -55,7 +56,7 @@ def _add_cameras(make: ArgumentParser) -> None:
     )
     make.add_argument(
         "--rig", metavar="RIG",
-        help="in place of these: cameras of a rig.json, of a plan of 'labcal rehearse', or of a scene; a plan "
+        help="in place of these: cameras of a rig.json, a plan of 'labcal rehearse' or a scene; a plan "
         "brings distances, working volume and sensor, too",
     )  # fmt: skip
     make.add_argument(
@@ -137,7 +138,7 @@ def _question(arguments: Namespace) -> "TargetQuestion":
     distances = numbers(arguments.distance, "--distance") or known.distances_mm
     if distances is None or len(distances) > 2:  # noqa: PLR2004 -- a near and a far one
         raise InputError(
-            "The working distance is not known. Give --distance in mm: one number, or the least and the greatest."
+            "The working distance is not known. Give --distance in mm: one number, or least and greatest."
         )
     room = numbers(arguments.volume, "--volume") or known.room_mm
     if room is not None and len(room) != 2:  # noqa: PLR2004 -- width and height
@@ -151,10 +152,10 @@ def _question(arguments: Namespace) -> "TargetQuestion":
         far_mm=max(distances),
         paper=paper_of(arguments.paper),
         tiles=counts_of(arguments.tiles, "--tiles"),
-        tilt_max_deg=_number(arguments.tilt, "--tilt"),
+        tilt_max_deg=_number(arguments.tilt, "--tilt") or 0.0,
         kind=arguments.kind,
         photometry=photometry,
-        printer_margin_mm=_number(arguments.printer_margin, "--printer-margin"),
+        printer_margin_mm=_number(arguments.printer_margin, "--printer-margin") or 0.0,
         room_mm=None if room is None else (room[0], room[1]),
         name=arguments.name,
     )
@@ -178,7 +179,8 @@ def _known(arguments: Namespace) -> "KnownCameras":
         return known_cameras(arguments.rig)
     if "size" not in given or len(given) == 1:
         raise InputError(
-            "The cameras are not known. Give --rig, or --size with --fov, --focal-px, or --focal-mm and --pixel-um."
+            "The cameras are not known. Give --rig, or --size with --fov, --focal-px, or --focal-mm and "
+            "--pixel-um."
         )
     return KnownCameras({"camera": described_camera({**given, "lens": arguments.lens})})
 

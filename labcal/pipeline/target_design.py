@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from labcal.guide.target_design.question import TargetQuestion
 
 
-def make_target(  # noqa: PLR0913 -- what is asked, two files, and how
+def make_target(
     question: "TargetQuestion",
     output: AnyPath | None = None,
     print_file: AnyPath | None = None,

@@ -159,7 +159,7 @@ def why_words(result: DesignResult) -> str:
     )
     size = (
         " Smaller parts would hold more of them, and a smaller error, but are not found safely."
-        if result.least_px < 1.2 * result.needed_px  # noqa: PLR2004 -- hardly more
+        if result.least_px < 1.2 * result.needed_px
         else " Smaller parts would be found, too, but would be too many, or too small to print."
     )
     return limit + size

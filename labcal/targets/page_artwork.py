@@ -142,6 +142,7 @@ def _label(target: AnyTarget, tiling: Tiling, tile: Tile, number: int) -> str:
     across, up = tiling.counts
     return (
         f"{target.name}, page {number} of {len(tiling.tiles)}: column {tile.col + 1} of {across}, row "
-        f"{up - tile.row} of {up} from the top. Pages overlap by {OVERLAP_MM:g} mm: cut one of two neighbours "
+        f"{up - tile.row} of {up} from the top. Pages overlap by {OVERLAP_MM:g} mm: cut one of two "
+        "neighbours "
         "along the grey line, lay it on the other's."
     )

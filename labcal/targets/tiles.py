@@ -115,7 +115,7 @@ def tiled(
 
 
 def tiled_room(paper: Paper, counts: tuple[int, int], margin_mm: float) -> tuple[tuple[float, float], ...]:
-    """Return the widest and highest sheets that so many pages make up, for both orientations of a page, mm."""
+    """Return width and height of so many pages together, for both orientations of a page, mm."""
     return tuple(
         (
             counts[0] * (page[0] - 2.0 * margin_mm - OVERLAP_MM) + OVERLAP_MM,
@@ -205,7 +205,7 @@ def _refusal(
     size = f"{math.ceil(whole.width)} mm x {math.ceil(whole.height)} mm"
     pages = "a single page" if counts is None else f"{counts[0]} x {counts[1]} pages"
     if not found:
-        return f"A sheet of {size} cannot be cut between its dots into pages of {paper.sides}. Take larger paper."
+        return f"A sheet of {size} cannot be cut between dots into pages of {paper.sides}. Take larger paper."
     least = min(found, key=lambda one: (len(one[1]) + 1) * (len(one[2]) + 1))
     return (
         f"A sheet of {size} does not fit on {pages} of {paper.sides}: it takes "

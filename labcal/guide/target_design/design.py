@@ -105,13 +105,15 @@ def _refusal(question: TargetQuestion, sights: list[Sight], tried: tuple[TriedVi
         view = failed[0]
         why = view.refusal or f"{view.found} of {view.whole} dots measured"
         return (
-            f"No target of the kind '{question.kind}' on {question.paper.sides} is found in all drawn pictures: "
+            f"No target of the kind '{question.kind}' on {question.paper.sides} is found in all drawn "
+            f"pictures: "
             f"at {view.distance_mm:g} mm, tilted by {view.tilt_deg:g} degrees ({why}). {mend}"
         )
     scale = least_scale(sights, question.far_mm, question.tilt_max_deg)
     part = need_of(question.kind, question.photometry.blur_px)
     return (
-        f"No target of the kind '{question.kind}' fits on {question.paper.sides}: at {question.far_mm:g} mm and "
+        f"No target of the kind '{question.kind}' fits on {question.paper.sides}: at "
+        f"{question.far_mm:g} mm and "
         f"a tilt of {question.tilt_max_deg:g} degrees a {part.part} of {part.least_px:.3g} px is "
         f"{part.least_px / scale:.1f} mm, and there is too little room for enough of them. {mend}"
     )

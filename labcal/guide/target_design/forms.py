@@ -114,7 +114,7 @@ def _dots(question: TargetQuestion, sights: list[Sight], room: Room, radius_mm: 
         dot = math.floor(10.0 * DOT_SHARE * pitch + 1e-9) / 10.0
         return DotGrid(
             name=_name(question, cols, rows),
-            description=f"{cols} x {rows} dots at {pitch:g} mm with three rings, designed {_words(question)}.",
+            description=f"{cols} x {rows} dots at {pitch:g} mm with rings, designed {_words(question)}.",
             cols=cols,
             rows=rows,
             pitch_x_mm=pitch,

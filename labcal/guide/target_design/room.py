@@ -52,7 +52,7 @@ def rooms(question: TargetQuestion, sights: list[Sight]) -> tuple[Room, ...]:
         width, height = sheet[0] - beside, sheet[1] - below
         for limit in limits:
             across = limit if width >= height else limit[::-1]
-            width, height = min(width, across[0]), min(height, across[1])  # noqa: PLW2901
+            width, height = min(width, across[0]), min(height, across[1])
         found.append(Room(width, height))
     return tuple(found)
 

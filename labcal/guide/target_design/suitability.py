@@ -131,6 +131,6 @@ def expected_error(target: AnyTarget, question: TargetQuestion, sights: list[Sig
 
 
 def _edge_mm(target: AnyTarget) -> float:
-    """Return the length that stands for the edges of a place: a dot's radius, a quarter of a square's side."""
+    """Return the length by which edges count: a dot's radius, a quarter of a square's side."""
     radius = 0.5 * float(target.outer_diameters_mm().min())
     return radius if radius > 0.0 else 0.25 * float(getattr(target, "square_mm", 1.0))

@@ -96,7 +96,7 @@ def tried_views(
     cameras = question.different_cameras
     progress.start("drawn pictures", len(cameras) * len(distances) * len(tilts))
     found = []
-    for name, camera in cameras.items():
+    for name in cameras:
         for distance in distances:
             for tilt in tilts:
                 found.append(_tried(target, question, (name, distance, tilt), seed))
@@ -136,7 +136,7 @@ def _tried(
 def board_pose(
     camera: Camera, target: AnyTarget, distance_mm: float, tilt_deg: float, random: np.random.Generator
 ) -> Pose:
-    """Return a pose of a board on the camera's axis, turned and tilted at random, as the camera's world has it.
+    """Return a pose of a board on the camera's axis, turned and tilted at random, in the world.
 
     Parameters
     ----------

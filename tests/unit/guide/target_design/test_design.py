@@ -149,13 +149,15 @@ def question(name: str) -> TargetQuestion:
     return {
         "640x480": small(tilt_max_deg=50.0),
         "1280x960": TargetQuestion(
-            {"left": camera(size=(1280, 960), fov_deg=70, dist=(0.06, -0.15))}, 400.0, 700.0, photometry=WEBCAM
+            {"left": camera(size=(1280, 960), fov_deg=70, dist=(0.06, -0.15))}, 400.0, 700.0,
+            photometry=WEBCAM,
         ),
         "5 megapixels": TargetQuestion(
             {"left": camera(size=(2464, 2056), focal_mm=25, pixel_um=3.45)}, 290.0, 310.0, photometry=MACHINE
         ),
         "fisheye": TargetQuestion(
-            {"left": camera(size=(1280, 960), fov_deg=130, lens="fisheye-kb4", dist=(-0.02, 0.004))}, 300.0, 500.0,
+            {"left": camera(size=(1280, 960), fov_deg=130, lens="fisheye-kb4", dist=(-0.02, 0.004))},
+            300.0, 500.0,
             photometry=MACHINE,
         ),
         "12 megapixels": TargetQuestion(
@@ -172,7 +174,8 @@ def question(name: str) -> TargetQuestion:
             {"left": camera(size=(1280, 960), fov_deg=70)}, 400.0, 600.0, kind="charuco", photometry=WEBCAM
         ),
         "coded dots": TargetQuestion(
-            {"left": camera(size=(1280, 960), fov_deg=70)}, 400.0, 600.0, kind="coded-dots", photometry=MACHINE
+            {"left": camera(size=(1280, 960), fov_deg=70)}, 400.0, 600.0, kind="coded-dots",
+            photometry=MACHINE,
         ),
     }[name]  # fmt: skip
 
