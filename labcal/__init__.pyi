@@ -39,6 +39,7 @@ from .pipeline.comparison import compare as compare
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .pipeline.rehearsal import rehearse as rehearse
+from .pipeline.target_design import make_target as make_target
 from .reconstruct.angle import angle as angle
 from .reconstruct.displacements import Displacements as Displacements
 from .reconstruct.displacements import displacements as displacements

@@ -25,6 +25,7 @@ OPTIONS = {
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
     "distances_mm": "--distances-mm", "pictures": "--pictures",
     "mark_diameter": "--mark-diameter", "markers": "--markers",
+    "paper": "--paper", "tiles": "--tiles",
 }  # fmt: skip
 """Options by the names of the arguments that they stand for."""
 

@@ -8,10 +8,13 @@ from labcal.cli.options import add_output, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.cli.target_make import add_make, counts_of
+from labcal.errors import InputError
 from labcal.wording import listed
 
 if TYPE_CHECKING:
     from labcal.targets.catalogue import AnyTarget
+    from labcal.targets.paper import Paper
 
 _NAME_HELP = "name of a target, or path of a YAML file"
 
@@ -20,7 +23,7 @@ def add_parser(commands: CommandGroup) -> None:
     """Describe the arguments."""
     target = commands.add_group(
         "target",
-        "List, show and print targets of dots.",
+        "List, show, design and print targets of dots.",
         example="labcal target export rings-10x8 -o rings-10x8.pdf",
     )
     target.add(
@@ -33,6 +36,7 @@ def add_parser(commands: CommandGroup) -> None:
         "show", run_show, "Show the dimensions of a target.", example="labcal target show rings-10x8 --json"
     )
     show.add_argument("target", metavar="NAME", help=_NAME_HELP)
+    add_make(target)
     export = target.add(
         "export",
         run_export,
@@ -44,6 +48,18 @@ def add_parser(commands: CommandGroup) -> None:
     export.add_argument(
         "--dpi", type=positive_number, metavar="N", help="pixels an inch of a PNG (300 where not given)"
     )
+    export.add_argument(
+        "--paper",
+        metavar="NAME",
+        help="write a PDF of pages of this paper (a4, letter, a3, ... or 300x200 mm): one if the sheet fits, "
+        "else tiles that overlap, to be cut and joined",
+    )
+    export.add_argument(
+        "--tiles",
+        metavar="CxR",
+        help="with --paper: at most so many pages side by side and one above the other; 1x1 refuses a sheet "
+        "that does not fit on one page",
+    )
 
 
 @dataclass(frozen=True)
@@ -53,6 +69,8 @@ class TargetList:
     targets: "list[AnyTarget]"
     kinds: tuple[str, ...]
     """Of which a description can be; without the key `kind` it is of the first one."""
+    papers: dict[str, str | None]
+    """The smallest paper that each target's sheet fits; null where it fits none."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +82,13 @@ class ExportedTarget:
     width_mm: float
     height_mm: float
     dpi: int | None
+    paper: str | None
+    """The paper of the pages; without `--paper` the smallest one that the sheet fits."""
+    fits_a4: bool
+    """True if a single sheet of A4 holds it."""
+    pages: int
+    tiles: tuple[int, int]
+    """Pages side by side, and one above the other."""
 
 
 def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
@@ -72,16 +97,26 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
 
     from labcal.report.columns import name_column
     from labcal.targets.catalogue import load_target, target_names
+    from labcal.targets.paper import smallest_paper
     from labcal.targets.registry import kind_of, target_kinds
 
     targets = [load_target(name) for name in target_names()]
     kinds = target_kinds()
-    table = Table(name_column("target"), "kind", "dots", "pitch [mm]", "dot [mm]", "what it is")
+    papers = {target.name: smallest_paper(target) for target in targets}
+    table = Table(name_column("target"), "kind", "dots", "pitch [mm]", "dot [mm]", "paper", "what it is")
     table.caption = f"Kinds that a description can be of: {listed(kinds)}"
     for target in targets:
         count = f"{target.cols} x {target.rows}"
-        table.add_row(target.name, kind_of(target).name, count, *target.sizes, target.description)
-    session.emit(TargetList(targets, kinds), table)
+        table.add_row(
+            target.name,
+            kind_of(target).name,
+            count,
+            *target.sizes,
+            _paper_name(papers[target.name]) or "none",
+            target.description,
+        )
+    names = {name: _paper_name(paper) for name, paper in papers.items()}
+    session.emit(TargetList(targets, kinds, names), table)
     return ExitStatus.DONE
 
 
@@ -90,6 +125,7 @@ def run_show(arguments: Namespace, session: Session) -> ExitStatus:
     from rich.table import Table
 
     from labcal.targets.catalogue import load_target
+    from labcal.targets.paper import smallest_paper
 
     target = load_target(arguments.target)
     table = Table("key", "value")
@@ -99,6 +135,8 @@ def run_show(arguments: Namespace, session: Session) -> ExitStatus:
             "none" if value is None else str(value)
         )
         table.add_row(key, shown)
+    paper = smallest_paper(target)
+    table.caption = f"The smallest paper for it: {'none up to A0' if paper is None else paper.sides}"
     session.emit(target, table)
     return ExitStatus.DONE
 
@@ -108,17 +146,56 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import claim_outputs
     from labcal.targets.artwork import artwork_output, export_artwork
     from labcal.targets.catalogue import load_target
+    from labcal.targets.page_artwork import export_pages
+    from labcal.targets.paper import PAPERS, paper_of, sheet_size, smallest_paper
 
     target = load_target(arguments.target)
     claim_outputs([artwork_output(arguments.output)], [arguments.target], force=arguments.force)
-    artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force)
+    width, height = sheet_size(target)
+    fits_a4 = PAPERS["a4"].holds(width, height)
+    smallest = smallest_paper(target)
+    if arguments.paper is None:
+        if arguments.tiles is not None:
+            raise InputError("Tiles are pages of a paper: give `paper`, too, or leave `tiles` out.")
+        artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force)
+        width, height, dpi = artwork.width_mm, artwork.height_mm, artwork.dpi
+        paper, tiles = _paper_name(smallest), (1, 1)
+        if not fits_a4:
+            session.warn(_too_large(width, height, smallest))
+    else:
+        if arguments.dpi is not None:
+            raise InputError("Pages of a paper are written as PDF, which has no pixels: leave `dpi` out.")
+        counts = None if arguments.tiles is None else counts_of(arguments.tiles, "--tiles")
+        sheet = paper_of(arguments.paper)
+        paper, dpi = sheet.name, None
+        tiles = export_pages(target, arguments.output, sheet, counts, force=arguments.force).counts
     result = ExportedTarget(
         target=target.name,
         file=str(arguments.output),
-        width_mm=artwork.width_mm,
-        height_mm=artwork.height_mm,
-        dpi=artwork.dpi,
+        width_mm=width,
+        height_mm=height,
+        dpi=dpi,
+        paper=paper,
+        fits_a4=fits_a4,
+        pages=tiles[0] * tiles[1],
+        tiles=tiles,
     )
-    size = f"{artwork.width_mm:.1f} mm x {artwork.height_mm:.1f} mm"
-    session.emit(result, f"{arguments.output}: {size}. Print at 100 % and check the ruler.")
+    size = f"{width:.1f} mm x {height:.1f} mm"
+    pages = "" if result.pages == 1 else f" on {tiles[0]} x {tiles[1]} pages of {paper}"
+    session.emit(result, f"{arguments.output}: {size}{pages}. Print at 100 % and check the ruler.")
     return ExitStatus.DONE
+
+
+def _paper_name(paper: "Paper | None") -> str | None:
+    """Return the name of a paper, if there is one."""
+    return None if paper is None else paper.name
+
+
+def _too_large(width_mm: float, height_mm: float, smallest: "Paper | None") -> str:
+    """Return what to do with a sheet that A4 does not hold."""
+    size = f"{width_mm:.0f} mm x {height_mm:.0f} mm"
+    needed = "paper larger than A0" if smallest is None else smallest.sides
+    return (
+        f"the sheet of {size} does not fit on A4: it needs {needed}. Give `paper` a4 to write tiles to be "
+        "joined."
+    )

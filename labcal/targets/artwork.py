@@ -142,7 +142,7 @@ def draw_artwork(target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = No
     used_dpi = _resolution(sheet, dpi) if kind is ArtworkFormat.PNG else None
     width, height = _paper_size(sheet, used_dpi)
     resolution = used_dpi or POINTS_PER_INCH
-    with _own_style():
+    with own_style():
         figure = Figure(
             figsize=(width / MM_PER_INCH, height / MM_PER_INCH), dpi=resolution, facecolor="white"
         )
@@ -151,16 +151,21 @@ def draw_artwork(target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = No
         axes.set_axis_off()
         axes.set_xlim(sheet.paper.x_min, sheet.paper.x_min + width)
         axes.set_ylim(sheet.paper.y_max - height, sheet.paper.y_max)
-        _draw_board(axes, target, sheet)
-        _draw_ruler(axes, sheet)
-        _draw_captions(axes, sheet)
+        draw_sheet(axes, target, sheet)
         buffer = io.BytesIO()
         figure.savefig(buffer, format=kind.value, dpi=resolution, metadata=_UNDATED[kind])
     return Artwork(buffer.getvalue(), width, height, used_dpi)
 
 
+def draw_sheet(axes: Axes, target: AnyTarget, sheet: Sheet) -> None:
+    """Draw all that is on a sheet, in the target's frame, mm."""
+    _draw_board(axes, target, sheet)
+    _draw_ruler(axes, sheet)
+    _draw_captions(axes, sheet)
+
+
 @contextmanager
-def _own_style() -> Iterator[None]:
+def own_style() -> Iterator[None]:
     """Draw as decided here; the user's own settings of matplotlib could change the scale."""
     with mpl.rc_context():
         mpl.rcdefaults()

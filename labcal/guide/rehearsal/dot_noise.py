@@ -194,12 +194,12 @@ def _drawn(
         size_px=size,
         error_px=error,
         dot_px=float(np.median(minor_semi_axes(drawn.images.outline[inside]))) if inside.any() else np.nan,
-        spanned=_hull_area(drawn.images.centre[inside]) / (camera.size[0] * camera.size[1]),
+        spanned=hull_area(drawn.images.centre[inside]) / (camera.size[0] * camera.size[1]),
         refusal=refusal,
     )
 
 
-def _hull_area(q: Pixels) -> float:
+def hull_area(q: Pixels) -> float:
     """Return the area of the convex hull of pixels, px squared."""
     if len(q) < 3:  # noqa: PLR2004 -- a triangle
         return 0.0

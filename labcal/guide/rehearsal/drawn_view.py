@@ -19,11 +19,12 @@ from labcal.render.development import develop
 from labcal.render.sensor_response import Shot, exposure_for, read_sensor
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry, PictureFormat, Stage
+from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
 
 _FINER = 4
 """Steps of a pixel in which outlines are filled."""
-_BACKGROUND = 0.3
+BACKGROUND = 0.3
 """Reflectance behind the board."""
 _CELLS = 32
 """Of the grid on which the lens's fall-off is computed."""
@@ -68,8 +69,8 @@ def drawn_view(
         What noise is drawn for.
     """
     images = dot_images(camera, T_world_target, target.points(), 0.5 * target.outer_diameters_mm())
-    edge = camera.project(transform(T_world_target, _edge(target)))
-    corner, end = _cut_out(camera, edge.q[edge.ok])
+    edge = camera.project(transform(T_world_target, board_edge(target)))
+    corner, end = cut_out(camera, edge.q[edge.ok])
     share = np.zeros((end - corner)[::-1], dtype=np.float32)
     for outline in images.outline[images.ok]:
         _fill(share, outline - corner, 1.0)
@@ -84,9 +85,9 @@ def drawn_view(
     paper, ink = Board().light[0], Board().dark[0]
     if target.polarity is Polarity.WHITE_ON_BLACK:
         paper, ink = ink, paper
-    light = _BACKGROUND + sheet * (paper - _BACKGROUND) + share * (ink - paper)
+    light = BACKGROUND + sheet * (paper - BACKGROUND) + share * (ink - paper)
     light *= relative_light(camera, photometry, corner, end)
-    return DrawnView(_taken(light.astype(np.float32), photometry, shot), corner, images)
+    return DrawnView(taken_picture(light.astype(np.float32), photometry, shot), corner, images)
 
 
 def relative_light(
@@ -122,7 +123,7 @@ def relative_light(
     return np.asarray(cv2.remap(weight.astype(np.float32), along, down, cv2.INTER_LINEAR))
 
 
-def _cut_out(camera: Camera, edge: Pixels) -> tuple[Int64[np.ndarray, "2"], Int64[np.ndarray, "2"]]:
+def cut_out(camera: Camera, edge: Pixels) -> tuple[Int64[np.ndarray, "2"], Int64[np.ndarray, "2"]]:
     """Return the first pixel around the target, and the one past the last; at corners of JPEG's blocks."""
     size = np.array(camera.size, dtype=np.int64)
     if len(edge) == 0:
@@ -132,7 +133,7 @@ def _cut_out(camera: Camera, edge: Pixels) -> tuple[Int64[np.ndarray, "2"], Int6
     return low, np.minimum(low + -(-(high - low) // _BLOCK) * _BLOCK, np.maximum(size, low + 1))
 
 
-def _edge(target: DotGrid) -> np.ndarray:
+def board_edge(target: AnyTarget) -> np.ndarray:
     """Return points along the edge of the board, mm, (n, 3)."""
     x_min, y_min, x_max, y_max = target.extent_mm
     along = np.linspace(0.0, 1.0, _CELLS, endpoint=False)
@@ -174,8 +175,8 @@ def _fill(share: np.ndarray, outline: Pixels, times: float) -> None:
     share[low[1] : high[1], low[0] : high[0]] += (times * covered).astype(np.float32)
 
 
-def _taken(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.ndarray:
-    """Return the picture that a camera delivers of radiance, as it is read from its file."""
+def taken_picture(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.ndarray:
+    """Return the picture that a camera delivers of radiance (h, w), as it is read from its file."""
     behind = np.repeat(light[..., None], 3, axis=-1) if photometry.bayer else light
     exposure = exposure_for(photometry, np.array(Board().light))
     codes = read_sensor(behind, photometry, exposure, shot)

@@ -1,0 +1,1 @@
+"""The design of a target from paper, cameras and working distance."""
