@@ -1,9 +1,4 @@
-"""The code of a print: a QR code with the description of its target, between two AprilTags.
-
-The block has a form of its own, in units of which the larger sheets have longer ones: tag, gap, QR code, gap,
-tag, on one middle line. The eight corners of the tags so fix a homography under which the cells of the QR
-code are read where they must be, in pictures in which no search for a QR code would find it.
-"""
+"""The code of a print: a QR code with the description of its target, between two AprilTags."""
 
 from dataclasses import dataclass
 
@@ -12,19 +7,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 from matplotlib.path import Path as Outline
 
-from labcal.arrays import Pixels
-from labcal.targets.charuco import MarkerDictionary
 from labcal.targets.charuco_opencv import opencv_dictionary
+from labcal.targets.code_places import DICTIONARY, NUMBERS, QR, QR_LEFT, RIGHT_TAG_LEFT, TAG, TAG_TOP, tags_of
 from labcal.targets.code_text import text_number
-
-TAG, QR, GAP = 16.0, 27.0, 4.0
-"""Sides of a tag and of the QR code, and what is between them, in units of the block: mm on most sheets."""
-BLOCK_WIDTH, BLOCK_HEIGHT = 2 * (TAG + GAP) + QR, QR
-DICTIONARY = MarkerDictionary.DICT_APRILTAG_36H11
-FIRST_TAG = 87
-"""Tags below are left to laboratories, which number their own from 0."""
-NUMBERS = (DICTIONARY.size - FIRST_TAG) // 2
-"""How many prints their tags tell apart, each with a left and a right one."""
 
 _TAG_CELLS = 8  # with the border
 
@@ -57,11 +42,10 @@ class PrintCode:
         unit : float
             Length of a unit of the block, mm.
         """
-        beside = 0.5 * (BLOCK_HEIGHT - TAG)
         parts = (
-            (self.tags[0], 0.0, beside, TAG),
-            (self.qr, TAG + GAP, 0.0, QR),
-            (self.tags[1], TAG + QR + 2 * GAP, beside, TAG),
+            (self.tags[0], 0.0, TAG_TOP, TAG),
+            (self.qr, QR_LEFT, 0.0, QR),
+            (self.tags[1], RIGHT_TAG_LEFT, TAG_TOP, TAG),
         )
         boxes = np.concatenate([_boxes(cells) * (side / len(cells)) + [x, y] for cells, x, y, side in parts])
         vertices = np.array([left, top]) + unit * boxes * [1.0, -1.0]
@@ -83,26 +67,6 @@ def print_code(text: str) -> PrintCode:
         for tag in tags_of(text_number(text, NUMBERS))
     )
     return PrintCode(text, qr, (left, right))
-
-
-def tags_of(number: int) -> tuple[int, int]:
-    """Return the left and the right tag of prints with a number."""
-    return FIRST_TAG + 2 * number, FIRST_TAG + 2 * number + 1
-
-
-def tag_corners() -> Pixels:
-    """Return the corners of the left tag and of the right one, in units of the block, y down, shape (8, 2).
-
-    Each tag's four as OpenCV orders them: clockwise from the upper left one.
-    """
-    top = 0.5 * (BLOCK_HEIGHT - TAG)
-    left = np.array([[0.0, top], [TAG, top], [TAG, top + TAG], [0.0, top + TAG]])
-    return np.concatenate([left, left + [TAG + QR + 2 * GAP, 0.0]])
-
-
-def qr_corner() -> tuple[float, float]:
-    """Return the upper left corner of the QR code, in units of the block, y down."""
-    return TAG + GAP, 0.0
 
 
 def _boxes(cells: Bool[np.ndarray, "n n"]) -> Float64[np.ndarray, "boxes 5 2"]:

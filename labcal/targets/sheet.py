@@ -4,6 +4,7 @@ import textwrap
 from dataclasses import dataclass
 
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.code_places import BLOCK_HEIGHT, BLOCK_WIDTH
 
 RULER_MM = 100.0
 """Length of the printed ruler, between the middles of its end lines."""
@@ -22,7 +23,6 @@ _CAPTION_WIDTH_PER_LETTER = 0.75 * CAPTION_SIZE_MM
 
 # Of sheets with a code, the same: ruler and captions stand to the left of it.
 _WIDEST_WITH_LEAST_CODE = 280.0
-_BLOCK_UNITS = (67.0, 27.0)  # :mod:`labcal.targets.print_code`, which imports OpenCV
 _QUIET_UNITS = 4.0
 _CUT_MARGIN = 4.0
 _SMALL_CAPTION = 2.4
@@ -129,7 +129,7 @@ def lay_out_with_code(target: AnyTarget, copy: int = 0) -> Sheet:
     """
     board = _board(target)
     unit = CODE_UNIT_MM * max(1.0, board.width / _WIDEST_WITH_LEAST_CODE)
-    block, height = (unit * side for side in _BLOCK_UNITS)
+    block, height = (unit * side for side in (BLOCK_WIDTH, BLOCK_HEIGHT))
     width = max(board.width, RULER_MM + _GAP_TO_RULER + block + _CUT_MARGIN)
     middle = (board.x_min + board.x_max) / 2
     left, right = middle - width / 2, middle + width / 2
