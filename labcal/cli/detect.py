@@ -43,12 +43,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.report.detect_result import detect_result, detect_table
     from labcal.report.overlays import overlay_command, write_overlays
     from labcal.run.claims import FileOutput, FolderOutput, Output, claim_outputs
+    from labcal.run.executor import open_executor
     from labcal.run.outputs import write_file
     from labcal.shoot.tone_curve import find_tone_curve
 
     tone_curve, settings = find_tone_curve(arguments.tone_curve), detect_settings(arguments.changes)
     pictures = open_pictures(arguments.pictures, arguments.cameras)
-    target = pictures.target(arguments.target)
     outputs: list[Output] = [FileOutput(arguments.output, KIND)]
     if arguments.overlay is not None:
         outputs.append(FolderOutput(arguments.overlay, overlay_command(pictures.sources)))
@@ -58,10 +58,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(warning)
     announce_compiling(session)
     with session.progress() as progress:
-        measurements = measure_pictures(pictures, target, settings, tone_curve, arguments.workers, progress)
+        with open_executor(arguments.workers) as executor:
+            shown = pictures.shown(arguments.target, executor, progress)
+        measurements = measure_pictures(
+            pictures, shown.printed, settings, tone_curve, arguments.workers, progress
+        )
+    target = shown.target
     if arguments.overlay is not None:
         write_overlays(arguments.overlay, measurements, target, force=arguments.force)
-    result = detect_result(measurements, target)
+    result = detect_result(measurements, shown)
     if any((image.numberings or 1) > 1 for image in result.images):
         session.warn(
             f"'{target.name}' looks the same when it is turned: all cameras of a view agree on its dots, but "

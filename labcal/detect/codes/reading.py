@@ -58,7 +58,7 @@ def read_codes(image: AnyPicture) -> PictureCodes:
     InputTypeError, InputError
         `image` is no picture (see :func:`labcal.detect.grey.grey_picture`).
     """
-    picture = _bytes(image)
+    picture = searched_picture(image)
     if picture is None:
         return PictureCodes()
     blocks = find_blocks(picture)
@@ -90,7 +90,7 @@ def read_codes(image: AnyPicture) -> PictureCodes:
     return PictureCodes(tuple(prints.values()), tuple(blocks), tuple(refused), tuple(foreign))
 
 
-def _bytes(image: AnyPicture) -> BytePicture | None:
+def searched_picture(image: AnyPicture) -> BytePicture | None:
     """Return the picture in grey values from 0 to 255; None where it has no contrast, or hardly a pixel."""
     grey = grey_picture(image)
     if min(grey.shape) < _LEAST_SIDE_PX:
