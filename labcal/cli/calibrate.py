@@ -36,7 +36,9 @@ def add_parser(commands: CommandGroup) -> None:
         help="detections.csv of the shoot, instead of detecting anew",
     )
     add_hold_out(parser)
-    parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
+    parser.add_argument(
+        "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
+    )
     parser.add_argument(
         "--lens",
         metavar="MODEL",

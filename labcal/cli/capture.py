@@ -32,7 +32,9 @@ def add_parser(commands: CommandGroup) -> None:
         f"together. {'; '.join(f'{kind.name}:{kind.place}: {kind.does}' for kind in KINDS.values())}",
     )
     add_output(parser, "SHOOT", "folder to appear")
-    parser.add_argument("--target", metavar="NAME", help="the target; a scene brings its own")
+    parser.add_argument(
+        "--target", metavar="NAME", help="the target; a scene brings its own, and a print with a code"
+    )
     parser.add_argument(
         "--views", type=positive_number, metavar="N", help="number of views (live cameras: 20)"
     )

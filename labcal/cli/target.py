@@ -4,7 +4,7 @@ from argparse import Namespace
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, positive_number
+from labcal.cli.options import add_output, positive_number, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -36,13 +36,23 @@ def add_parser(commands: CommandGroup) -> None:
     export = target.add(
         "export",
         run_export,
-        "Write a target as a file to print at exact scale, with a ruler to check the print by.",
+        "Write a target as a file to print at exact scale, with a ruler to check the print by, and a code that "
+        "tells 'detect', 'calibrate' and 'capture' which target it is.",
         example="labcal target export rings-10x8 -o rings-10x8.pdf",
     )
     export.add_argument("target", metavar="NAME", help=_NAME_HELP)
     add_output(export, "FILE.{svg,pdf,png}", "the file; its ending determines the format")
     export.add_argument(
         "--dpi", type=positive_number, metavar="N", help="pixels an inch of a PNG (300 where not given)"
+    )
+    export.add_argument(
+        "--copy",
+        type=positive_number,
+        metavar="N",
+        help="number of the print, in its code: tells several prints of one target apart; its name is NAME#N",
+    )
+    export.add_argument(
+        "--plain", action="store_true", help="print no code, as before: commands then need --target NAME"
     )
 
 
@@ -64,6 +74,10 @@ class ExportedTarget:
     width_mm: float
     height_mm: float
     dpi: int | None
+    code: str | None
+    """Text of the QR code on the print; null on a plain one, and of a kind of a user's."""
+    copy: int | None
+    """Number of the print; null where it has none."""
 
 
 def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
@@ -111,13 +125,18 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
 
     target = load_target(arguments.target)
     claim_outputs([artwork_output(arguments.output)], [arguments.target], force=arguments.force)
-    artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force)
+    if arguments.plain:
+        refuse_option(arguments, "copy", "is a number in the code, which a plain print does not have")
+    copy = None if arguments.plain else arguments.copy or 0
+    artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force, copy=copy)
     result = ExportedTarget(
         target=target.name,
         file=str(arguments.output),
         width_mm=artwork.width_mm,
         height_mm=artwork.height_mm,
         dpi=artwork.dpi,
+        code=artwork.code,
+        copy=arguments.copy,
     )
     size = f"{artwork.width_mm:.1f} mm x {artwork.height_mm:.1f} mm"
     session.emit(result, f"{arguments.output}: {size}. Print at 100 % and check the ruler.")

@@ -66,7 +66,9 @@ class DotSource:
         if self.table is None:
             return []
         lines = zip(self.table.view, self.table.camera, self.table.image, strict=True)
-        named = {str(image): Source(str(view), str(camera), str(image), None) for view, camera, image in lines}
+        named = {
+            str(image): Source(str(view), str(camera), str(image), None) for view, camera, image in lines
+        }
         return [source for path, source in named.items() if Path(path).is_file()]
 
     def showing(self, target: AnyTarget) -> Shoot | AnyTarget:

@@ -131,8 +131,9 @@ def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]") -> ShownTa
     notes = _passed_over(images, found)
     if not prints:
         tags = sum(bool(codes.blocks) for codes in found)
-        near = f" Tags of prints are seen in {counted(tags, 'picture')}, their codes are not sharp enough." * (
-            tags > 0
+        near = (
+            f" Tags of prints are seen in {counted(tags, 'picture')}, their codes are not sharp enough."
+            * (tags > 0)
         )
         told = "".join(f" {note[0].upper()}{note[1:]}." for note in notes)
         raise InputError(

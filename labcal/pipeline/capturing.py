@@ -35,8 +35,8 @@ def capture(
     folder : path
         The shoot to appear. It is whole after every view; what an interrupted run left is gone on with.
     target : str or AnyTarget, optional
-        The target that the pictures show, which a scene brings with it. Without it the shoot names none, and
-        motion during a set is not noticed.
+        The target that the pictures show, which a scene brings with it. Without it the code of a print tells
+        it; where there is none, the shoot names no target, and motion during a set is not noticed.
     settings : CaptureSettings, optional
         How many views, how often, which sets are refused, a stage's readings, and the sources' own settings.
     ask : callable, optional

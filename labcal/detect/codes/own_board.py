@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, UInt8
 
 from labcal.arrays import Pixels
 from labcal.detect.codes.reading import searched_picture
@@ -12,11 +12,12 @@ from labcal.detect.codes.tag_pairs import CodeBlock, find_blocks
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.code_places import NUMBERS, tags_of
+from labcal.targets.code_places import BLOCK_HEIGHT, BLOCK_WIDTH, NUMBERS, tags_of
 from labcal.targets.code_text import PrintedTarget, code_text, text_number
 from labcal.targets.sheet import lay_out_with_code
 
 _SLACK = 0.05  # of the board's diagonal: the tags tell its far corners to some 2 % of it
+_RIM = 1.5  # around a code, in its units: the board begins four away
 _BAND_PX = 9  # inside the board's edge, where the paper is bare
 
 
@@ -33,8 +34,8 @@ def own_board_only(image: AnyPicture, printed: PrintedTarget) -> AnyPicture:
     Returns
     -------
     ndarray
-        `image` itself where no other print is seen; else the picture in grey, float32, with one grey value
-        outside the print's board.
+        `image` itself where no print's tags are seen; else the picture in grey, float32, with the grey value
+        of the paper in place of the code and, where another print is seen, outside the print's board.
 
     Raises
     ------
@@ -44,20 +45,19 @@ def own_board_only(image: AnyPicture, printed: PrintedTarget) -> AnyPicture:
     blocks = [block for block in _blocks(image) if block.is_whole]
     number = text_number(code_text(printed.target, printed.copy), NUMBERS)
     own = [block for block in blocks if block.number == number]
-    others = [block for block in blocks if block.number != number]
     if len(own) > 1:
         raise InputError(
             f"The picture shows two prints with the tags of '{printed.name}'. Show one of them, or print them "
             "with numbers of their own: 'labcal target export --copy 2'."
         )
-    if not others:
+    if not blocks:
         return image
     if not own:
         raise InputError(
-            f"The picture shows the tags of another print ({_tags(others)}) and not those of '{printed.name}' "
+            f"The picture shows the tags of another print ({_tags(blocks)}) and not those of '{printed.name}' "
             f"({_tags_of(number)}). Name that print, or leave the picture out."
         )
-    return _hidden_outside(grey_picture(image), _board(own[0], printed))
+    return _own_only(image, own[0], printed, blocks)
 
 
 def own_board_where_seen(image: AnyPicture, target: AnyTarget) -> AnyPicture:
@@ -77,9 +77,16 @@ def own_board_where_seen(image: AnyPicture, target: AnyTarget) -> AnyPicture:
         return image
     blocks = [block for block in _blocks(image) if block.is_whole]
     own = [block for block in blocks if block.number == number]
-    if len(own) != 1 or len(blocks) == 1:
-        return image
-    return _hidden_outside(grey_picture(image), _board(own[0], PrintedTarget(target)))
+    return _own_only(image, own[0], PrintedTarget(target), blocks) if len(own) == 1 else image
+
+
+def _own_only(
+    image: AnyPicture, own: CodeBlock, printed: PrintedTarget, blocks: Sequence[CodeBlock]
+) -> GreyPicture:
+    """Return a picture in grey, without the code, in which round cells may be taken for dots."""
+    grey = grey_picture(image)
+    grey = _hidden_outside(grey, _board(own, printed)) if len(blocks) > 1 else grey
+    return _without_code(grey, own)
 
 
 def _blocks(image: AnyPicture) -> list[CodeBlock]:
@@ -110,13 +117,32 @@ def _board(block: CodeBlock, printed: PrintedTarget) -> Pixels:
     return block.places(units)
 
 
+def _without_code(grey: GreyPicture, block: CodeBlock) -> GreyPicture:
+    """Return a picture with the grey value of the paper in place of a block of a code."""
+    inside = _filled(grey.shape, _rectangle(block, _RIM))
+    outer = _filled(grey.shape, _rectangle(block, 2.0 * _RIM))
+    band = grey[(outer > 0) & (inside == 0)]
+    return np.where(inside > 0, np.float32(np.median(band)), grey) if band.size else grey
+
+
+def _rectangle(block: CodeBlock, rim: float) -> Pixels:
+    """Return the corners of a block with a rim around it, in px, shape (4, 2)."""
+    right, bottom = BLOCK_WIDTH + rim, BLOCK_HEIGHT + rim
+    return block.places(np.array([[-rim, -rim], [right, -rim], [right, bottom], [-rim, bottom]]))
+
+
+def _filled(shape: tuple[int, ...], corners: Pixels) -> UInt8[np.ndarray, "h w"]:
+    """Return 1 inside a quadrangle, 0 outside; nothing of one that reaches behind the camera."""
+    inside = np.zeros(shape, dtype=np.uint8)
+    if np.isfinite(corners).all():
+        most = 4 * max(shape)  # OpenCV's coordinates are whole numbers of 32 bits
+        cv2.fillConvexPoly(inside, np.clip(np.round(corners), -most, most).astype(np.int32), 1)
+    return inside
+
+
 def _hidden_outside(grey: GreyPicture, corners: Pixels) -> GreyPicture:
     """Return a picture with the grey value of the paper outside a quadrangle."""
-    if not np.isfinite(corners).all():
-        return grey
-    inside = np.zeros(grey.shape, dtype=np.uint8)
-    most = 4 * max(grey.shape)  # OpenCV's coordinates are whole numbers of 32 bits
-    cv2.fillConvexPoly(inside, np.clip(np.round(corners), -most, most).astype(np.int32), 1)
+    inside = _filled(grey.shape, corners)
     if not inside.any():
         return grey
     inner = cv2.erode(inside, np.ones((_BAND_PX, _BAND_PX), dtype=np.uint8), borderValue=1)
