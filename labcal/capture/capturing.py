@@ -103,7 +103,7 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
     """
     with opened(source) as cameras, growing_folder(folder, run.command, force=run.settings.force) as growing:
         infos = cameras.describe()
-        recorder = Recorder(growing, run.target, infos)
+        recorder = Recorder(growing, run.target, infos, run.settings.print_scale)
         cameras.skip(recorder.views)
         try:
             refused = _take_views(cameras, recorder, run, progress)
@@ -114,6 +114,8 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
         if not recorder.views:
             raise InputError(_nothing(refused))
     notes = (*(note for one in infos for note in one.notes), *recorder.target_notes)
+    if recorder.target is None and run.settings.print_scale is not None:
+        notes += ("`print_scale` is not stored: no target is named, and no code of a print is read",)
     return Captured(open_shoot(folder), tuple(refused), notes, not source.live)
 
 

@@ -18,6 +18,7 @@ from labcal.shoot.dataset import MANIFEST, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
 from labcal.shoot.pictures import encoded_picture
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.print_scale import AnyPrintScale, as_printed
 
 RECORD = "capture.json"
 """Name of the record of a capture, beside the manifest."""
@@ -71,11 +72,14 @@ class Recorder:
     target : AnyTarget or None
         The target that the pictures show, where it is known; else it may be read from them.
     cameras : sequence of CameraInfo
+    print_scale : str, float or tuple of float, optional
+        That of the print, for a target that is read from its code.
     """
 
     folder: GrowingFolder
     target: AnyTarget | None
     cameras: Sequence[CameraInfo]
+    print_scale: AnyPrintScale | None = None
 
     def __post_init__(self) -> None:
         """Read what an interrupted run has recorded already."""
@@ -117,7 +121,7 @@ class Recorder:
             codes = read_codes(frame.picture)
             if len(codes.prints) == 1:
                 printed = codes.prints[0]
-                self.target = printed.target
+                self.target = as_printed(printed.target, self.print_scale)
                 where = f"view {len(self._views) + 1} of camera {name}"
                 self.target_notes = (f"the target '{printed.name}' is read from the code in {where}",)
                 return

@@ -9,9 +9,9 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dots", "dpi", "every",
+        "alignment", "budget", "cameras", "copy", "date", "detections", "distance_mm", "dots", "dpi", "every",
         "exposure_us", "force", "gain", "hold_out", "interval_s", "lens", "max_skew_ms", "log", "method",
-        "note", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
+        "note", "only", "plan", "print_scale", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
         "spp", "stage", "start", "target", "temperature_c", "timeout_s", "tone_curve", "tries", "unit",
         "video_offset", "views", "whole", "workers", "yes",
     )
@@ -31,6 +31,7 @@ OPTIONS = {
 SWITCHES = {
     "dot_places='declared'": "--keep-dots", "dot_places='freed'": "--free-dots", "dot_places": "--free-dots",
     "lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal",
+    "copy=None": "--plain",
 }  # fmt: skip
 """Options by the values of arguments that they stand for."""
 

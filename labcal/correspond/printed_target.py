@@ -142,8 +142,8 @@ def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]") -> ShownTa
         )
     if len(prints) > 1:
         raise InputError(
-            f"The pictures show {counted(len(prints), 'print')}: {_several(prints, seen)}. Name the one whose "
-            f"dots are wanted: `target='{next(iter(prints.values())).name}'`; the others are left out."
+            f"The pictures show {counted(len(prints), 'print')}: {_several(prints, seen)}. Name the one "
+            f"whose dots are wanted: `target='{next(iter(prints.values())).name}'`; the others are left out."
         )
     ((text, printed),) = prints.items()
     return ShownTarget(printed, seen[text][0], notes)

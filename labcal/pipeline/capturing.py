@@ -71,6 +71,7 @@ def capture(
     from labcal.capture.simulated import SimulatedCameras
     from labcal.capture.stage import read_stage
     from labcal.capture.video import videos_together
+    from labcal.targets.print_scale import as_printed
 
     how = settings_of(settings, CaptureSettings)
     given = [sources] if isinstance(sources, str) else list(texts(sources, "sources"))
@@ -80,6 +81,7 @@ def capture(
     if simulated and len(made) > 1:
         raise InputError("A scene has all its cameras. Give sim:SCENE alone.")
     shown = target_of(target) if target is not None else simulated[0].scene.target if simulated else None
+    shown = None if shown is None else as_printed(shown, how.print_scale)
     readings = () if how.stage is None else read_stage(how.stage)
     command = {
         "sources": [str(one) for one in addresses],
@@ -87,6 +89,7 @@ def capture(
         "target": None if shown is None else shown.model_dump(mode="json"),
         "settings": {**asdict(how.source_settings), "views": how.views},
         "stage": [one.view for one in readings],
+        **({} if how.print_scale is None else {"print_scale": how.print_scale}),
     }
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
     if len(made) == 1:

@@ -31,6 +31,7 @@ from labcal.targets.code_text import code_text
 from labcal.targets.print_code import print_code
 from labcal.targets.shapes import printed_outlines
 from labcal.targets.sheet import RULER_MM, Sheet, lay_out, lay_out_with_code
+from labcal.wording import clipped
 
 MM_PER_INCH = 25.4
 POINTS_PER_INCH = 72
@@ -152,6 +153,11 @@ def draw_artwork(
     if kind is not ArtworkFormat.PNG and dpi is not None:
         raise InputError(
             f"A resolution (dpi) means nothing to {kind.upper()}, which has no pixels; leave it out."
+        )
+    if getattr(target, "print_scale", None) is not None:
+        raise InputError(
+            f"'{clipped(target.name)}' states the scale of one print of it, and what is printed is the design. "
+            "Leave the key 'print_scale' out."
         )
     text = None if copy is None or form_of(target) is None else code_text(target, copy)
     sheet = lay_out(target) if text is None else lay_out_with_code(target, copy or 0)

@@ -42,4 +42,4 @@ def tag_corners() -> Pixels:
     Each tag's four as OpenCV orders them: clockwise from the upper left one.
     """
     left = np.array([[0.0, TAG_TOP], [TAG, TAG_TOP], [TAG, TAG_TOP + TAG], [0.0, TAG_TOP + TAG]])
-    return np.concatenate([left, left + [RIGHT_TAG_LEFT, 0.0]])
+    return np.concatenate([left, left + np.array([RIGHT_TAG_LEFT, 0.0])])

@@ -78,8 +78,8 @@ def code_text(target: AnyTarget, copy: int = 0) -> str:
     form = form_of(target)
     if form is None:
         raise InputError(
-            f"'{clipped(target.name)}' is of a kind of your own, which a code cannot describe: print it plain "
-            "('--plain'), and name it with '--target'."
+            f"'{clipped(target.name)}' is of a kind of your own, which a code cannot describe. Print it "
+            "plain (`copy=None`), and name it: `target='NAME'`."
         )
     if not 0 <= copy <= MOST_COPIES:
         raise InputError(f"A copy has a number from 1 to {MOST_COPIES}, but {shown(copy)} was given.")
@@ -91,7 +91,7 @@ def code_text(target: AnyTarget, copy: int = 0) -> str:
         raise InputError(
             f"The description of '{clipped(target.name)}' takes {len(text)} letters, and a code holds "
             f"{MOST_LETTERS}: give it a shorter name, or lengths with fewer digits, or print it plain "
-            "('--plain')."
+            "(`copy=None`)."
         )
     return text
 
@@ -120,8 +120,8 @@ def described_by(text: str) -> PrintedTarget | None:
         return None
     if int(beginning[1]) != VERSION:
         raise InputError(
-            f"It is of version {int(beginning[1])}, and this labcal reads version {VERSION}: update labcal, or "
-            "name the target with '--target'."
+            f"It is of version {int(beginning[1])}, and this labcal reads version {VERSION}. Update labcal, "
+            "or name the target: `target='NAME'`."
         )
     if len(text) > MOST_LETTERS:
         raise InputError(f"It has {len(text)} letters, more than the {MOST_LETTERS} of a description.")

@@ -47,14 +47,14 @@ def own_board_only(image: AnyPicture, printed: PrintedTarget) -> AnyPicture:
     own = [block for block in blocks if block.number == number]
     if len(own) > 1:
         raise InputError(
-            f"The picture shows two prints with the tags of '{printed.name}'. Show one of them, or print them "
+            f"The picture shows two prints with the tags of '{printed.name}'. Show one, or print them "
             "with numbers of their own: 'labcal target export --copy 2'."
         )
     if not blocks:
         return image
     if not own:
         raise InputError(
-            f"The picture shows the tags of another print ({_tags(blocks)}) and not those of '{printed.name}' "
+            f"The picture shows the tags of another print ({_tags(blocks)}), not those of '{printed.name}' "
             f"({_tags_of(number)}). Name that print, or leave the picture out."
         )
     return _own_only(image, own[0], printed, blocks)

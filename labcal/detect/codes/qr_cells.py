@@ -95,7 +95,7 @@ def _white(cells: Float64[np.ndarray, "n n"], share: float) -> Bool[np.ndarray, 
     low, high = cv2.erode(sharp, window), cv2.dilate(sharp, window)
     middle = 0.5 * (cv2.GaussianBlur(low, (0, 0), 3.0) + cv2.GaussianBlur(high, (0, 0), 3.0))
     common = _common(len(cells))
-    return np.where(np.isnan(common), sharp > middle, common > 0.5)  # noqa: PLR2004 -- 0 or 1
+    return np.asarray(np.where(np.isnan(common), sharp > middle, common > 0.5))  # noqa: PLR2004 -- 0 or 1
 
 
 def _decoded(white: Bool[np.ndarray, "n n"]) -> str | None:

@@ -82,7 +82,7 @@ def read_codes(image: AnyPicture) -> PictureCodes:
         elif number is not None and number != text_number(text, NUMBERS):
             own, seen = tags_of(text_number(text, NUMBERS)), tags_of(number)
             refused.append(
-                f"It says that it is '{found.name}', whose tags are {own[0]} and {own[1]}, but stands between "
+                f"It says that it is '{found.name}', whose tags are {own[0]} and {own[1]}, but is between "
                 f"the tags {seen[0]} and {seen[1]}."
             )
         else:
@@ -98,7 +98,7 @@ def searched_picture(image: AnyPicture) -> BytePicture | None:
     low, high = np.percentile(grey, _RANGE_PERCENT)
     if not high > low:
         return None
-    return np.clip((grey - low) * (255.0 / (high - low)), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip((grey - low) * (255.0 / (high - low)), 0, 255), dtype=np.uint8)
 
 
 def _searched(picture: BytePicture) -> list[str]:

@@ -52,7 +52,7 @@ def find_blocks(picture: BytePicture) -> list[CodeBlock]:
     """
     left, right = _tags(picture)
     units = tag_corners()
-    blocks, used = [], set()
+    blocks, used = list[CodeBlock](), set[int]()
     for number in sorted({*left, *right}):
         pairs = [(a, b, _fitted(units, [a, b])) for a in left.get(number, []) for b in right.get(number, [])]
         for a, b, (homography, residual) in sorted(pairs, key=lambda pair: pair[2][1]):
