@@ -9,11 +9,11 @@ import re
 OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
-        "alignment", "budget", "cameras", "copy", "date", "detections", "distance_mm", "dots", "dpi", "every",
+        "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dots", "dpi", "every",
         "exposure_us", "force", "gain", "hold_out", "interval_s", "lens", "max_skew_ms", "log", "method",
-        "note", "only", "plan", "print_scale", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
+        "note", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
         "spp", "stage", "start", "target", "temperature_c", "timeout_s", "tone_curve", "tries", "unit",
-        "video_offset", "views", "whole", "workers", "yes",
+        "print_scale", "copy", "video_offset", "views", "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",

@@ -36,8 +36,8 @@ def add_parser(commands: CommandGroup) -> None:
     export = target.add(
         "export",
         run_export,
-        "Write a target as a file to print at exact scale, with a ruler to check the print by, and a code that "
-        "tells 'detect', 'calibrate' and 'capture' which target it is.",
+        "Write a target as a file to print at exact scale, with a ruler to check the print by, and a code "
+        "that tells 'detect', 'calibrate' and 'capture' which target it is.",
         example="labcal target export rings-10x8 -o rings-10x8.pdf",
     )
     export.add_argument("target", metavar="NAME", help=_NAME_HELP)

@@ -137,8 +137,9 @@ def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]") -> ShownTa
         )
         told = "".join(f" {note[0].upper()}{note[1:]}." for note in notes)
         raise InputError(
-            f"No picture tells which target it shows: no code of a print is read.{near}{told} Name the target: "
-            "`target='NAME'` ('labcal target list' shows the names), or take one sharp picture of the code."
+            f"No picture tells which target it shows: no code of a print is read.{near}{told} Name the "
+            "target: `target='NAME'` ('labcal target list' shows the names), or take one sharp picture of "
+            "the code."
         )
     if len(prints) > 1:
         raise InputError(

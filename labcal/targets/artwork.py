@@ -156,8 +156,8 @@ def draw_artwork(
         )
     if getattr(target, "print_scale", None) is not None:
         raise InputError(
-            f"'{clipped(target.name)}' states the scale of one print of it, and what is printed is the design. "
-            "Leave the key 'print_scale' out."
+            f"'{clipped(target.name)}' states the scale of one print of it, and what is printed is the "
+            "design. Leave the key 'print_scale' out."
         )
     text = None if copy is None or form_of(target) is None else code_text(target, copy)
     sheet = lay_out(target) if text is None else lay_out_with_code(target, copy or 0)

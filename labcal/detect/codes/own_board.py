@@ -48,7 +48,7 @@ def own_board_only(image: AnyPicture, printed: PrintedTarget) -> AnyPicture:
     if len(own) > 1:
         raise InputError(
             f"The picture shows two prints with the tags of '{printed.name}'. Show one, or print them "
-            "with numbers of their own: 'labcal target export --copy 2'."
+            "with numbers of their own: `copy=2` of 'labcal target export'."
         )
     if not blocks:
         return image

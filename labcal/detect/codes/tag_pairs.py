@@ -54,7 +54,11 @@ def find_blocks(picture: BytePicture) -> list[CodeBlock]:
     units = tag_corners()
     blocks, used = list[CodeBlock](), set[int]()
     for number in sorted({*left, *right}):
-        pairs = [(a, b, _fitted(units, [a, b])) for a in left.get(number, []) for b in right.get(number, [])]
+        pairs = [
+            (a, b, _fitted(units, np.concatenate([a, b])))
+            for a in left.get(number, [])
+            for b in right.get(number, [])
+        ]
         for a, b, (homography, residual) in sorted(pairs, key=lambda pair: pair[2][1]):
             if residual < _WORST_RESIDUAL and not {id(a), id(b)} & used:
                 used |= {id(a), id(b)}
@@ -62,14 +66,13 @@ def find_blocks(picture: BytePicture) -> list[CodeBlock]:
         for side, tags in enumerate((left, right)):
             for tag in tags.get(number, []):
                 if id(tag) not in used:
-                    homography, _ = _fitted(units[4 * side : 4 * side + 4], [tag])
+                    homography, _ = _fitted(units[4 * side : 4 * side + 4], tag)
                     blocks.append(CodeBlock(number, homography, is_whole=False))
     return sorted(blocks, key=lambda block: (block.number, float(block.places(np.zeros((1, 2)))[0, 0])))
 
 
-def _fitted(units: Pixels, tags: list[Pixels]) -> tuple[Float64[np.ndarray, "3 3"], float]:
+def _fitted(units: Pixels, seen: Pixels) -> tuple[Float64[np.ndarray, "3 3"], float]:
     """Return the homography to tags' corners, and the RMS residual over the side of a tag."""
-    seen = np.concatenate(tags)
     found, _ = cv2.findHomography(units, seen, 0)
     if found is None or not np.isfinite(found).all():
         return np.eye(3), np.inf
@@ -78,7 +81,7 @@ def _fitted(units: Pixels, tags: list[Pixels]) -> tuple[Float64[np.ndarray, "3 3
     if not (at[:, 2] > 0).all():
         return homography, np.inf
     off = np.sqrt(((at[:, :2] / at[:, 2:] - seen) ** 2).sum(axis=1).mean())
-    side = np.sqrt(min(cv2.contourArea(tag.astype(np.float32)) for tag in tags))
+    side = np.sqrt(min(cv2.contourArea(tag.astype(np.float32)) for tag in seen.reshape(-1, 4, 2)))
     return homography, float(off / side) if side > 0 else np.inf
 
 
