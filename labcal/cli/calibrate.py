@@ -40,7 +40,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
     )
-    add_print_scale(parser, "of a shoot it goes into shoot.json, of a table into what is written")
+    add_print_scale(parser, "of a shoot it goes into shoot.json, of a table into RIG-dots.json")
     parser.add_argument(
         "--lens",
         metavar="MODEL",

@@ -12,7 +12,7 @@ RULER_MM = 100.0
 CAPTION_SIZE_MM = 2.8
 """Size of the printed text (8 points)."""
 CODE_UNIT_MM = 1.0
-"""Length of a unit of the code's block, on sheets that are not wider than 280 mm."""
+"""Length of a unit of the code's block on boards of 67 to 280 mm; it is in proportion to others."""
 
 # All in millimetres.
 _BORDER = 10.0  # most printers reach to within 5 mm of the paper's edge
@@ -21,8 +21,9 @@ _RULER_HEIGHT = 9.0  # lines and figures
 _LINE_HEIGHT = 4.5
 _CAPTION_WIDTH_PER_LETTER = 0.75 * CAPTION_SIZE_MM
 
-# Of sheets with a code, the same: ruler and captions stand to the left of it.
+# Of sheets with a code, the same.
 _WIDEST_WITH_LEAST_CODE = 280.0
+_LEAST_UNIT_MM = 0.4  # cells of a third of a millimetre, which office printers print
 _QUIET_UNITS = 4.0
 _CUT_MARGIN = 4.0
 _SMALL_CAPTION = 2.4
@@ -122,29 +123,41 @@ def lay_out(target: AnyTarget) -> Sheet:
 
 
 def lay_out_with_code(target: AnyTarget, copy: int = 0) -> Sheet:
-    """Return the sheet for a target with a code at the lower right; ruler and captions are at its left.
+    """Return the sheet for a target with a code close to the board, and all else that is printed below it.
 
-    The paper is hardly larger than that of :func:`lay_out`; a narrow board's is 187 mm wide. The code, which
-    tells which board this is, is to stay with the board when the sheet is cut.
+    A wide board has the code at the lower right, with ruler and captions at its left; the paper is then as
+    large as that of :func:`lay_out`. Of a narrow one the code is below the board and not wider than it, so that a
+    camera that sees the board can see it, too; ruler and captions are below the code. The code, which tells
+    which board this is, is to stay with the board when the sheet is cut.
     """
     board = _board(target)
-    unit = CODE_UNIT_MM * max(1.0, board.width / _WIDEST_WITH_LEAST_CODE)
-    block, height = (unit * side for side in (BLOCK_WIDTH, BLOCK_HEIGHT))
-    width = max(board.width, RULER_MM + _GAP_TO_RULER + block + _CUT_MARGIN)
+    beside = board.width >= RULER_MM + _GAP_TO_RULER + CODE_UNIT_MM * BLOCK_WIDTH + _CUT_MARGIN
+    unit = _code_unit(board)
+    width = max(board.width, RULER_MM + _CUT_MARGIN)
     middle = (board.x_min + board.x_max) / 2
     left, right = middle - width / 2, middle + width / 2
-    code = CodePlace(right - block, board.y_min - _QUIET_UNITS * unit, unit)
-    letters = int((code.left - left - _GAP_TO_RULER) / _SMALL_WIDTH_PER_LETTER)
+    block_left = right - unit * BLOCK_WIDTH if beside else middle - 0.5 * unit * BLOCK_WIDTH
+    code = CodePlace(block_left, board.y_min - _QUIET_UNITS * unit, unit)
+    below_code = code.top - unit * BLOCK_HEIGHT
+    text_width = block_left - left - _GAP_TO_RULER if beside else width
     first, sizes, how = _lines(target)
     numbered = [first, f"{sizes}, copy {copy}" if copy else sizes, how]
+    letters = int(text_width / _SMALL_WIDTH_PER_LETTER)
     lines = [part for line in numbered for part in textwrap.wrap(line, letters)]
-    ruler_top = board.y_min - _CUT_MARGIN
+    ruler_top = (board.y_min if beside else below_code) - _CUT_MARGIN
     first_line = ruler_top - _RULER_HEIGHT - _SMALL_LINE_HEIGHT
     captions = tuple(Caption(left, first_line - n * _SMALL_LINE_HEIGHT, line) for n, line in enumerate(lines))
-    bottom = min(captions[-1].y, code.top - height)
+    bottom = min(captions[-1].y, below_code)
     paper = Rectangle(left - _BORDER, bottom - _BORDER, right + _BORDER, board.y_max + _BORDER)
     cut = Rectangle(left - _CUT_MARGIN, bottom - _CUT_MARGIN, right + _CUT_MARGIN, board.y_max)
     return Sheet(paper, board, cut, (left, ruler_top), captions, _SMALL_CAPTION, code)
+
+
+def _code_unit(board: Rectangle) -> float:
+    """Return the length of a unit of the code: smaller on small boards, which are looked at from near."""
+    if board.width > _WIDEST_WITH_LEAST_CODE:
+        return CODE_UNIT_MM * board.width / _WIDEST_WITH_LEAST_CODE
+    return min(CODE_UNIT_MM, max(_LEAST_UNIT_MM, board.width / BLOCK_WIDTH))
 
 
 def _lines(target: AnyTarget) -> tuple[str, str, str]:

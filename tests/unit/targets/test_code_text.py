@@ -8,7 +8,7 @@ from labcal.targets.catalogue import AnyTarget, load_target, target_names
 from labcal.targets.charuco import CharucoBoard, MarkerDictionary, Pattern
 from labcal.targets.code_text import MOST_LETTERS, _checksum, code_text, described_by
 from labcal.targets.coded_dots import CodedDots
-from labcal.targets.grid import DotGrid
+from labcal.targets.grid import DotGrid, Polarity
 
 ALPHANUMERIC = set("0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ $%*+-./:")
 GOOD = "LABCAL1:D:RINGS-14X10:14X10:S:7:7:2:2:0.8:2.2.11.7:B:7:0"
@@ -54,7 +54,7 @@ def any_target(random: np.random.Generator) -> AnyTarget:
     rings = {"origin": (1, 1), "x": (2, 1), "y": (1, 3)} if random.integers(2) else None
     return DotGrid(
         cols=cols, rows=rows, pitch_x_mm=pitch, pitch_y_mm=pitch * random.uniform(0.9, 1.1),
-        dot_diameter_mm=0.4 * pitch, rings=rings, polarity=random.choice(["black-on-white", "white-on-black"]),
+        dot_diameter_mm=0.4 * pitch, rings=rings, polarity=random.choice(list(Polarity)),
         ring_outer_diameter_mm=0.5 * pitch if rings else None,
         ring_inner_diameter_mm=0.2 * pitch if rings else None, **common,
     )  # fmt: skip
@@ -67,8 +67,7 @@ def test_the_text_says_all_of_every_target() -> None:
         target, copy = any_target(random), int(random.integers(0, 3))
         try:
             text = code_text(target, copy)
-        except InputError as error:
-            assert "letters" in str(error)  # many digits and a long name
+        except InputError:  # many digits and a long name, which test_what_no_code_can_say looks at
             continue
         told += 1
         assert len(text) <= MOST_LETTERS
