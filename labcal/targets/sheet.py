@@ -126,9 +126,9 @@ def lay_out_with_code(target: AnyTarget, copy: int = 0) -> Sheet:
     """Return the sheet for a target with a code close to the board, and all else that is printed below it.
 
     A wide board has the code at the lower right, with ruler and captions at its left; the paper is then as
-    large as that of :func:`lay_out`. Of a narrow one the code is below the board and not wider than it, so that a
-    camera that sees the board can see it, too; ruler and captions are below the code. The code, which tells
-    which board this is, is to stay with the board when the sheet is cut.
+    large as that of :func:`lay_out`. Of a narrow one the code is below the board and not wider than it, so
+    that a camera that sees the board can see it, too; ruler and captions are below the code. When the
+    sheet is cut, the code is to stay with the board.
     """
     board = _board(target)
     beside = board.width >= RULER_MM + _GAP_TO_RULER + CODE_UNIT_MM * BLOCK_WIDTH + _CUT_MARGIN

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float64, Shaped, UInt8
 
 from labcal.arrays import Pixels
 from labcal.detect.codes.reading import searched_picture
@@ -16,12 +16,15 @@ from labcal.targets.code_places import BLOCK_HEIGHT, BLOCK_WIDTH, NUMBERS, tags_
 from labcal.targets.code_text import PrintedTarget, code_text, text_number
 from labcal.targets.sheet import lay_out_with_code
 
+OwnPicture = Shaped[np.ndarray, "..."]
+"""The picture that was given, of any shape, or one in grey."""
+
 _SLACK = 0.05  # of the board's diagonal: the tags tell its far corners to some 2 % of it
 _RIM = 1.5  # around a code, in its units: the board begins four away
 _BAND_PX = 9  # inside the board's edge, where the paper is bare
 
 
-def own_board_only(image: AnyPicture, printed: PrintedTarget) -> AnyPicture:
+def own_board_only(image: AnyPicture, printed: PrintedTarget) -> OwnPicture:
     """Return a picture in which other boards are hidden, where their tags are seen beside those of the print.
 
     Parameters
@@ -60,7 +63,7 @@ def own_board_only(image: AnyPicture, printed: PrintedTarget) -> AnyPicture:
     return _own_only(image, own[0], printed, blocks)
 
 
-def own_board_where_seen(image: AnyPicture, target: AnyTarget) -> AnyPicture:
+def own_board_where_seen(image: AnyPicture, target: AnyTarget) -> OwnPicture:
     """Return a picture as :func:`own_board_only` does; unchanged where it does not show the target's tags.
 
     For a target that was named: its print may be an old one without a code.

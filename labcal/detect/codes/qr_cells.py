@@ -60,7 +60,8 @@ def _sampled(
     places = block.places(np.stack([x.ravel(), y.ravel()], axis=1)).astype(np.float32)
     places = np.nan_to_num(places, nan=-1.0).reshape(len(at), len(at), 2)
     seen = cv2.remap(grey, places[..., 0], places[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(seen, dtype=np.float64).reshape(size, _PARTS, size, _PARTS).mean(axis=(1, 3))
+    parts = np.asarray(seen, dtype=np.float64).reshape(size, _PARTS, size, _PARTS)
+    return np.asarray(parts.mean(axis=(1, 3)))
 
 
 def _common(size: int) -> Float64[np.ndarray, "n n"]:
