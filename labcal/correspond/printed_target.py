@@ -48,7 +48,7 @@ class ShownTarget:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Where it is read from, and what was passed over, for people."""
+        """The picture that it is read from, and what was passed over, for people."""
         if self.picture is None or not isinstance(self.printed, PrintedTarget):
             return self.notes
         return (f"the target '{self.printed.name}' is read from the code in {self.picture}", *self.notes)
