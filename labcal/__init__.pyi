@@ -17,6 +17,7 @@ from .correspond.points import Points as Points
 from .correspond.points_csv import read_points as read_points
 from .correspond.points_csv import write_points as write_points
 from .correspond.points_ply import write_ply as write_ply
+from .correspond.read_description import read_description as read_description
 from .errors import InputError as InputError
 from .errors import LabcalError as LabcalError
 from .estimators.model import Model as Model
@@ -54,4 +55,5 @@ from .reconstruct.rigid_motion import rigid_motion as rigid_motion
 from .shoot.dataset import Shoot as Shoot
 from .shoot.dataset import open_shoot as open_shoot
 from .targets.catalogue import load_target as load_target
+from .targets.code_text import PrintedTarget as PrintedTarget
 from .version import __version__ as __version__

@@ -43,7 +43,7 @@ class Captured(PublicObject):
     refused: tuple[RefusedSet, ...]
     """Sets that were refused; of live cameras they were taken again."""
     notes: tuple[str, ...]
-    """Settings that the devices refused, for people."""
+    """Settings that the devices refused, and where the target is read, for people."""
     replayed: bool
     """True if the sets came from a recording, of which a refused one is lost."""
 
@@ -62,7 +62,8 @@ class CaptureRun:
     command: str
     """Everything that determines the shoot, as text."""
     target: AnyTarget | None
-    """Target that the pictures show; None where it is not known, so that motion is not judged."""
+    """Target that the pictures show; None where the code of its print is to tell it. Until it is read, and
+    where there is none, motion is not judged."""
     stage: tuple[StageView, ...]
     """Readings of a stage in the order of the views; empty for a target in the hand."""
     settings: CaptureSettings
@@ -102,7 +103,7 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
     """
     with opened(source) as cameras, growing_folder(folder, run.command, force=run.settings.force) as growing:
         infos = cameras.describe()
-        recorder = Recorder(growing, run.target, infos)
+        recorder = Recorder(growing, run.target, infos, run.settings.print_scale)
         cameras.skip(recorder.views)
         try:
             refused = _take_views(cameras, recorder, run, progress)
@@ -112,7 +113,9 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
             raise DeviceError(f"{error} {kept if done else 'No view was taken before.'}") from error
         if not recorder.views:
             raise InputError(_nothing(refused))
-    notes = tuple(note for one in infos for note in one.notes)
+    notes = (*(note for one in infos for note in one.notes), *recorder.target_notes)
+    if recorder.target is None and run.settings.print_scale is not None:
+        notes += ("`print_scale` is not stored: no target is named, and no code of a print is read",)
     return Captured(open_shoot(folder), tuple(refused), notes, not source.live)
 
 
@@ -142,6 +145,7 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
             continue
         in_a_row = 0
         placed = _placed(taken, view)
+        recorder.read_target(placed)
         recorder.add(placed, placed.view or f"view-{len(recorder.views) + 1:03d}")
         progress.advance()
     return refused
@@ -161,9 +165,9 @@ def _reasons(taken: FrameSet, source: Source, recorder: Recorder, run: CaptureRu
             f"the picture of camera {late} was taken {1e3 * skew:.0f} ms after the first one, more than "
             f"{run.settings.max_skew_ms:g} ms: trigger the cameras together"
         )
-    if not reasons and run.target is not None:
+    if not reasons and recorder.target is not None:
         after = source.follow()
-        moved = {} if after is None else motion_px(taken, after, run.target)
+        moved = {} if after is None else motion_px(taken, after, recorder.target)
         reasons += [
             f"the target moved by {px:.2f} px in the picture of camera {name} while it was taken: hold it "
             "still, shorten the exposure, or trigger the cameras together"

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict
 
 from labcal.cameras.record import matrix4_record
 from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
+from labcal.detect.codes.reading import read_codes
 from labcal.run.documents import read_document
 from labcal.run.growing import GrowingFolder
 from labcal.run.made import make_folder
@@ -17,6 +18,7 @@ from labcal.shoot.dataset import MANIFEST, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
 from labcal.shoot.pictures import encoded_picture
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.print_scale import AnyPrintScale, as_printed
 
 RECORD = "capture.json"
 """Name of the record of a capture, beside the manifest."""
@@ -68,17 +70,21 @@ class Recorder:
     ----------
     folder : GrowingFolder
     target : AnyTarget or None
-        The target that the pictures show, where it is known.
+        The target that the pictures show, where it is known; else it may be read from them.
     cameras : sequence of CameraInfo
+    print_scale : str, float or tuple of float, optional
+        That of the print, for a target that is read from its code.
     """
 
     folder: GrowingFolder
     target: AnyTarget | None
     cameras: Sequence[CameraInfo]
+    print_scale: AnyPrintScale | None = None
 
     def __post_init__(self) -> None:
         """Read what an interrupted run has recorded already."""
         path = self.folder.path
+        self.target_notes: tuple[str, ...] = ()
         self._views: list[ViewEntry] = []
         self._sizes: dict[str, CameraEntry] = {}
         self._record = CaptureRecord(notes=tuple(note for one in self.cameras for note in one.notes))
@@ -86,6 +92,7 @@ class Recorder:
             begun = read_document(Manifest, "manifest", path / MANIFEST)
             self._views, self._sizes = list(begun.views), dict(begun.cameras)
             self._record = read_document(CaptureRecord, "record of a capture", path / RECORD)
+            self.target = self.target or begun.target
 
     @property
     def views(self) -> tuple[str, ...]:
@@ -105,6 +112,19 @@ class Recorder:
                     f"{known.size[0]} x {known.size[1]}"
                 )
         return None
+
+    def read_target(self, frames: FrameSet) -> None:
+        """Take the target from the code of a print in the pictures of a set, unless it is known already."""
+        if self.target is not None:
+            return
+        for name, frame in frames.frames.items():
+            codes = read_codes(frame.picture)
+            if len(codes.prints) == 1:
+                printed = codes.prints[0]
+                self.target = as_printed(printed.target, self.print_scale)
+                where = f"view {len(self._views) + 1} of camera {name}"
+                self.target_notes = (f"the target '{printed.name}' is read from the code in {where}",)
+                return
 
     def add(self, frames: FrameSet, view: str) -> None:
         """Write one set; it is in the shoot when this returns, and nothing of it before.

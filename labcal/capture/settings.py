@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from labcal.arguments import set_checked, whole_number
 from labcal.errors import InputError
 from labcal.paths import AnyPath
+from labcal.targets.print_scale import AnyPrintScale, print_scale
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,9 @@ class CaptureSettings:
     """Exposure, gain and other settings of the sources."""
     tries: int = 5
     """Sets that may be refused in a row before the capture ends with an error."""
+    print_scale: AnyPrintScale | None = None
+    """Measured over nominal length of the print's ruler, ``"99.8/100"``, which the shoot then states; for x
+    and y apart ``"99.8/100,100.1/100"``."""
     force: bool = False
     """Replace a shoot that is there already."""
 
@@ -72,6 +76,8 @@ class CaptureSettings:
         InputError, InputTypeError
             One is of a wrong type or too small.
         """
+        if self.print_scale is not None:
+            set_checked(self, {"print_scale": print_scale(self.print_scale)})
         views = None if self.views is None else whole_number(self.views, "views", 1)
         set_checked(self, {"views": views, "tries": whole_number(self.tries, "tries", 1)})
         if not (self.interval_s >= 0.0 and self.max_skew_ms > 0.0):

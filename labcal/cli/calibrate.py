@@ -8,6 +8,7 @@ from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.cli.dot_places import add_dot_places, dot_treatment
 from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_page, add_workers
 from labcal.cli.parser import CommandGroup
+from labcal.cli.print_scale import add_print_scale, scaled_target, store_scale
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
@@ -36,7 +37,10 @@ def add_parser(commands: CommandGroup) -> None:
         help="detections.csv of the shoot, instead of detecting anew",
     )
     add_hold_out(parser)
-    parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
+    parser.add_argument(
+        "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
+    )
+    add_print_scale(parser, "of a shoot it goes into shoot.json, of a table into RIG-dots.json")
     parser.add_argument(
         "--lens",
         metavar="MODEL",
@@ -71,7 +75,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cameras.rig_file import KIND, write_rig
     from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.cli.page import asked_page
-    from labcal.correspond.dot_source import open_dots
+    from labcal.correspond.dot_source import DotSource, open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
     from labcal.pipeline import calibrate
@@ -104,7 +108,9 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     given = open_dots(arguments.source, arguments.detections)
     if named is None and given.shoot is None and settings.places is not None:
         named = settings.places.target
-    target = given.target(named)
+    target = scaled_target(given.target(named), arguments)
+    if arguments.print_scale is not None and given.shoot is not None:
+        given = DotSource(store_scale(given.shoot, target, session), given.table)
     detections = dots_given(given, target, arguments, session)
     hold_out = arguments.hold_out or ()
     with session.progress() as progress:

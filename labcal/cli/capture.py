@@ -8,6 +8,7 @@ from pathlib import Path
 
 from labcal.cli.options import add_output, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
+from labcal.cli.print_scale import add_print_scale
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.wording import counted
@@ -32,7 +33,10 @@ def add_parser(commands: CommandGroup) -> None:
         f"together. {'; '.join(f'{kind.name}:{kind.place}: {kind.does}' for kind in KINDS.values())}",
     )
     add_output(parser, "SHOOT", "folder to appear")
-    parser.add_argument("--target", metavar="NAME", help="the target; a scene brings its own")
+    parser.add_argument(
+        "--target", metavar="NAME", help="the target; a scene brings its own, and a print with a code"
+    )
+    add_print_scale(parser, "it goes into shoot.json")
     parser.add_argument(
         "--views", type=positive_number, metavar="N", help="number of views (live cameras: 20)"
     )
@@ -156,6 +160,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         stage=arguments.stage,
         source_settings=sources,
         tries=arguments.tries,
+        print_scale=arguments.print_scale,
         force=arguments.force,
     )
     ask = _wait_for_enter if arguments.on_enter else None

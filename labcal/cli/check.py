@@ -190,7 +190,7 @@ def _dots(
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         if arguments.changes:
             raise InputError("--set is for finding dots in pictures; a table holds them. Leave it out.")
-        return read_detections(first), known or target_shown(arguments.target, None)
+        return read_detections(first), known or target_shown(arguments.target, None).target
     pictures = open_pictures(arguments.pictures, arguments.cameras)
     target, settings = known or pictures.target(arguments.target), detect_settings(arguments.changes)
     for warning in pictures.warnings:

@@ -13,7 +13,7 @@ OPTIONS = {
         "exposure_us", "force", "gain", "hold_out", "interval_s", "lens", "max_skew_ms", "log", "method",
         "note", "only", "plan", "quick", "rectify", "rendered", "rig", "scheduler", "seed", "seeds", "size",
         "spp", "stage", "start", "target", "temperature_c", "timeout_s", "tone_curve", "tries", "unit",
-        "video_offset", "views", "whole", "workers", "yes",
+        "print_scale", "copy", "video_offset", "views", "whole", "workers", "yes",
     )
 } | {
     "overrides": "--set", "from_format": "--from", "to_format": "--to", "groups": "--only",
@@ -32,6 +32,7 @@ OPTIONS = {
 SWITCHES = {
     "dot_places='declared'": "--keep-dots", "dot_places='freed'": "--free-dots", "dot_places": "--free-dots",
     "lenses='fixed'": "--fix-intrinsics", "rehearsal=False": "--no-rehearsal",
+    "copy=None": "--plain",
 }  # fmt: skip
 """Options by the values of arguments that they stand for."""
 

@@ -26,7 +26,9 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
 
 def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
     """Add what pictures are of, and who took them: ``--target``, ``--cameras``."""
-    parser.add_argument("--target", metavar="NAME", help="the target; a shoot brings its own")
+    parser.add_argument(
+        "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
+    )
     parser.add_argument(
         "--cameras",
         metavar="NAMES",

@@ -73,7 +73,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     known = arguments.target is not None or given.shoot is not None
     target = given.target(arguments.target) if known else None
     # A shoot's dots are found by its own target, whatever they are then said to be of.
-    detections = dots_given(given, None if given.shoot is None else given.shoot.target, arguments, session)
+    shown = None if given.shoot is None else given.shoot.manifest.target or target
+    detections = dots_given(given, shown, arguments, session)
     found = reconstruct(model, detections, target, budget=arguments.budget)
     write_file(arguments.output, points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)

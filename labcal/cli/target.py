@@ -4,7 +4,7 @@ from argparse import Namespace
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from labcal.cli.options import add_output, positive_number
+from labcal.cli.options import add_output, positive_number, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -40,7 +40,8 @@ def add_parser(commands: CommandGroup) -> None:
     export = target.add(
         "export",
         run_export,
-        "Write a target as a file to print at exact scale, with a ruler to check the print by.",
+        "Write a target as a file to print at exact scale, with a ruler to check the print by, and a code "
+        "that tells 'detect', 'calibrate' and 'capture' which target it is.",
         example="labcal target export rings-10x8 -o rings-10x8.pdf",
     )
     export.add_argument("target", metavar="NAME", help=_NAME_HELP)
@@ -59,6 +60,15 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="CxR",
         help="with --paper: at most so many pages side by side and one above the other; 1x1 refuses a sheet "
         "that does not fit on one page",
+    )
+    export.add_argument(
+        "--copy",
+        type=positive_number,
+        metavar="N",
+        help="number of the print, in its code: tells several prints of one target apart; its name is NAME#N",
+    )
+    export.add_argument(
+        "--plain", action="store_true", help="print no code, as before: commands then need --target NAME"
     )
 
 
@@ -89,6 +99,10 @@ class ExportedTarget:
     pages: int
     tiles: tuple[int, int]
     """Pages side by side, and one above the other."""
+    code: str | None
+    """Text of the QR code on the print; null on a plain one, and of a kind of a user's."""
+    copy: int | None
+    """Number of the print; null where it has none."""
 
 
 def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG001 - it has no arguments
@@ -144,20 +158,25 @@ def run_show(arguments: Namespace, session: Session) -> ExitStatus:
 def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     """Write a target as a file to print."""
     from labcal.run.claims import claim_outputs
-    from labcal.targets.artwork import artwork_output, export_artwork
+    from labcal.targets.artwork import artwork_output, export_artwork, print_text
     from labcal.targets.catalogue import load_target
     from labcal.targets.page_artwork import export_pages
     from labcal.targets.paper import PAPERS, paper_of, sheet_size, smallest_paper
 
     target = load_target(arguments.target)
     claim_outputs([artwork_output(arguments.output)], [arguments.target], force=arguments.force)
-    width, height = sheet_size(target)
+    if arguments.plain:
+        refuse_option(arguments, "copy", "is a number in the code, which a plain print does not have")
+    copy = None if arguments.plain else arguments.copy or 0
+    width, height = sheet_size(target, copy)
     fits_a4 = PAPERS["a4"].holds(width, height)
-    smallest = smallest_paper(target)
+    smallest = smallest_paper(target, copy)
     if arguments.paper is None:
         if arguments.tiles is not None:
             raise InputError("Tiles are pages of a paper: give `paper`, too, or leave `tiles` out.")
-        artwork = export_artwork(target, arguments.output, dpi=arguments.dpi, force=arguments.force)
+        artwork = export_artwork(
+            target, arguments.output, dpi=arguments.dpi, force=arguments.force, copy=copy
+        )
         width, height, dpi = artwork.width_mm, artwork.height_mm, artwork.dpi
         paper, tiles = _paper_name(smallest), (1, 1)
         if not fits_a4:
@@ -168,7 +187,7 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
         counts = None if arguments.tiles is None else counts_of(arguments.tiles, "--tiles")
         sheet = paper_of(arguments.paper)
         paper, dpi = sheet.name, None
-        tiles = export_pages(target, arguments.output, sheet, counts, force=arguments.force).counts
+        tiles = export_pages(target, arguments.output, sheet, counts, copy=copy, force=arguments.force).counts
     result = ExportedTarget(
         target=target.name,
         file=str(arguments.output),
@@ -179,6 +198,8 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
         fits_a4=fits_a4,
         pages=tiles[0] * tiles[1],
         tiles=tiles,
+        code=print_text(target, copy),
+        copy=arguments.copy,
     )
     size = f"{width:.1f} mm x {height:.1f} mm"
     pages = "" if result.pages == 1 else f" on {tiles[0]} x {tiles[1]} pages of {paper}"

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.measure import Measurement, detections_of, measure_pictures, refusals
 from labcal.correspond.picture_set import PictureSet, open_pictures, target_shown
 from labcal.correspond.refused_pictures import shared_reasons
-from labcal.correspond.sources import shoot_sources
+from labcal.correspond.sources import Source, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.executor import open_executor
@@ -46,20 +47,35 @@ class DotSource:
         return open_pictures(self.shoot)
 
     def target(self, given: AnyPath | AnyTarget | None = None) -> AnyTarget:
-        """Return the target that is given, by itself or by name, or else that of the shoot.
+        """Return the target that is given, by itself or by name, or that of the shoot, or that of a print.
+
+        The code of a print is searched in the pictures of the shoot or, where a table is given alone, in
+        those that it names and that are still there.
 
         Raises
         ------
         UnknownNameError, InputError
             As of :func:`~labcal.correspond.picture_set.target_shown`.
         """
-        return target_shown(given, self.shoot)
+        return target_shown(given, self.shoot, self._sources()).target
+
+    def _sources(self) -> list[Source]:
+        """Return the pictures that dots are of, as far as they are there."""
+        if self.shoot is not None:
+            return shoot_sources(self.shoot)
+        if self.table is None:
+            return []
+        lines = zip(self.table.view, self.table.camera, self.table.image, strict=True)
+        named = {
+            str(image): Source(str(view), str(camera), str(image), None) for view, camera, image in lines
+        }
+        return [source for path, source in named.items() if Path(path).is_file()]
 
     def showing(self, target: AnyTarget) -> Shoot | AnyTarget:
         """Return the shoot, where there is one, with the target that it is said to show; else the target."""
         if self.shoot is None:
             return target
-        return self.shoot if self.shoot.target == target else self.shoot.showing(target)
+        return self.shoot if self.shoot.manifest.target == target else self.shoot.showing(target)
 
 
 def open_dots(source: AnyPath | Shoot, detections: AnyPath | Detections | None = None) -> DotSource:

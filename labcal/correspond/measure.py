@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
+import numpy as np
+
 from labcal.arguments import object_of, wrong_type
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather
@@ -18,6 +20,7 @@ from labcal.public_object import PublicObject
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.code_text import PrintedTarget
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,21 +46,25 @@ class Measurement(PublicObject):
 
 def measure_picture(
     source: Source,
-    target: AnyTarget,
+    target: AnyTarget | PrintedTarget,
     tone_curve: AnyToneCurve = ToneCurve.LINEAR,
     settings: DetectSettings | None = None,
 ) -> Measurement:
     """Read a picture and measure it in the light that made it.
 
-    A file that cannot be read, or not be used, is a result with a reason.
+    A file that cannot be read, or not be used, is a result with a reason. Of a print with a code, dots are
+    found on its own board only.
     """
+    from labcal.detect.codes.own_board import own_board_only, own_board_where_seen  # noqa: PLC0415 -- cv2
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
 
-    return read_and(
-        source,
-        lambda picture: _measurement(source, detect_dots(undone(picture, tone_curve), target, settings)),
-        _lost,
-    )
+    def measured(picture: np.ndarray) -> Measurement:
+        light = undone(picture, tone_curve)
+        if not isinstance(target, PrintedTarget):
+            return _measurement(source, detect_dots(own_board_where_seen(light, target), target, settings))
+        return _measurement(source, detect_dots(own_board_only(light, target), target.target, settings))
+
+    return read_and(source, measured, _lost)
 
 
 def _lost(source: Source, reason: str) -> Measurement:
@@ -73,7 +80,7 @@ def _measurement(source: Source, dots: PictureDots) -> Measurement:
 
 def measure_pictures(
     sources: Sequence[Source],
-    target: AnyTarget,
+    target: AnyTarget | PrintedTarget,
     executor: Executor,
     progress: Progress,
     tone_curve: AnyToneCurve = ToneCurve.LINEAR,
@@ -92,7 +99,8 @@ def measure_pictures(
     found = over_pictures(executor, measure_picture, cases, _lost, progress)
     readable = [measurement for measurement in found if measurement.dots is not None]
     pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
-    resolved = iter(resolve_orientation([measurement.source for measurement in readable], pictures, target))
+    design = target.target if isinstance(target, PrintedTarget) else target
+    resolved = iter(resolve_orientation([measurement.source for measurement in readable], pictures, design))
     return [
         measurement if measurement.dots is None else _measurement(measurement.source, next(resolved))
         for measurement in found

@@ -2,6 +2,7 @@
 
 import os.path
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,12 +10,15 @@ from pydantic import BaseModel
 
 from labcal.arguments import wrong_type
 from labcal.correspond.pictures_left_out import left_out_words
+from labcal.correspond.printed_target import ShownTarget, named_target, read_target
 from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import PublicObject
+from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.code_text import PrintedTarget
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,16 +55,31 @@ class PictureSet(PublicObject):
         return {} if self.shoot is None else {view.name: view.role.value for view in self.shoot.views()}
 
     def target(self, given: "AnyTarget | AnyPath | None" = None) -> AnyTarget:
-        """Return the target that is given, by itself or by name, or else that of the shoot.
+        """Return the target that is given, by itself or by name, or that of the shoot, or that of a print.
 
         Raises
         ------
         UnknownNameError
             There is no target of that name.
         InputError
-            None is given, and the pictures are no shoot.
+            None is given, no shoot states it, and no code of a print tells it, or several do.
         """
-        return target_shown(given, self.shoot)
+        return self.shown(given).target
+
+    def shown(
+        self,
+        given: "AnyTarget | PrintedTarget | AnyPath | None" = None,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> ShownTarget:
+        """Return the target as :meth:`target` does, with the print and the picture that tell it.
+
+        Raises
+        ------
+        UnknownNameError, InputError
+            As of :meth:`target`.
+        """
+        return target_shown(given, self.shoot, self.sources, executor, progress)
 
 
 AnyPictures = PictureSet | Shoot | AnyPath | Sequence[AnyPath]
@@ -118,23 +137,41 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     return PictureSet(tuple(find_sources(paths, endings)), None, _name(paths[0]), tuple(paths), left_out)
 
 
-def target_shown(given: "AnyTarget | AnyPath | None", shoot: Shoot | None) -> AnyTarget:
-    """Return the target that is given, by itself or by name, or else that of the shoot.
+def target_shown(
+    given: "AnyTarget | PrintedTarget | AnyPath | None",
+    shoot: Shoot | None,
+    sources: Sequence[Source] = (),
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> ShownTarget:
+    """Return the target that is given, by itself or by name, or that of the shoot, or that of a print.
+
+    Parameters
+    ----------
+    given : AnyTarget, PrintedTarget, path or str, optional
+    shoot : Shoot, optional
+    sources : sequence of Source
+        Pictures in which the code of a print is searched where neither tells the target.
+    executor : Executor, optional
+        It searches; in this process where left out.
+    progress : Progress, optional
 
     Raises
     ------
     UnknownNameError
         There is no target of that name.
     InputError
-        None is given, and there is no shoot.
+        None is given, no shoot states it, and no code of a print tells it, or several do.
     """
     if given is not None:
-        return target_of(given)
-    if shoot is None:
+        return named_target(given)
+    if shoot is not None and shoot.manifest.target is not None:
+        return ShownTarget(shoot.manifest.target)
+    if not sources:
         raise InputError(
             "Name the target that the pictures show: `target='NAME'` ('labcal target list' shows the names)."
         )
-    return shoot.target
+    return read_target(sources, executor, progress)
 
 
 def _shoot(pictures: AnyPictures) -> Shoot | None:

@@ -97,8 +97,8 @@ _ADVICE = {
         "that a marker is at least 15 px across, and that the target names the board's dictionary."
     ),
     Refusal.NO_CODED_DOTS: (
-        "No coded dot of the target was read. Check that it is in the picture, sharp and not mirrored, that a "
-        "dot is at least 10 px across, and that the target names the code and the marks of the print."
+        "No coded dot of the target was read. Check that it is in the picture, sharp and not mirrored, that "
+        "a dot is at least 10 px across, and that the target names the code and the marks of the print."
     ),
     Refusal.OTHER_BOARD: (
         "Markers were found, but not in the places that the target gives them. Check its squares along x and "

@@ -35,8 +35,8 @@ def capture(
     folder : path
         The shoot to appear. It is whole after every view; what an interrupted run left is gone on with.
     target : str or AnyTarget, optional
-        The target that the pictures show, which a scene brings with it. Without it the shoot names none, and
-        motion during a set is not noticed.
+        The target that the pictures show, which a scene brings with it. Without it the code of a print tells
+        it; where there is none, the shoot names no target, and motion during a set is not noticed.
     settings : CaptureSettings, optional
         How many views, how often, which sets are refused, a stage's readings, and the sources' own settings.
     ask : callable, optional
@@ -71,6 +71,7 @@ def capture(
     from labcal.capture.simulated import SimulatedCameras
     from labcal.capture.stage import read_stage
     from labcal.capture.video import videos_together
+    from labcal.targets.print_scale import as_printed
 
     how = settings_of(settings, CaptureSettings)
     given = [sources] if isinstance(sources, str) else list(texts(sources, "sources"))
@@ -80,6 +81,7 @@ def capture(
     if simulated and len(made) > 1:
         raise InputError("A scene has all its cameras. Give sim:SCENE alone.")
     shown = target_of(target) if target is not None else simulated[0].scene.target if simulated else None
+    shown = None if shown is None else as_printed(shown, how.print_scale)
     readings = () if how.stage is None else read_stage(how.stage)
     command = {
         "sources": [str(one) for one in addresses],
@@ -87,6 +89,7 @@ def capture(
         "target": None if shown is None else shown.model_dump(mode="json"),
         "settings": {**asdict(how.source_settings), "views": how.views},
         "stage": [one.view for one in readings],
+        **({} if how.print_scale is None else {"print_scale": how.print_scale}),
     }
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
     if len(made) == 1:

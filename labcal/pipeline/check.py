@@ -100,7 +100,7 @@ def check(
         shown = _places(target)
         named = shown.target if isinstance(shown, DotPlaces) else shown
         dots, board = _dots(source, named, progress_of(progress))
-        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None)
+        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None).target
         found = checked(used, dots, known if isinstance(known, DotPlaces) else _dots_beside(rig, known))
     else:
         found = check_by_marks(used, source, target, how, progress)

@@ -16,11 +16,12 @@ if TYPE_CHECKING:
     from labcal.detect.settings import DetectSettings
     from labcal.report.inspection import Inspection
     from labcal.report.page.output import PageOutput
+    from labcal.targets.code_text import PrintedTarget
 
 
 def measure_pictures(
     pictures: "AnyPictures",
-    target: AnyTarget | AnyPath | None = None,
+    target: "AnyTarget | PrintedTarget | AnyPath | None" = None,
     settings: "DetectSettings | None" = None,
     tone_curve: AnyToneCurve | AnyPath = ToneCurve.LINEAR,
     workers: int = 1,
@@ -32,8 +33,8 @@ def measure_pictures(
     ----------
     pictures : PictureSet, Shoot, path or sequence of paths
         As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
-    target : str or AnyTarget, optional
-        What the pictures show; a shoot brings its own.
+    target : str, AnyTarget or PrintedTarget, optional
+        What the pictures show; a shoot brings its own, and a print with a code tells it in any sharp picture.
     settings : DetectSettings, optional
         Thresholds, sizes and counts of the detector; the defaults where left out.
     tone_curve : str, path or AnyToneCurve
@@ -51,7 +52,7 @@ def measure_pictures(
     Raises
     ------
     InputError
-        There are no such pictures, or the target is not known.
+        There are no such pictures, the target is not known, or no code of a print tells it.
 
     Examples
     --------
@@ -69,14 +70,14 @@ def measure_pictures(
     curve, receiver = find_tone_curve(tone_curve), progress_of(progress)
     how = settings_of(settings, DetectSettings)
     opened = open_pictures(pictures)
-    shown = opened.target(target)
     with open_executor(workers) as executor:
-        return measure_sources(opened.sources, shown, executor, receiver, curve, how)
+        shown = opened.shown(target, executor, receiver)
+        return measure_sources(opened.sources, shown.printed, executor, receiver, curve, how)
 
 
 def detect(
     pictures: "AnyPictures",
-    target: AnyTarget | AnyPath | None = None,
+    target: "AnyTarget | PrintedTarget | AnyPath | None" = None,
     settings: "DetectSettings | None" = None,
     tone_curve: AnyToneCurve | AnyPath = ToneCurve.LINEAR,
     workers: int = 1,

@@ -4,6 +4,7 @@ import os
 
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
+from labcal.correspond.picture_set import open_pictures
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import detect
@@ -15,10 +16,15 @@ from labcal.targets.catalogue import AnyTarget, target_of
 def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
     """Return what dots are of: a shoot, by its folder, too, or a target, by its name, too."""
     if isinstance(source, Shoot):
-        return source
+        return _with_target(source)
     if isinstance(source, str | os.PathLike) and os.fspath(source) and is_shoot(source):
-        return open_shoot(source)
+        return _with_target(open_shoot(source))
     return target_of(source)
+
+
+def _with_target(shoot: Shoot) -> Shoot:
+    """Return a shoot with the target that the code of a print tells, where it states none."""
+    return shoot if shoot.manifest.target is not None else shoot.showing(open_pictures(shoot).target())
 
 
 def dots_of(

@@ -7,8 +7,8 @@ from typing import Literal
 from rich.table import Table
 
 from labcal.correspond.measure import Measurement
+from labcal.correspond.printed_target import ShownTarget
 from labcal.report.picture_table import PictureLine, picture_table, unused_flags
-from labcal.targets.catalogue import AnyTarget
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,15 @@ class DetectResult:
     images: list[PictureResult]
     indexed: int
     refused: int
+    target: str
+    """Name of the target, with that of the print where its code has a number."""
+    target_read_from: str | None
+    """The picture from whose code the target is read; null where it was named, or a shoot states it."""
 
 
-def detect_result(measurements: Sequence[Measurement], target: AnyTarget) -> DetectResult:
+def detect_result(measurements: Sequence[Measurement], shown: ShownTarget) -> DetectResult:
     """Return the JSON document."""
+    target = shown.target
     images = [
         PictureResult(
             image=found.source.image,
@@ -50,7 +55,7 @@ def detect_result(measurements: Sequence[Measurement], target: AnyTarget) -> Det
         for found in measurements
     ]
     indexed = sum(image.status == "ok" for image in images)
-    return DetectResult(images, indexed, len(images) - indexed)
+    return DetectResult(images, indexed, len(images) - indexed, shown.printed.name, shown.picture)
 
 
 def detect_table(result: DetectResult) -> Table:

@@ -16,6 +16,7 @@ from labcal.run.documents import read_document
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
 from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.print_scale import AnyPrintScale, printed_to_scale
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -116,6 +117,21 @@ class Shoot(PublicObject):
         """
         manifest = self.manifest.model_copy(update={"target": target_of(target)})
         return replace(self, manifest=manifest)
+
+    def with_print_scale(self, print_scale: AnyPrintScale) -> "Shoot":
+        """Return the shoot with its target as the print has it whose ruler was measured; nothing is written.
+
+        Parameters
+        ----------
+        print_scale : str, float or tuple of float
+            Measured over nominal length, such as ``"99.8/100"``; for x and y apart, ``"99.8/100,100.1/100"``.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            The scale is stated already, or is none.
+        """
+        return self.showing(printed_to_scale(self.target, print_scale))
 
     def nominal_poses(self) -> dict[str, Pose]:
         """Return ``T_world_target_nominal`` (mm) of the views that have one."""

@@ -26,8 +26,12 @@ from labcal.run.machine import memory_bytes
 from labcal.run.outputs import write_file
 from labcal.run.overwriting import require_file_place
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.code_fields import form_of
+from labcal.targets.code_text import code_text
+from labcal.targets.print_code import print_code
 from labcal.targets.shapes import printed_outlines
-from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out
+from labcal.targets.sheet import RULER_MM, Sheet, lay_out_print
+from labcal.wording import clipped
 
 MM_PER_INCH = 25.4
 POINTS_PER_INCH = 72
@@ -71,10 +75,17 @@ class Artwork:
     width_mm: float
     height_mm: float
     dpi: int | None
+    code: str | None = field(default=None, repr=False)
+    """Text of the QR code on the print; None on a plain one."""
 
 
 def export_artwork(
-    target: AnyTarget, path: AnyPath, *, dpi: int | None = None, force: bool = False
+    target: AnyTarget,
+    path: AnyPath,
+    *,
+    dpi: int | None = None,
+    force: bool = False,
+    copy: int | None = 0,
 ) -> Artwork:
     """Write a target as a file to print; the ending of the name determines the format.
 
@@ -88,19 +99,22 @@ def export_artwork(
         Pixels an inch of a PNG, 300 where left out.
     force : bool
         Replace a file that labcal wrote.
+    copy : int or None
+        Number of the print in its code, where several prints of one design are to be told apart; None for a
+        plain print without a code, as are those of kinds of the user's.
 
     Raises
     ------
     InputError
         The ending is not known, `dpi` is given for a format without pixels, or the PNG would not fit into
-        memory.
+        memory; or the description does not fit into a code (see :func:`labcal.targets.code_text.code_text`).
     OutputError
         The file exists or cannot be written.
     """
     path = as_path(path)
     kind = _format_of(path)
     require_file_place(path, force=force)
-    artwork = draw_artwork(target, kind, dpi=dpi)
+    artwork = draw_artwork(target, kind, dpi=dpi, copy=copy)
     write_file(path, artwork.content, kind=_file_kind(kind), force=force)
     return artwork
 
@@ -132,13 +146,15 @@ def _format_of(path: FilePath) -> ArtworkFormat:
     return ArtworkFormat(kind)
 
 
-def draw_artwork(target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = None) -> Artwork:
+def draw_artwork(
+    target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = None, copy: int | None = 0
+) -> Artwork:
     """Return a target as the content of a file; see :func:`export_artwork`."""
     if kind is not ArtworkFormat.PNG and dpi is not None:
         raise InputError(
             f"A resolution (dpi) means nothing to {kind.upper()}, which has no pixels; leave it out."
         )
-    sheet = lay_out(target)
+    text, sheet = print_text(target, copy), lay_out_print(target, copy)
     used_dpi = _resolution(sheet, dpi) if kind is ArtworkFormat.PNG else None
     width, height = _paper_size(sheet, used_dpi)
     resolution = used_dpi or POINTS_PER_INCH
@@ -151,17 +167,41 @@ def draw_artwork(target: AnyTarget, kind: ArtworkFormat, *, dpi: int | None = No
         axes.set_axis_off()
         axes.set_xlim(sheet.paper.x_min, sheet.paper.x_min + width)
         axes.set_ylim(sheet.paper.y_max - height, sheet.paper.y_max)
-        draw_sheet(axes, target, sheet)
+        draw_sheet(axes, target, sheet, text)
         buffer = io.BytesIO()
         figure.savefig(buffer, format=kind.value, dpi=resolution, metadata=_UNDATED[kind])
-    return Artwork(buffer.getvalue(), width, height, used_dpi)
+    return Artwork(buffer.getvalue(), width, height, used_dpi, text)
 
 
-def draw_sheet(axes: Axes, target: AnyTarget, sheet: Sheet) -> None:
-    """Draw all that is on a sheet, in the target's frame, mm."""
+def print_text(target: AnyTarget, copy: int | None = 0) -> str | None:
+    """Return the text of the code of a print; None where it has none.
+
+    Parameters
+    ----------
+    target : AnyTarget
+    copy : int or None
+        As of :func:`export_artwork`.
+
+    Raises
+    ------
+    InputError
+        The target states the scale of one print, or its description does not fit into a code.
+    """
+    if getattr(target, "print_scale", None) is not None:
+        raise InputError(
+            f"'{clipped(target.name)}' states the scale of one print of it, and what is printed is the "
+            "design. Leave the key 'print_scale' out."
+        )
+    return None if copy is None or form_of(target) is None else code_text(target, copy)
+
+
+def draw_sheet(axes: Axes, target: AnyTarget, sheet: Sheet, text: str | None) -> None:
+    """Draw all that is on a sheet, with the text of its code if it has one, in the target's frame, mm."""
     _draw_board(axes, target, sheet)
     _draw_ruler(axes, sheet)
     _draw_captions(axes, sheet)
+    if text is not None:
+        _draw_code(axes, text, sheet)
 
 
 @contextmanager
@@ -212,8 +252,9 @@ def _draw_board(axes: Axes, target: AnyTarget, sheet: Sheet) -> None:
         axes.add_patch(ground)
     axes.add_patch(PathPatch(printed_outlines(target), facecolor=dots, linewidth=0, snap=False, gid="dots"))
     near, far = 1.0, 4.0
-    for x, outward in ((board.x_min, -1), (board.x_max, 1)):
-        for y, upward in ((board.y_min, -1), (board.y_max, 1)):
+    cut = sheet.cut
+    for x, outward in ((cut.x_min, -1), (cut.x_max, 1)):
+        for y, upward in ((cut.y_min, -1), (cut.y_max, 1)):
             _line(axes, (x + near * outward, x + far * outward), (y, y))
             _line(axes, (x, x), (y + near * upward, y + far * upward))
 
@@ -232,7 +273,16 @@ def _draw_ruler(axes: Axes, sheet: Sheet) -> None:
 
 def _draw_captions(axes: Axes, sheet: Sheet) -> None:
     for caption in sheet.captions:
-        axes.text(caption.x, caption.y, caption.text, fontsize=_points(CAPTION_SIZE_MM), va="baseline")
+        axes.text(caption.x, caption.y, caption.text, fontsize=_points(sheet.caption_mm), va="baseline")
+
+
+def _draw_code(axes: Axes, text: str, sheet: Sheet) -> None:
+    """Draw the cells of the code, those in a row as one, so that a viewer draws no hairlines between them."""
+    place = sheet.code
+    if place is None:
+        return
+    outlines = print_code(text).outlines(place.left, place.top, place.unit)
+    axes.add_patch(PathPatch(outlines, facecolor="black", linewidth=0, snap=False, gid="code"))
 
 
 def _line(axes: Axes, x: tuple[float, float], y: tuple[float, float], *, gid: str | None = None) -> None:

@@ -5,11 +5,12 @@ from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Bool, Int
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import LEAST_SHARE_OF_PITCH, Length, Margin
 from labcal.run.names import Name
+from labcal.targets.scaled_print import ScaledPrint
 
 Squares = Annotated[int, Field(ge=3, le=200)]
 
@@ -65,7 +66,7 @@ _SIZES = {
 }
 
 
-class CharucoBoard(BaseModel):
+class CharucoBoard(ScaledPrint):
     """A flat target with the inner corners of a chessboard, numbered by the markers in its white squares.
 
     Corners are numbered (col, row) from 0, x to the right, y up, z out of the board; corner (0, 0), the lower
@@ -133,7 +134,8 @@ class CharucoBoard(BaseModel):
         """The board's edges ``(x_min, y_min, x_max, y_max)`` in the target's frame."""
         low = -self.square_mm - self.margin_mm
         across, up = ((count - 1) * self.square_mm + self.margin_mm for count in self.squares)
-        return (low, low, across, up)
+        x_scale, y_scale = self.scale_x_y.tolist()
+        return (low * x_scale, low * y_scale, across * x_scale, up * y_scale)
 
     @property
     def least_margin_mm(self) -> float:
@@ -188,7 +190,8 @@ class CharucoBoard(BaseModel):
             Millimetres, with z = 0.
         """
         wanted = self.indices() if indices is None else indices
-        return np.concatenate([wanted * self.square_mm, np.zeros((len(wanted), 1))], axis=-1)
+        places = wanted * self.square_mm * self.scale_x_y
+        return np.concatenate([places, np.zeros((len(wanted), 1))], axis=-1)
 
     def outer_diameters_mm(self) -> Lengths:
         """Return zeros: a corner has no extent, and its image no eccentricity."""

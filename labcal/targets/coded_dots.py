@@ -3,12 +3,13 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import Length, Margin
 from labcal.run.names import Name
 from labcal.targets.ring_codes import RingCode
+from labcal.targets.scaled_print import ScaledPrint
 
 RING_INNER, RING_OUTER = 2.0, 3.0
 """Radii between which the code ring lies, in radii of the dot."""
@@ -16,7 +17,7 @@ QUIET = 4.0
 """Nothing is printed from the ring to here, in radii of the dot."""
 
 
-class CodedDots(BaseModel):
+class CodedDots(ScaledPrint):
     """A sheet of coded dots with numbers in a row, to be cut up, or to be measured as it is.
 
     Around each dot of radius r is white paper to 2 r, the code ring from 2 r to 3 r, and white paper to 4 r.
@@ -98,7 +99,8 @@ class CodedDots(BaseModel):
     def extent_mm(self) -> tuple[float, float, float, float]:
         """The sheet's edges ``(x_min, y_min, x_max, y_max)`` in the target's frame."""
         across, up = ((n - 1) * self.pitch_mm + self.margin_mm for n in (self.cols, self.rows))
-        return (-self.margin_mm, -self.margin_mm, across, up)
+        x_scale, y_scale = self.scale_x_y.tolist()
+        return (-self.margin_mm * x_scale, -self.margin_mm * y_scale, across * x_scale, up * y_scale)
 
     def indices(self) -> DotIndices:
         """Return (col, row) of every dot, row by row from dot (0, 0), shape (count, 2), integer."""
@@ -113,11 +115,12 @@ class CodedDots(BaseModel):
     def points(self, indices: DotIndices | None = None) -> Vectors3:
         """Return the centres of dots in the target's frame, mm, shape (n, 3), with z = 0."""
         wanted = self.indices() if indices is None else indices
-        return np.concatenate([wanted * self.pitch_mm, np.zeros((len(wanted), 1))], axis=-1)
+        places = wanted * self.pitch_mm * self.scale_x_y
+        return np.concatenate([places, np.zeros((len(wanted), 1))], axis=-1)
 
     def outer_diameters_mm(self) -> Lengths:
         """Return the diameter in mm of every dot, in the order of :meth:`indices`; rings do not count."""
-        return np.full(self.count, self.dot_diameter_mm)
+        return np.full(self.count, self.dot_diameter_mm * self.mean_scale)
 
     def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:  # noqa: ARG002 -- as of every target
         """Return nothing: every dot has a name."""

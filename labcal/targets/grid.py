@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import LEAST_SHARE_OF_PITCH, MOST_DOTS, Length, Margin
 from labcal.run.names import Name
+from labcal.targets.scaled_print import ScaledPrint
 
 GridIndex = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
 
@@ -61,7 +62,7 @@ class Rings(BaseModel):
         return self.y[1] - self.origin[1]
 
 
-class DotGrid(BaseModel):
+class DotGrid(ScaledPrint):
     """A flat target with a grid of dots, three of them rings, or none.
 
     Dots are numbered (col, row) from 0, x to the right, y up, z out of the board; the centre of dot
@@ -204,7 +205,8 @@ class DotGrid(BaseModel):
         """The board's edges ``(x_min, y_min, x_max, y_max)`` in the target's frame."""
         x = (self.cols - 1) * self.pitch_x_mm + self._row_shift_mm + self.margin_mm
         y = (self.rows - 1) * self.pitch_y_mm + self.margin_mm
-        return (-self.margin_mm, -self.margin_mm, x, y)
+        x_scale, y_scale = self.scale_x_y.tolist()
+        return (-self.margin_mm * x_scale, -self.margin_mm * y_scale, x * x_scale, y * y_scale)
 
     @property
     def _row_shift_mm(self) -> float:
@@ -247,6 +249,7 @@ class DotGrid(BaseModel):
         places = np.zeros((len(wanted), 3))
         places[:, :2] = wanted * np.array([self.pitch_x_mm, self.pitch_y_mm])
         places[:, 0] += self._row_shift_mm * (wanted[:, 1] % 2)
+        places[:, :2] *= self.scale_x_y
         return places
 
     def outer_diameters_mm(self) -> Lengths:
@@ -254,7 +257,7 @@ class DotGrid(BaseModel):
         diameters = np.full(self.count, self.dot_diameter_mm)
         for col, row in self.ring_indices:
             diameters[row * self.cols + col] = self.ring_outer_diameter_mm
-        return diameters
+        return np.asarray(diameters * self.mean_scale)
 
     def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return (col, row) of dots under every turn after which the whole target looks the same.

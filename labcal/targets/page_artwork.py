@@ -1,6 +1,7 @@
 """Targets on pages of a usual paper: one where the paper holds the sheet, else tiles to be joined."""
 
 import io
+from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -13,10 +14,17 @@ from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.outputs import write_file
 from labcal.run.overwriting import require_file_place
-from labcal.targets.artwork import MM_PER_INCH, POINTS_PER_INCH, artwork_output, draw_sheet, own_style
+from labcal.targets.artwork import (
+    MM_PER_INCH,
+    POINTS_PER_INCH,
+    artwork_output,
+    draw_sheet,
+    own_style,
+    print_text,
+)
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.paper import PRINTER_MARGIN_MM, Paper
-from labcal.targets.sheet import Rectangle, Sheet, lay_out
+from labcal.targets.sheet import Rectangle, Sheet, lay_out_print
 from labcal.targets.tiles import LABEL_MM, OVERLAP_MM, Tile, Tiling, tiled
 
 _LABEL_POINTS = 7.0
@@ -31,6 +39,7 @@ def export_pages(
     paper: Paper,
     counts: tuple[int, int] | None = None,
     *,
+    copy: int | None = 0,
     force: bool = False,
 ) -> Tiling:
     """Write a target as a PDF with pages of a paper, at exact scale.
@@ -46,6 +55,8 @@ def export_pages(
     paper : Paper
     counts : (int, int), optional
         Pages side by side and one above the other, at most; as few as possible where left out.
+    copy : int or None
+        As of :func:`labcal.targets.artwork.export_artwork`.
     force : bool
         Replace a file that labcal wrote.
 
@@ -61,23 +72,32 @@ def export_pages(
     if path.suffix.lower() != ".pdf":
         raise InputError(f"Pages of a paper are written as PDF, not as {path.name}: give a name in .pdf.")
     require_file_place(path, force=force)
-    sheet = lay_out(target)
+    text, sheet = print_text(target, copy), lay_out_print(target, copy)
     tiling = tiled(target, sheet, paper, counts)
-    write_file(path, _drawn(target, sheet, tiling), kind=output.kind, force=force)
+    write_file(path, _drawn(_Print(target, sheet, text), tiling), kind=output.kind, force=force)
     return tiling
 
 
-def _drawn(target: AnyTarget, sheet: Sheet, tiling: Tiling) -> bytes:
+@dataclass(frozen=True)
+class _Print:
+    """A target laid out, with the text of its code if it has one."""
+
+    target: AnyTarget
+    sheet: Sheet
+    text: str | None
+
+
+def _drawn(laid: _Print, tiling: Tiling) -> bytes:
     """Return the PDF."""
     buffer = io.BytesIO()
     with own_style(), PdfPages(buffer, metadata={"CreationDate": None}) as pages:
         for number, tile in enumerate(tiling.tiles, 1):
-            figure = _page(target, sheet, tiling, tile, number)
+            figure = _page(laid, tiling, tile, number)
             pages.savefig(figure)
     return buffer.getvalue()
 
 
-def _page(target: AnyTarget, sheet: Sheet, tiling: Tiling, tile: Tile, number: int) -> Figure:
+def _page(laid: _Print, tiling: Tiling, tile: Tile, number: int) -> Figure:
     """Return a page: its part of the sheet in the middle, and below it a line that says which part it is."""
     width, height = tiling.page_mm
     figure = Figure(
@@ -95,13 +115,13 @@ def _page(target: AnyTarget, sheet: Sheet, tiling: Tiling, tile: Tile, number: i
     axes.set_axis_off()
     axes.set_xlim(window.x_min, window.x_max)
     axes.set_ylim(window.y_min, window.y_max)
-    draw_sheet(axes, target, sheet)
+    draw_sheet(axes, laid.target, laid.sheet, laid.text)
     for text in axes.texts:
         text.set_clip_on(True)
     if many:
-        _draw_cuts(axes, sheet.board, tiling, sheet.paper)
+        _draw_cuts(axes, laid.sheet.board, tiling, laid.sheet.paper)
         figure.text(
-            0.5, (low - 0.6 * LABEL_MM) / height, _label(target, tiling, tile, number),
+            0.5, (low - 0.6 * LABEL_MM) / height, _label(laid.target, tiling, tile, number),
             fontsize=_LABEL_POINTS, ha="center",
         )  # fmt: skip
     return figure

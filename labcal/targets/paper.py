@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.sheet import lay_out
+from labcal.targets.sheet import lay_out_print
 
 PRINTER_MARGIN_MM = 5.0
 """Rim that most printers leave bare."""
 SHEET_BORDER_MM = 10.0
-"""Rim of a laid out sheet on which nothing is printed, as wide as that of :func:`lay_out`."""
+"""Rim of a laid out sheet on which nothing is printed, as wide as that of :func:`lay_out_print`."""
 MARKS_MM = 2.0
 """Height kept free on sheets that are designed, for the code beside the ruler, which is taller than both."""
 _LEAST_MM, _MOST_MM = 20.0, 5000.0
@@ -83,13 +83,20 @@ def paper_of(text: str) -> Paper:
     return Paper(f"{sides[0]:g}x{sides[1]:g}", *sides)
 
 
-def sheet_size(target: AnyTarget) -> tuple[float, float]:
-    """Return width and height of the sheet of a target, with ruler, captions and border, mm."""
-    paper = lay_out(target).paper
+def sheet_size(target: AnyTarget, copy: int | None = 0) -> tuple[float, float]:
+    """Return width and height of the sheet of a target, with ruler, captions, code and border, mm.
+
+    Parameters
+    ----------
+    target : AnyTarget
+    copy : int or None
+        Number of the print; None for a plain one, without a code.
+    """
+    paper = lay_out_print(target, copy).paper
     return paper.width, paper.height
 
 
-def smallest_paper(target: AnyTarget) -> Paper | None:
+def smallest_paper(target: AnyTarget, copy: int | None = 0) -> Paper | None:
     """Return the smallest usual paper that holds the sheet of a target; None where none does."""
-    size = sheet_size(target)
+    size = sheet_size(target, copy)
     return next((paper for paper in PAPERS.values() if paper.holds(*size)), None)

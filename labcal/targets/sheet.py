@@ -1,14 +1,19 @@
-"""The sheet that a target is printed on: places of the board, the ruler and the captions."""
+"""The sheet that a target is printed on: places of the board, the ruler, the captions and the code."""
 
+import textwrap
 from dataclasses import dataclass
 
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.code_fields import form_of
+from labcal.targets.code_places import BLOCK_HEIGHT, BLOCK_WIDTH
 
 RULER_MM = 100.0
 """Length of the printed ruler, between the middles of its end lines."""
 
 CAPTION_SIZE_MM = 2.8
 """Size of the printed text (8 points)."""
+CODE_UNIT_MM = 1.0
+"""Length of a unit of the code's block on boards of 67 to 280 mm; it is in proportion to others."""
 
 # All in millimetres.
 _BORDER = 10.0  # most printers reach to within 5 mm of the paper's edge
@@ -16,6 +21,15 @@ _GAP_TO_RULER = 8.0  # the cut marks lie in it
 _RULER_HEIGHT = 9.0  # lines and figures
 _LINE_HEIGHT = 4.5
 _CAPTION_WIDTH_PER_LETTER = 0.75 * CAPTION_SIZE_MM
+
+# Of sheets with a code, the same.
+_WIDEST_WITH_LEAST_CODE = 280.0
+_LEAST_UNIT_MM = 0.4  # cells of a third of a millimetre, which office printers print
+_QUIET_UNITS = 4.0
+_CUT_MARGIN = 4.0
+_SMALL_CAPTION = 2.4
+_SMALL_LINE_HEIGHT = 3.8
+_SMALL_WIDTH_PER_LETTER = 0.62 * _SMALL_CAPTION
 
 
 @dataclass(frozen=True)
@@ -48,6 +62,15 @@ class Caption:
 
 
 @dataclass(frozen=True)
+class CodePlace:
+    """Place of a print's code: upper left corner in the target's frame, and length of its unit, mm."""
+
+    left: float
+    top: float
+    unit: float
+
+
+@dataclass(frozen=True)
 class Sheet:
     """Content of the paper, in the target's frame: millimetres, x right, y up, from dot (0, 0).
 
@@ -58,20 +81,42 @@ class Sheet:
     board : Rectangle
         The target itself. Where the target's margin would cut its outermost dots, or leave no rim around
         them, the board is larger than the target's extent.
+    cut : Rectangle
+        To be cut out: the board, and where there is a code, all that is printed.
     ruler : tuple of float
         (x, y) of the left end of the ruler, which is :data:`RULER_MM` long.
     captions : tuple of Caption
         Name, pitch, and how to print.
+    caption_mm : float
+        Size of their letters.
+    code : CodePlace or None
+        Place of the code; None on a plain sheet.
     """
 
     paper: Rectangle
     board: Rectangle
+    cut: Rectangle
     ruler: tuple[float, float]
     captions: tuple[Caption, ...]
+    caption_mm: float = CAPTION_SIZE_MM
+    code: CodePlace | None = None
+
+
+def lay_out_print(target: AnyTarget, copy: int | None = 0) -> Sheet:
+    """Return the sheet for a target as it is printed: with a code unless it is plain, or a user's kind.
+
+    Parameters
+    ----------
+    target : AnyTarget
+    copy : int or None
+        Number of the print, 0 for none; None for a plain print.
+    """
+    plain = copy is None or form_of(target) is None
+    return lay_out(target) if plain else lay_out_with_code(target, copy or 0)
 
 
 def lay_out(target: AnyTarget) -> Sheet:
-    """Return the sheet for a target; the board stands in the middle, the ruler and the captions below it."""
+    """Return the plain sheet for a target: the board in the middle, the ruler and the captions below it."""
     board = _board(target)
     lines = _lines(target)
     text_width = _CAPTION_WIDTH_PER_LETTER * max(len(line) for line in lines)
@@ -88,7 +133,45 @@ def lay_out(target: AnyTarget) -> Sheet:
         x_max=middle + width / 2,
         y_max=board.y_max + _BORDER,
     )
-    return Sheet(paper, board, (left, ruler_top), captions)
+    return Sheet(paper, board, board, (left, ruler_top), captions)
+
+
+def lay_out_with_code(target: AnyTarget, copy: int = 0) -> Sheet:
+    """Return the sheet for a target with a code close to the board, and all else that is printed below it.
+
+    A wide board has the code at the lower right, with ruler and captions at its left; the paper is then as
+    large as that of :func:`lay_out`. Of a narrow one the code is below the board and not wider than it, so
+    that a camera that sees the board can see it, too; ruler and captions are below the code. When the
+    sheet is cut, the code is to stay with the board.
+    """
+    board = _board(target)
+    beside = board.width >= RULER_MM + _GAP_TO_RULER + CODE_UNIT_MM * BLOCK_WIDTH + _CUT_MARGIN
+    unit = _code_unit(board)
+    width = max(board.width, RULER_MM + _CUT_MARGIN)
+    middle = (board.x_min + board.x_max) / 2
+    left, right = middle - width / 2, middle + width / 2
+    block_left = right - unit * BLOCK_WIDTH if beside else middle - 0.5 * unit * BLOCK_WIDTH
+    code = CodePlace(block_left, board.y_min - _QUIET_UNITS * unit, unit)
+    below_code = code.top - unit * BLOCK_HEIGHT
+    text_width = block_left - left - _GAP_TO_RULER if beside else width
+    first, sizes, how = _lines(target)
+    numbered = [first, f"{sizes}, copy {copy}" if copy else sizes, how]
+    letters = int(text_width / _SMALL_WIDTH_PER_LETTER)
+    lines = [part for line in numbered for part in textwrap.wrap(line, letters)]
+    ruler_top = (board.y_min if beside else below_code) - _CUT_MARGIN
+    first_line = ruler_top - _RULER_HEIGHT - _SMALL_LINE_HEIGHT
+    captions = tuple(Caption(left, first_line - n * _SMALL_LINE_HEIGHT, line) for n, line in enumerate(lines))
+    bottom = min(captions[-1].y, below_code)
+    paper = Rectangle(left - _BORDER, bottom - _BORDER, right + _BORDER, board.y_max + _BORDER)
+    cut = Rectangle(left - _CUT_MARGIN, bottom - _CUT_MARGIN, right + _CUT_MARGIN, board.y_max)
+    return Sheet(paper, board, cut, (left, ruler_top), captions, _SMALL_CAPTION, code)
+
+
+def _code_unit(board: Rectangle) -> float:
+    """Return the length of a unit of the code: smaller on small boards, which are looked at from near."""
+    if board.width > _WIDEST_WITH_LEAST_CODE:
+        return CODE_UNIT_MM * board.width / _WIDEST_WITH_LEAST_CODE
+    return min(CODE_UNIT_MM, max(_LEAST_UNIT_MM, board.width / BLOCK_WIDTH))
 
 
 def _lines(target: AnyTarget) -> tuple[str, str, str]:

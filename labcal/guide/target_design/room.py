@@ -9,7 +9,7 @@ from labcal.guide.target_design.sight import Sight
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid
 from labcal.targets.paper import MARKS_MM, sheet_size
-from labcal.targets.sheet import lay_out
+from labcal.targets.sheet import lay_out_print
 from labcal.targets.tiles import tiled, tiled_room
 
 PICTURE_SHARE = 0.9
@@ -64,7 +64,7 @@ def fits_paper(target: AnyTarget, question: TargetQuestion) -> bool:
         grow = 2.0 * question.border_mm
         return question.paper.holds(width + grow, height + grow + MARKS_MM)
     try:
-        tiled(target, lay_out(target), question.paper, question.tiles, question.printer_margin_mm)
+        tiled(target, lay_out_print(target), question.paper, question.tiles, question.printer_margin_mm)
     except InputError:
         return False
     return True
@@ -101,7 +101,7 @@ def _around_board() -> tuple[float, float]:
     probe = DotGrid(
         name="probe", cols=2, rows=2, pitch_x_mm=200.0, pitch_y_mm=200.0, dot_diameter_mm=9.0, rings=None
     )
-    laid = lay_out(probe)
+    laid = lay_out_print(probe)
     return laid.paper.width - laid.board.width, laid.paper.height - laid.board.height + MARKS_MM
 
 

@@ -29,7 +29,7 @@ def sheet(**changes: object) -> CodedDots:
 def printed(board: CodedDots, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return the print as a picture, and where its dots are."""
     path = folder / "sheet.png"
-    export_artwork(board, path, dpi=DPI)
+    export_artwork(board, path, dpi=DPI, copy=None)
     paper = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
     assert paper is not None
     around = lay_out(board).paper

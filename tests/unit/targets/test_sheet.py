@@ -1,8 +1,9 @@
 import pytest
 
 from labcal.targets.catalogue import load_target, target_names
+from labcal.targets.code_places import BLOCK_HEIGHT, BLOCK_WIDTH
 from labcal.targets.grid import DotGrid
-from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out
+from labcal.targets.sheet import CAPTION_SIZE_MM, RULER_MM, Sheet, lay_out, lay_out_with_code
 
 
 def below_the_board(sheet: Sheet) -> list[float]:
@@ -43,3 +44,45 @@ def test_the_captions_say_name_pitch_and_how_to_print(grid: DotGrid) -> None:
     text = "\n".join(caption.text for caption in lay_out(grid).captions)
     for said in ("small", "5 x 4 dots", "20 mm x 12.5 mm", "print at 100 %, check the ruler"):
         assert said in text
+
+
+@pytest.mark.parametrize("margin", [0.0, 1.0, 10.0, 300.0])
+@pytest.mark.parametrize("columns", [2, 5, 40])
+def test_a_code_lies_on_the_paper_and_apart_from_all_else(margin: float, columns: int, grid: DotGrid) -> None:
+    changes = {"margin_mm": margin, "cols": columns, "rings": None}
+    target = grid.model_copy(
+        update={**changes, "ring_outer_diameter_mm": None, "ring_inner_diameter_mm": None}
+    )
+    sheet = lay_out_with_code(target)
+    assert sheet.code is not None
+    left, top, unit = sheet.code.left, sheet.code.top, sheet.code.unit
+    right, bottom = left + unit * BLOCK_WIDTH, top - unit * BLOCK_HEIGHT
+    cut, paper = sheet.cut, sheet.paper
+    assert cut.x_min < left < right < cut.x_max
+    assert cut.y_min < bottom < top < sheet.board.y_min - 3.9 * unit  # white around the code
+    assert paper.x_min < cut.x_min < cut.x_max < paper.x_max
+    assert paper.y_min < cut.y_min
+    ruler_top, ruler_right = sheet.ruler[1], sheet.ruler[0] + RULER_MM
+    assert ruler_right < left or ruler_top < bottom - 3.0
+    assert ruler_right < cut.x_max
+    assert sheet.ruler[0] > cut.x_min
+    for caption in sheet.captions:
+        width = 0.62 * sheet.caption_mm * len(caption.text)
+        assert caption.x + width < left or caption.y + sheet.caption_mm < bottom
+        assert cut.y_min < caption.y
+        assert caption.x + width < cut.x_max
+
+
+@pytest.mark.parametrize("name", target_names())
+def test_the_code_of_a_shipped_target_takes_hardly_more_paper_in_width(name: str) -> None:
+    target = load_target(name)
+    coded, plain = lay_out_with_code(target, 2), lay_out(target)
+    assert coded.paper.width <= plain.paper.width + 1.0
+    assert coded.code is not None
+    assert "copy 2" in "".join(caption.text for caption in coded.captions)
+
+
+def test_the_asymmetric_grid_with_its_code_fits_a4() -> None:
+    paper = lay_out_with_code(load_target("asymmetric-4x11")).paper
+    assert paper.width <= 210.0
+    assert paper.height <= 297.0
