@@ -1,0 +1,119 @@
+"""Evidence that the checks of a diagnosis look at, each part computed once, when first asked for."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from labcal.arrays import Pose
+from labcal.calibrate.handheld import calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.lens_candidates import DEFAULT_LENS
+from labcal.cameras.rig import Rig
+from labcal.correspond.detections import Detections
+from labcal.correspond.measure import Measurement
+from labcal.errors import InputError
+from labcal.guide.volume_cost import Volume
+from labcal.shoot.dataset import Shoot
+from labcal.targets.catalogue import AnyTarget
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A shoot, or pictures, or dots alone, and what is computed from them.
+
+    Attributes
+    ----------
+    target : AnyTarget
+        As it is said to be.
+    detections : Detections
+        Of all pictures.
+    shoot : Shoot or None
+    measurements : tuple of Measurement
+        The detection of each picture, refused ones among them; empty where dots are given without pictures.
+    rig : Rig or None
+        A calibration of these cameras that is known beforehand.
+    """
+
+    target: AnyTarget
+    detections: Detections
+    shoot: Shoot | None = None
+    measurements: tuple[Measurement, ...] = ()
+    rig: Rig | None = None
+
+    @property
+    def has_pictures(self) -> bool:
+        """True if the pictures themselves can be looked at."""
+        return bool(self.measurements)
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """All cameras, in order."""
+        return tuple(self.detections.cameras)
+
+    @cached_property
+    def nominal_poses(self) -> dict[str, Pose]:
+        """``T_world_target`` by view as a stage says; empty for a target in the hand."""
+        return {} if self.shoot is None else self.shoot.nominal_poses()
+
+    @cached_property
+    def _attempt(self) -> HandheldCalibration | InputError:
+        try:
+            return calibrate_handheld(self.detections, self.target, self.lens)
+        except InputError as error:
+            return error
+
+    @property
+    def lens(self) -> str:
+        """The lens model that shoots are judged with."""
+        if self.rig is not None:
+            lenses = {record.lens for record in self.rig.cameras.values()}
+            if len(lenses) == 1:
+                return lenses.pop()
+        return DEFAULT_LENS
+
+    @property
+    def calibration(self) -> HandheldCalibration | None:
+        """The calibration from all views; None where it fails."""
+        return None if isinstance(self._attempt, InputError) else self._attempt
+
+    @property
+    def failure(self) -> InputError | None:
+        """The reason that there is no calibration; None where there is one."""
+        return self._attempt if isinstance(self._attempt, InputError) else None
+
+    @cached_property
+    def volume(self) -> Volume | None:
+        """The volume of the target's dots, over which errors are computed; None without a rig of two."""
+        found = self.calibration
+        if found is None or found.rig.covariance is None:
+            return None
+        noise = float(np.mean(np.square(found.pixel_sigma_px)))
+        return Volume.around(found.rig, found.places, noise * np.eye(2))
+
+    @cached_property
+    def budget_mm(self) -> float | None:
+        """Expected RMS 3-D error over that volume by noise and calibration, as this shoot states it."""
+        return None if self.volume is None else self.volume.budget_mm()
+
+    def images(self, views: Sequence[str], cameras: Sequence[str] = ()) -> tuple[str, ...]:
+        """Return the paths of pictures of views, in their order; of all cameras where none is named."""
+        wanted = cameras or self.cameras
+        table = {
+            (view, camera): str(image)
+            for view, camera, image in zip(
+                self.detections.view.tolist(),
+                self.detections.camera.tolist(),
+                self.detections.image.tolist(),
+                strict=True,
+            )
+        }
+        return tuple(table[view, camera] for view in views for camera in wanted if (view, camera) in table)
+
+    def harm_percent(self, harm_mm: float) -> float | None:
+        """Return the relative increase of the expected error, %, by an error that is added in quadrature."""
+        budget = self.budget_mm
+        if budget is None or not budget > 0.0:
+            return None
+        return 100.0 * float(np.hypot(1.0, harm_mm / budget) - 1.0)

@@ -1,0 +1,20 @@
+"""The checks of a diagnosis by name, each in a module of its own with a function ``check``."""
+
+from collections.abc import Callable
+from importlib import import_module
+
+from labcal.guide.diagnosis.check_name import CheckName
+from labcal.guide.diagnosis.evidence import Evidence
+from labcal.guide.diagnosis.finding import CheckResult, NotJudged
+
+CHECKS: dict[CheckName, str] = {}
+"""Modules of the checks below ``labcal.guide.diagnosis.checks``."""
+
+
+def run_check(name: CheckName, evidence: Evidence) -> CheckResult:
+    """Return the result of one check."""
+    module = CHECKS.get(name)
+    if module is None:
+        return NotJudged(name, "This check is not available.")
+    check: Callable[[Evidence], CheckResult] = import_module(f"labcal.guide.diagnosis.checks.{module}").check
+    return check(evidence)
