@@ -9,11 +9,17 @@ import numpy as np
 from labcal.arrays import Pose
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.lens_candidates import DEFAULT_LENS
+from labcal.calibrate.prepared_cameras import PreparedCameras, prepared_cameras, prepared_dots
+from labcal.calibrate.single_calibration import HandheldSettings
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import Measurement
 from labcal.errors import InputError
+from labcal.guide.diagnosis.forms.explaining import Explained, explained
+from labcal.guide.diagnosis.forms.shoot_model import ShootModel
+from labcal.guide.diagnosis.labelling import Labelling, labelling
 from labcal.guide.volume_cost import Volume
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget
@@ -82,6 +88,56 @@ class Evidence:
     def failure(self) -> InputError | None:
         """The reason that there is no calibration; None where there is one."""
         return self._attempt if isinstance(self._attempt, InputError) else None
+
+    @cached_property
+    def _alone(self) -> PreparedCameras | InputError:
+        settings = HandheldSettings(dot_places=DotTreatment.DECLARED)
+        try:
+            dots = prepared_dots(self.detections, self.target, settings)
+            return prepared_cameras(dots, self.target, self.lens, settings)
+        except InputError as error:
+            return error
+
+    @property
+    def alone(self) -> PreparedCameras | None:
+        """Each camera calibrated alone from all its pictures, dots as declared; None where that fails."""
+        return None if isinstance(self._alone, InputError) else self._alone
+
+    @property
+    def why_not_alone(self) -> str:
+        """The reason that cameras cannot be calibrated alone; empty where they can."""
+        return str(self._alone) if isinstance(self._alone, InputError) else ""
+
+    @cached_property
+    def labels(self) -> tuple[Labelling, ...]:
+        """Wrong labels of pictures and dots of every camera beside the first that it shares views with."""
+        if self.alone is None:
+            return ()
+        others = range(1, len(self.alone.alone))
+        found = [labelling(self.alone, camera, self.target) for camera in others]
+        return tuple(one for one in found if one is not None)
+
+    @cached_property
+    def model(self) -> ShootModel | None:
+        """The linear model of the shoot, wrong labels corrected; None where cameras do not share views."""
+        prepared = self.alone
+        try:
+            if self.labels:
+                settings = HandheldSettings(dot_places=DotTreatment.DECLARED)
+                dots = self.detections
+                for one in self.labels:
+                    dots = one.corrected(dots, self.target)
+                prepared = prepared_cameras(
+                    prepared_dots(dots, self.target, settings), self.target, self.lens, settings
+                )
+            return None if prepared is None else ShootModel.of(prepared)
+        except InputError:
+            return None
+
+    @cached_property
+    def explained(self) -> Explained | None:
+        """The mistakes that explain the residuals of the dots best, together; None without a model."""
+        return None if self.model is None else explained(self.model)
 
     @cached_property
     def volume(self) -> Volume | None:

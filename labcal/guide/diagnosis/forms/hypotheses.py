@@ -118,11 +118,9 @@ def _of_views(forms: ViewForms) -> Iterator[Hypothesis]:
         term = Term(unit_columns(forms, forms.rows_of(camera)), seen)
         yield Hypothesis(CheckName.ROLLING_SHUTTER, camera, (), (term,), len(cameras) + 1)
     if len(cameras) > 1:
-        terms = tuple(
-            Term(unit_columns(forms, forms.rows_of(camera)), _numbered(forms.dots[camera] > 0))
-            for camera in cameras
-        )
-        yield Hypothesis(CheckName.ROLLING_SHUTTER, None, (), terms, len(cameras) + 1)
+        everywhere = np.arange(forms.views, dtype=np.int64)
+        term = Term(_rows_together(forms), everywhere)
+        yield Hypothesis(CheckName.ROLLING_SHUTTER, None, (), (term,), len(cameras) + 1)
     for camera in cameras[1:]:
         seen = np.flatnonzero(forms.dots[camera] > 0)
         columns = unit_columns(forms, forms.pose(camera))
@@ -144,6 +142,15 @@ def focus_columns(forms: ViewForms, camera: int) -> Float64[np.ndarray, "columns
     first = forms.lens_of(camera).start
     columns[first : first + 2, 0] = K[0, 0], K[1, 1]
     columns[first + 2, 1] = columns[first + 3, 2] = 1.0
+    return columns
+
+
+def _rows_together(forms: ViewForms) -> Float64[np.ndarray, "columns 6"]:
+    """Return the columns of a motion of the target while all cameras read their rows, in the world's axes."""
+    columns = np.zeros((forms.products.shape[1] - 1, 6))
+    for camera, T_cam_world in enumerate(forms.T_cam_world):
+        first = forms.rows_of(camera).start
+        columns[first : first + 3, :3] = columns[first + 3 : first + 6, 3:] = T_cam_world[:3, :3]
     return columns
 
 

@@ -149,6 +149,49 @@ class ShootModel:
             biases.append(float(off @ self.square @ off) - max(0.0, by_chance))
         return float(np.sqrt(max(0.0, *biases)))
 
+    def scattered_bias_mm(self, without: Fit, extra: Sequence[Term], noise: float) -> float | None:
+        """Return the expected RMS 3-D error of the rig by errors that each view has for itself, mm.
+
+        Parameters
+        ----------
+        without : Fit
+            Of a model in which views have no errors of their own.
+        extra : sequence of Term
+            The terms of that model beside the base.
+        noise : float
+            As of :meth:`budget_mm`.
+
+        Notes
+        -----
+        With the gradient s of each view at the fit and the covariance C of the rig, ``C (sum s s') C`` is the
+        covariance of a rig from views that differ by more than noise (the sandwich estimator: White 1980,
+        "A heteroskedasticity-consistent covariance matrix estimator"); what noise adds to it is subtracted.
+        """
+        if self.square is None:
+            return None
+        base = np.concatenate([term.columns for term in self.base], axis=1)
+        step = self.good.covariance
+        of_error = step @ self.square @ step
+        total, views = 0.0, 0
+        for products, moved in zip(self.forms.products, self._moved(without, extra), strict=True):
+            own = base.T @ products[:-1, :-1] @ base
+            slope = base.T @ (products[:-1, :-1] @ moved + products[:-1, -1])
+            expected = noise * (own - own @ step @ own)
+            total += float(slope @ of_error @ slope - np.sum(of_error * expected))
+            views += 1
+        return float(np.sqrt(max(0.0, total * views / max(1, views - 1))))
+
+    def _moved(self, fit: Fit, extra: Sequence[Term]) -> Float64[np.ndarray, "views columns"]:
+        """Return what a fit moves each column by, view by view."""
+        moved = np.zeros((self.forms.views, self.forms.products.shape[1] - 1))
+        start = 0
+        for term in (*self.base, *extra):
+            values = fit.values[start : start + term.count].reshape(-1, term.columns.shape[1])
+            seen = term.groups >= 0
+            moved[seen] += values[term.groups[seen]] @ term.columns.T
+            start += term.count
+        return moved
+
     def in_rig(self, columns: Float64[np.ndarray, "columns k"], values: Float64[np.ndarray, " k"]) -> np.ndarray:
         """Return what values of a term of poses and lenses are as parameters of the rig, shape (shared,)."""
         moved = columns @ values
