@@ -90,7 +90,8 @@ class Pair:
             return cls(first, second, shared, None)
         by_other = []
         for camera, other in ((first, second), (second, first)):
-            places = np.flatnonzero(np.isin(other.single.views, shared.views)).tolist()
+            place = {view: at for at, view in enumerate(other.single.views.tolist())}
+            places = [place[view] for view in shared.views.tolist()]
             pictures = other.dots.by_view()
             start = start_from_camera([pictures[at] for at in places], target, camera.single.camera)
             by_other.append(start.T_cam_target)
@@ -107,6 +108,15 @@ class Pair:
             read = replace(views, second=views.second @ turn) if turned else views
             found[number] = target_residuals(self.second.single, T_second_first, read, points)
         return found
+
+    def misfit(self, target: AnyTarget) -> float:
+        """Return the mean residual of the views as they are, by the reference that suits them best, px."""
+        references = (reference for turned, reference in self.references(target) if not turned)
+        points = target.points()
+        return min(
+            float(target_residuals(self.second.single, reference, self.shared, points).mean())
+            for reference in references
+        )
 
     def references(self, target: AnyTarget) -> Iterator[tuple[bool, Pose]]:
         """Yield ``T_second_first`` by some views, as they are and with the target turned."""
@@ -136,14 +146,10 @@ def labelling(prepared: PreparedCameras, camera: int, target: AnyTarget) -> Labe
     names = (first.name, second.name)
     if len(SharedViews.of(first.single, second.single).views) < _FEWEST:
         return None
-    given = min(
-        Pair.of(first, second, target).residuals(reference, target)[0].mean()
-        for turned, reference in Pair.of(first, second, target).references(target)
-        if not turned
-    )
     labels = Labelling(names, (), ())
     settings = HandheldSettings(dot_places=DotTreatment.DECLARED)
     pair = Pair.of(first, second, target)
+    given = pair.misfit(target)
     for _ in range(_ROUNDS):
         new = _better(pair, labels, views, target)
         if new == labels:
@@ -155,14 +161,10 @@ def labelling(prepared: PreparedCameras, camera: int, target: AnyTarget) -> Labe
         except InputError:
             return None
         pair = Pair.of(again[0], again[1], target)
-    left = min(
-        pair.residuals(reference, target)[0].mean()
-        for turned, reference in pair.references(target)
-        if not turned
-    )
+    left = pair.misfit(target)
     found = labels.exchanged or labels.turned
     bound = LEFT_OF_POSES * first.single.camera.size[0]
-    return labels if found and explains(float(given), float(left), bound, LEFT_OF_POSES) else None
+    return labels if found and explains(given, left, bound, LEFT_OF_POSES) else None
 
 
 def _better(pair: Pair, labels: Labelling, views: np.ndarray, target: AnyTarget) -> Labelling:
