@@ -167,9 +167,10 @@ class Evidence:
         }
         return tuple(table[view, camera] for view in views for camera in wanted if (view, camera) in table)
 
-    def harm_percent(self, harm_mm: float) -> float | None:
+    def harm_percent_of(self, harm_mm: float) -> float | None:
         """Return the relative increase of the expected error, %, by an error that is added in quadrature."""
-        budget = self.budget_mm
+        model, found = self.model, self.explained
+        budget = self.budget_mm if model is None or found is None else model.budget_mm(found.noise)
         if budget is None or not budget > 0.0:
             return None
         return 100.0 * float(np.hypot(1.0, harm_mm / budget) - 1.0)

@@ -90,10 +90,9 @@ class Pair:
             return cls(first, second, shared, None)
         by_other = []
         for camera, other in ((first, second), (second, first)):
-            place = {view: at for at, view in enumerate(other.single.views.tolist())}
-            places = [place[view] for view in shared.views.tolist()]
-            pictures = other.dots.by_view()
-            start = start_from_camera([pictures[at] for at in places], target, camera.single.camera)
+            pictures = dict(zip(other.single.views.tolist(), other.dots.by_view(), strict=True))
+            chosen = [pictures[view] for view in shared.views.tolist()]
+            start = start_from_camera(chosen, target, camera.single.camera)
             by_other.append(start.T_cam_target)
         return cls(first, second, shared, SharedViews(shared.views, by_other[0], by_other[1]))
 
@@ -109,14 +108,14 @@ class Pair:
             found[number] = target_residuals(self.second.single, T_second_first, read, points)
         return found
 
-    def misfit(self, target: AnyTarget) -> float:
-        """Return the mean residual of the views as they are, by the reference that suits them best, px."""
+    def misfit(self, target: AnyTarget) -> Float64[np.ndarray, " n"]:
+        """Return the residuals of the views as they are, by the reference that suits them best, px."""
         references = (reference for turned, reference in self.references(target) if not turned)
         points = target.points()
-        return min(
-            float(target_residuals(self.second.single, reference, self.shared, points).mean())
-            for reference in references
-        )
+        found = [
+            target_residuals(self.second.single, reference, self.shared, points) for reference in references
+        ]
+        return min(found, key=lambda one: float(one.mean()))
 
     def references(self, target: AnyTarget) -> Iterator[tuple[bool, Pose]]:
         """Yield ``T_second_first`` by some views, as they are and with the target turned."""
@@ -150,6 +149,8 @@ def labelling(prepared: PreparedCameras, camera: int, target: AnyTarget) -> Labe
     settings = HandheldSettings(dot_places=DotTreatment.DECLARED)
     pair = Pair.of(first, second, target)
     given = pair.misfit(target)
+    if given.max() < _LEAST_PX:
+        return None
     for _ in range(_ROUNDS):
         new = _better(pair, labels, views, target)
         if new == labels:
@@ -164,7 +165,7 @@ def labelling(prepared: PreparedCameras, camera: int, target: AnyTarget) -> Labe
     left = pair.misfit(target)
     found = labels.exchanged or labels.turned
     bound = LEFT_OF_POSES * first.single.camera.size[0]
-    return labels if found and explains(given, left, bound, LEFT_OF_POSES) else None
+    return labels if found and explains(float(given.mean()), float(left.mean()), bound, LEFT_OF_POSES) else None
 
 
 def _better(pair: Pair, labels: Labelling, views: np.ndarray, target: AnyTarget) -> Labelling:

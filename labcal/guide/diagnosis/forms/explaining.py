@@ -60,6 +60,10 @@ class Explanation:
             return None
         return 100.0 * float(np.hypot(1.0, self.bias_mm / self.budget_mm) - 1.0)
 
+    def of_views(self, views: tuple[int, ...], bias_mm: float | None) -> "Explanation":
+        """Return it as one of several views."""
+        return replace(self, hypothesis=replace(self.hypothesis, views=views), bias_mm=bias_mm)
+
 
 @dataclass(frozen=True)
 class Explained:

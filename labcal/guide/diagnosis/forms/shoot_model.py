@@ -55,6 +55,12 @@ class ShootModel:
         """Names of the cameras."""
         return tuple(one.name for one in self.forms.cameras)
 
+    @property
+    def half_side_mm(self) -> float:
+        """Half of the longer side of the dots' grid, to which columns of the board's shape are scaled."""
+        places = self.forms.cameras[0].result.adjusted.state.dots[:, :2]
+        return float(np.abs(places - places.mean(axis=0)).max())
+
     @cached_property
     def base(self) -> tuple[Term, ...]:
         """The terms of a shoot without mistakes."""
@@ -68,6 +74,15 @@ class ShootModel:
     def fit(self, extra: Sequence[Term]) -> Fit:
         """Return the fit with terms beside the base."""
         return fitted(self.forms, (*self.base, *extra))
+
+    @cached_property
+    def view_misfits(self) -> Float64[np.ndarray, " views"]:
+        """Chi-square of each view in the fit of a shoot without mistakes, over its number of dots."""
+        found = []
+        for products, moved in zip(self.forms.products, self._moved(self.good, ()), strict=True):
+            step = np.append(moved, 1.0)
+            found.append(float(step @ products @ step))
+        return np.array(found) / np.maximum(self.forms.dots.sum(axis=0), 1.0)
 
     def freedom(self, fit: Fit) -> float:
         """Return the degrees of freedom that a fit leaves."""
