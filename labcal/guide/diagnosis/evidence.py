@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import Pose
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
-from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.lens_candidates import DEFAULT_LENS
 from labcal.calibrate.prepared_cameras import PreparedCameras, prepared_cameras, prepared_dots
 from labcal.calibrate.single_calibration import HandheldSettings
@@ -165,12 +165,18 @@ class Evidence:
                 strict=True,
             )
         }
-        return tuple(table[view, camera] for view in views for camera in wanted if (view, camera) in table)
+        paths = [table[view, camera] for view in views for camera in wanted if (view, camera) in table]
+        return tuple(dict.fromkeys(paths))
+
+    @cached_property
+    def expected_mm(self) -> float | None:
+        """Expected RMS 3-D error of a rig from this shoot, were there no mistake; None of one camera."""
+        model, found = self.model, self.explained
+        return self.budget_mm if model is None or found is None else model.budget_mm(found.noise)
 
     def harm_percent_of(self, harm_mm: float) -> float | None:
         """Return the relative increase of the expected error, %, by an error that is added in quadrature."""
-        model, found = self.model, self.explained
-        budget = self.budget_mm if model is None or found is None else model.budget_mm(found.noise)
+        budget = self.expected_mm
         if budget is None or not budget > 0.0:
             return None
         return 100.0 * float(np.hypot(1.0, harm_mm / budget) - 1.0)

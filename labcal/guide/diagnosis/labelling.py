@@ -163,9 +163,12 @@ def labelling(prepared: PreparedCameras, camera: int, target: AnyTarget) -> Labe
             return None
         pair = Pair.of(again[0], again[1], target)
     left = pair.misfit(target)
-    found = labels.exchanged or labels.turned
+    if not (labels.exchanged or labels.turned):
+        return None
     bound = LEFT_OF_POSES * first.single.camera.size[0]
-    return labels if found and explains(float(given.mean()), float(left.mean()), bound, LEFT_OF_POSES) else None
+    return (
+        labels if found and explains(float(given.mean()), float(left.mean()), bound, LEFT_OF_POSES) else None
+    )
 
 
 def _better(pair: Pair, labels: Labelling, views: np.ndarray, target: AnyTarget) -> Labelling:

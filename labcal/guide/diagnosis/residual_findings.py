@@ -63,7 +63,7 @@ def view_names(model: ShootModel, one: Explanation) -> tuple[str, ...]:
 
 def picture_words(model: ShootModel, one: Explanation) -> str:
     """Return the cameras of an explanation for people, as in ``camera 'left' or 'right'``."""
-    return "camera " + " or ".join(f"'{name}'" for name in camera_names(model, one))
+    return "Camera " + " or ".join(f"'{name}'" for name in camera_names(model, one))
 
 
 def view_words(model: ShootModel, one: Explanation) -> str:

@@ -15,12 +15,14 @@ def check(evidence: Evidence) -> CheckResult:
     return residual_findings(evidence, CheckName.BENT_BOARD, _words)
 
 
-def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
+def _words(_: ShootModel, one: Explanation) -> tuple[str, str]:
     # Heights are a x^2 + b x y + c y^2, mm at the end of the longer side.
     a, b, c = one.size[:3]
     bend = float(np.abs(np.linalg.eigvalsh([[a, 0.5 * b], [0.5 * b, c]])).max())
     return (
         f"The board is bent: its dots are up to {bend:.2g} mm off a plane at the edge.",
-        "Glue the print on a flat plate (glass, aluminium composite), or calibrate with the dots freed: "
-        "`--free-dots`.",
+        (
+            "Glue the print on a flat plate (glass, aluminium composite), or calibrate with the dots freed: "
+            "`--free-dots`."
+        ),
     )

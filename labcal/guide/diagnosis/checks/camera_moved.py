@@ -20,8 +20,12 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     first = one.hypothesis.views[0]
     before, after = first, model.forms.views - first
     return (
-        f"{picture_words(model, one)} was moved before view '{model.views[first]}': from there on it is "
-        f"turned by {turn:.2g} degrees and shifted by {shift:.2g} mm beside the views before.",
-        f"Fasten the cameras. Calibrate from the {after} views after the move if these are enough (the "
-        f"{before} before it are of a rig that is no more), or take new ones.",
+        (
+            f"{picture_words(model, one)} was moved before view '{model.views[first]}': from there on it is "
+            f"turned by {turn:.2g} degrees and shifted by {shift:.2g} mm beside the views before."
+        ),
+        (
+            f"Fasten the cameras. Calibrate from the {after} views after the move if these are enough (the "
+            f"{before} before it are of a rig that is no more), or take new ones."
+        ),
     )

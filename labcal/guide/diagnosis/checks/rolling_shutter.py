@@ -17,8 +17,12 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     camera = one.hypothesis.camera
     who = "all cameras" if camera is None else f"camera '{model.names[camera]}'"
     return (
-        f"In pictures of {who} dots are displaced in proportion to their row: the target moved while a "
-        "rolling shutter read the picture.",
-        "Hold the target still during the exposure, on a support, or use cameras with a global shutter; take "
-        "the views again.",
+        (
+            f"In pictures of {who} dots are displaced in proportion to their row: the target moved while a "
+            "rolling shutter read the picture."
+        ),
+        (
+            "Hold the target still during the exposure, on a support, or use cameras with a global shutter; take "
+            "the views again."
+        ),
     )

@@ -213,4 +213,3 @@ def _judged(
             bias = model.bias_mm(fit, without, noise, later)
         found.append(replace(explanation, bias_mm=bias, budget_mm=budget))
     return Explained(tuple(found), by_themselves, noise)
-

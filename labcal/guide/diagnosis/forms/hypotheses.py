@@ -84,7 +84,9 @@ def changes(forms: ViewForms, after: Int64[np.ndarray, " views"]) -> Iterator[Hy
     after : ndarray, shape (views,)
         Zeros, or 1 from a view on at which something has changed already.
     """
-    starts = [view for view in range(FEWEST, forms.views - FEWEST + 1) if not np.diff(after)[view - 1 : view].any()]
+    starts = [
+        view for view in range(FEWEST, forms.views - FEWEST + 1) if not np.diff(after)[view - 1 : view].any()
+    ]
     cameras = len(forms.cameras)
     posed = range(1, cameras) if cameras == 2 else range(cameras)  # noqa: PLR2004 -- one pose between two
     for start in starts:
@@ -125,14 +127,16 @@ def _of_views(forms: ViewForms) -> Iterator[Hypothesis]:
         seen = np.flatnonzero(forms.dots[camera] > 0)
         columns = unit_columns(forms, forms.pose(camera))
         yield Hypothesis(
-            CheckName.UNSYNCHRONISED, camera, (), (Term(columns, _numbered(forms.dots[camera] > 0)),), len(seen)
+            CheckName.UNSYNCHRONISED,
+            camera,
+            (),
+            (Term(columns, _numbered(forms.dots[camera] > 0)),),
+            len(seen),
         )
         for view in seen.tolist():
             groups = np.full(forms.views, -1, dtype=np.int64)
             groups[view] = 0
-            yield Hypothesis(
-                CheckName.UNSYNCHRONISED, camera, (view,), (Term(columns, groups),), len(seen)
-            )
+            yield Hypothesis(CheckName.UNSYNCHRONISED, camera, (view,), (Term(columns, groups),), len(seen))
 
 
 def focus_columns(forms: ViewForms, camera: int) -> Float64[np.ndarray, "columns 3"]:
@@ -168,5 +172,3 @@ def _unit(forms: ViewForms, columns: np.ndarray) -> Float64[np.ndarray, "columns
 def _numbered(seen: np.ndarray) -> Int64[np.ndarray, " views"]:
     """Return numbers of the views that are seen, from 0; -1 for the others."""
     return np.where(seen, np.cumsum(seen) - 1, -1).astype(np.int64)
-
-

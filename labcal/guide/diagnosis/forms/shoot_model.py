@@ -12,11 +12,15 @@ from labcal.calibrate.agreement.correlated_errors import SmoothErrors
 from labcal.calibrate.prepared_cameras import PreparedCameras
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import KnownCamera, noise_covariance
+from labcal.cameras.triangulation_derivatives import triangulation_derivatives
+from labcal.geometry.cross_matrices import cross_matrices
 from labcal.geometry.poses import inverse, transform
 from labcal.guide.diagnosis.forms.hypotheses import base_terms, free_poses
 from labcal.guide.diagnosis.forms.model import Fit, Term, fitted
 from labcal.guide.diagnosis.forms.view_forms import ViewForms
 from labcal.guide.volume_cost import Volume
+
+_FEWEST_POINTS = 4
 
 
 @dataclass(frozen=True)
@@ -122,8 +126,23 @@ class ShootModel:
 
     @cached_property
     def square(self) -> Float64[np.ndarray, "shared shared"] | None:
-        """M of the mean squared 3-D error x' M x by errors x of the rig's parameters, mm squared."""
-        return None if self.volume is None else self.volume.square_by_parameters()
+        """M of the mean squared 3-D error x' M x by errors x of the rig's parameters; rigid motions apart."""
+        if self.volume is None:
+            return None
+        points = self.volume.points
+        cameras = [self.rig.camera(name) for name in self.rig.cameras]
+        by = triangulation_derivatives(cameras, points, self.volume.pixels)
+        known = np.isfinite(by).all(axis=(1, 2))
+        by, points = by[known], points[known]
+        if len(points) < _FEWEST_POINTS:
+            return None
+        # The world of a target in the hand is nobody's: what a rigid motion of all points does is no error.
+        turns = -cross_matrices(points - points.mean(axis=0))
+        shifts = np.tile(np.eye(3), (len(points), 1, 1))
+        rigid, _ = np.linalg.qr(np.concatenate([turns, shifts], axis=2).reshape(-1, POSE))
+        flat = by.reshape(-1, by.shape[2])
+        flat = flat - rigid @ (rigid.T @ flat)
+        return np.asarray(flat.T @ flat / len(points))
 
     def budget_mm(self, noise: float) -> float | None:
         """Return the expected RMS 3-D error of this rig, were the shoot without mistakes.
@@ -141,7 +160,9 @@ class ShootModel:
         by_rig = noise * float(np.sum(self.square * self.good.covariance))
         return float(np.sqrt(by_noise + by_rig))
 
-    def bias_mm(self, found: Fit, without: Fit, noise: float, later: Float64[np.ndarray, " shared"]) -> float | None:
+    def bias_mm(
+        self, found: Fit, without: Fit, noise: float, later: Float64[np.ndarray, " shared"]
+    ) -> float | None:
         """Return the RMS 3-D error of the rig that is calibrated without a term, less what chance makes of it.
 
         Parameters
@@ -207,7 +228,9 @@ class ShootModel:
             start += term.count
         return moved
 
-    def in_rig(self, columns: Float64[np.ndarray, "columns k"], values: Float64[np.ndarray, " k"]) -> np.ndarray:
+    def in_rig(
+        self, columns: Float64[np.ndarray, "columns k"], values: Float64[np.ndarray, " k"]
+    ) -> np.ndarray:
         """Return what values of a term of poses and lenses are as parameters of the rig, shape (shared,)."""
         moved = columns @ values
         parts = []
