@@ -7,13 +7,19 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import Pose
+from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_candidates import DEFAULT_LENS
+from labcal.calibrate.prepared_cameras import PreparedCameras, prepared_cameras, prepared_dots
+from labcal.calibrate.single_calibration import HandheldSettings
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.measure import Measurement
 from labcal.errors import InputError
+from labcal.guide.diagnosis.forms.explaining import Explained, explained
+from labcal.guide.diagnosis.forms.shoot_model import ShootModel
+from labcal.guide.diagnosis.labelling import Labelling, labelling
 from labcal.guide.volume_cost import Volume
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget
@@ -84,6 +90,56 @@ class Evidence:
         return self._attempt if isinstance(self._attempt, InputError) else None
 
     @cached_property
+    def _alone(self) -> PreparedCameras | InputError:
+        settings = HandheldSettings(dot_places=DotTreatment.DECLARED)
+        try:
+            dots = prepared_dots(self.detections, self.target, settings)
+            return prepared_cameras(dots, self.target, self.lens, settings)
+        except InputError as error:
+            return error
+
+    @property
+    def alone(self) -> PreparedCameras | None:
+        """Each camera calibrated alone from all its pictures, dots as declared; None where that fails."""
+        return None if isinstance(self._alone, InputError) else self._alone
+
+    @property
+    def why_not_alone(self) -> str:
+        """The reason that cameras cannot be calibrated alone; empty where they can."""
+        return str(self._alone) if isinstance(self._alone, InputError) else ""
+
+    @cached_property
+    def labels(self) -> tuple[Labelling, ...]:
+        """Wrong labels of pictures and dots of every camera beside the first that it shares views with."""
+        if self.alone is None:
+            return ()
+        others = range(1, len(self.alone.alone))
+        found = [labelling(self.alone, camera, self.target) for camera in others]
+        return tuple(one for one in found if one is not None)
+
+    @cached_property
+    def model(self) -> ShootModel | None:
+        """The linear model of the shoot, wrong labels corrected; None where cameras do not share views."""
+        prepared = self.alone
+        try:
+            if self.labels:
+                settings = HandheldSettings(dot_places=DotTreatment.DECLARED)
+                dots = self.detections
+                for one in self.labels:
+                    dots = one.corrected(dots, self.target)
+                prepared = prepared_cameras(
+                    prepared_dots(dots, self.target, settings), self.target, self.lens, settings
+                )
+            return None if prepared is None else ShootModel.of(prepared)
+        except InputError:
+            return None
+
+    @cached_property
+    def explained(self) -> Explained | None:
+        """The mistakes that explain the residuals of the dots best, together; None without a model."""
+        return None if self.model is None else explained(self.model)
+
+    @cached_property
     def volume(self) -> Volume | None:
         """The volume of the target's dots, over which errors are computed; None without a rig of two."""
         found = self.calibration
@@ -109,11 +165,18 @@ class Evidence:
                 strict=True,
             )
         }
-        return tuple(table[view, camera] for view in views for camera in wanted if (view, camera) in table)
+        paths = [table[view, camera] for view in views for camera in wanted if (view, camera) in table]
+        return tuple(dict.fromkeys(paths))
 
-    def harm_percent(self, harm_mm: float) -> float | None:
+    @cached_property
+    def expected_mm(self) -> float | None:
+        """Expected RMS 3-D error of a rig from this shoot, were there no mistake; None of one camera."""
+        model, found = self.model, self.explained
+        return self.budget_mm if model is None or found is None else model.budget_mm(found.noise)
+
+    def harm_percent_of(self, harm_mm: float) -> float | None:
         """Return the relative increase of the expected error, %, by an error that is added in quadrature."""
-        budget = self.budget_mm
+        budget = self.expected_mm
         if budget is None or not budget > 0.0:
             return None
         return 100.0 * float(np.hypot(1.0, harm_mm / budget) - 1.0)

@@ -7,7 +7,17 @@ from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import CheckResult, NotJudged
 
-CHECKS: dict[CheckName, str] = {}
+CHECKS: dict[CheckName, str] = {
+    CheckName.SWAPPED_CAMERAS: "swapped_cameras",
+    CheckName.TURNED_TARGET: "turned_target",
+    CheckName.UNSYNCHRONISED: "unsynchronised",
+    CheckName.CAMERA_MOVED: "camera_moved",
+    CheckName.REFOCUSED: "refocused",
+    CheckName.ROLLING_SHUTTER: "rolling_shutter",
+    CheckName.BENT_BOARD: "bent_board",
+    CheckName.WRONG_PITCH: "wrong_pitch",
+    CheckName.WRONG_TARGET: "wrong_target",
+}
 """Modules of the checks below ``labcal.guide.diagnosis.checks``."""
 
 

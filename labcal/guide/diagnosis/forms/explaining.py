@@ -23,6 +23,7 @@ _PRICE = 4.0
 _MOST = 8
 """Mistakes that are looked for in one shoot."""
 _CHANGES = {CheckName.CAMERA_MOVED, CheckName.REFOCUSED}
+_BY_VIEW = {CheckName.UNSYNCHRONISED, CheckName.ROLLING_SHUTTER}
 _SHAPES = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
 
 
@@ -58,6 +59,10 @@ class Explanation:
         if self.bias_mm is None or not self.budget_mm:
             return None
         return 100.0 * float(np.hypot(1.0, self.bias_mm / self.budget_mm) - 1.0)
+
+    def of_views(self, views: tuple[int, ...], bias_mm: float | None) -> "Explanation":
+        """Return it as one of several views."""
+        return replace(self, hypothesis=replace(self.hypothesis, views=views), bias_mm=bias_mm)
 
 
 @dataclass(frozen=True)
@@ -141,20 +146,23 @@ def _explanation(
     """Return the test of a hypothesis beside terms that are in the model already."""
     with_it = (*current, *one.terms)
     count = max(1, fit.freedom - before.freedom)
-    noise, freedom = _noise(model, with_it, one, fit)
-    gain = max(0.0, before.chi2 - fit.chi2) / noise
-    p_value = min(1.0, one.alternatives * f_tail(gain / count, count, freedom))
+    own = model.own_noise(with_it)
+    noise, freedom = _noise(model, with_it, one, (fit, own))
+    gain = max(0.0, before.chi2 - fit.chi2)
+    p_value = min(1.0, one.alternatives * f_tail(gain / noise / count, count, freedom))
     width = sum(term.count for term in one.terms)
-    return Explanation(one, p_value, gain, fit.values[-width:])
+    return Explanation(one, p_value, gain / own, fit.values[-width:])
 
 
-def _noise(model: ShootModel, terms: tuple[Term, ...], one: Hypothesis, fit: Fit) -> tuple[float, float]:
+def _noise(
+    model: ShootModel, terms: tuple[Term, ...], one: Hypothesis, found: tuple[Fit, float]
+) -> tuple[float, float]:
     """Return the variance that a gain is compared with, and its degrees of freedom.
 
     It is what is left where the hypothesis is given still more freedom of the same kind: a change at one view
     is compared with differences between all views, a bend with other shapes of the board.
     """
-    own = model.own_noise(terms)
+    fit, own = found
     freedom = model.freedom(fit)
     if one.check in _SHAPES:
         more = model.fit((*terms, shape_controls(model.forms)))
@@ -196,13 +204,12 @@ def _judged(
         others = _terms(other for other in chosen if other is not one)
         without, fit = model.fit(others), model.fit((*others, *one.terms))
         explanation = _explanation(model, others, without, one, fit)
-        later = np.zeros(sum(_widths(model)))
-        if one.check in _CHANGES:
-            later = model.in_rig(one.terms[0].columns, explanation.size)
-        bias = model.bias_mm(fit, without, noise, later)
+        if one.check in _BY_VIEW:
+            bias = model.scattered_bias_mm(without, others, noise)
+        else:
+            later = np.zeros(sum(term.count for term in model.base))
+            if one.check in _CHANGES:
+                later = model.in_rig(one.terms[0].columns, explanation.size)
+            bias = model.bias_mm(fit, without, noise, later)
         found.append(replace(explanation, bias_mm=bias, budget_mm=budget))
     return Explained(tuple(found), by_themselves, noise)
-
-
-def _widths(model: ShootModel) -> list[int]:
-    return [term.count for term in model.base]

@@ -84,7 +84,9 @@ def changes(forms: ViewForms, after: Int64[np.ndarray, " views"]) -> Iterator[Hy
     after : ndarray, shape (views,)
         Zeros, or 1 from a view on at which something has changed already.
     """
-    starts = [view for view in range(FEWEST, forms.views - FEWEST + 1) if not np.diff(after)[view - 1 : view].any()]
+    starts = [
+        view for view in range(FEWEST, forms.views - FEWEST + 1) if not np.diff(after)[view - 1 : view].any()
+    ]
     cameras = len(forms.cameras)
     posed = range(1, cameras) if cameras == 2 else range(cameras)  # noqa: PLR2004 -- one pose between two
     for start in starts:
@@ -118,23 +120,23 @@ def _of_views(forms: ViewForms) -> Iterator[Hypothesis]:
         term = Term(unit_columns(forms, forms.rows_of(camera)), seen)
         yield Hypothesis(CheckName.ROLLING_SHUTTER, camera, (), (term,), len(cameras) + 1)
     if len(cameras) > 1:
-        terms = tuple(
-            Term(unit_columns(forms, forms.rows_of(camera)), _numbered(forms.dots[camera] > 0))
-            for camera in cameras
-        )
-        yield Hypothesis(CheckName.ROLLING_SHUTTER, None, (), terms, len(cameras) + 1)
+        everywhere = np.arange(forms.views, dtype=np.int64)
+        term = Term(_rows_together(forms), everywhere)
+        yield Hypothesis(CheckName.ROLLING_SHUTTER, None, (), (term,), len(cameras) + 1)
     for camera in cameras[1:]:
         seen = np.flatnonzero(forms.dots[camera] > 0)
         columns = unit_columns(forms, forms.pose(camera))
         yield Hypothesis(
-            CheckName.UNSYNCHRONISED, camera, (), (Term(columns, _numbered(forms.dots[camera] > 0)),), len(seen)
+            CheckName.UNSYNCHRONISED,
+            camera,
+            (),
+            (Term(columns, _numbered(forms.dots[camera] > 0)),),
+            len(seen),
         )
         for view in seen.tolist():
             groups = np.full(forms.views, -1, dtype=np.int64)
             groups[view] = 0
-            yield Hypothesis(
-                CheckName.UNSYNCHRONISED, camera, (view,), (Term(columns, groups),), len(seen)
-            )
+            yield Hypothesis(CheckName.UNSYNCHRONISED, camera, (view,), (Term(columns, groups),), len(seen))
 
 
 def focus_columns(forms: ViewForms, camera: int) -> Float64[np.ndarray, "columns 3"]:
@@ -144,6 +146,15 @@ def focus_columns(forms: ViewForms, camera: int) -> Float64[np.ndarray, "columns
     first = forms.lens_of(camera).start
     columns[first : first + 2, 0] = K[0, 0], K[1, 1]
     columns[first + 2, 1] = columns[first + 3, 2] = 1.0
+    return columns
+
+
+def _rows_together(forms: ViewForms) -> Float64[np.ndarray, "columns 6"]:
+    """Return the columns of a motion of the target while all cameras read their rows, in the world's axes."""
+    columns = np.zeros((forms.products.shape[1] - 1, 6))
+    for camera, T_cam_world in enumerate(forms.T_cam_world):
+        first = forms.rows_of(camera).start
+        columns[first : first + 3, :3] = columns[first + 3 : first + 6, 3:] = T_cam_world[:3, :3]
     return columns
 
 
@@ -161,5 +172,3 @@ def _unit(forms: ViewForms, columns: np.ndarray) -> Float64[np.ndarray, "columns
 def _numbered(seen: np.ndarray) -> Int64[np.ndarray, " views"]:
     """Return numbers of the views that are seen, from 0; -1 for the others."""
     return np.where(seen, np.cumsum(seen) - 1, -1).astype(np.int64)
-
-

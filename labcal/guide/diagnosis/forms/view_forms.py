@@ -72,7 +72,9 @@ class ViewForms:
             single = form.camera.single
             of_pose = np.arange(start, start + POSE)
             of_lens = np.arange(start + POSE, start + POSE + form.lens)
-            of_row = np.arange(of_lens[-1] + 1 if form.lens else of_pose[-1] + 1, start + 2 * POSE + form.lens)
+            of_row = np.arange(
+                of_lens[-1] + 1 if form.lens else of_pose[-1] + 1, start + 2 * POSE + form.lens
+            )
             for at, view in enumerate(single.views.tolist()):
                 moves = np.zeros((form.products.shape[1], POSE + width))
                 tied = T_cam_world @ world[view]
