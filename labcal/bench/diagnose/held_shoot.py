@@ -41,11 +41,14 @@ class Hand:
     tilt : float
         Of the standard deviation of rotations.
     reach : float
-        Of the range of places, across and along.
+        Of the range of places across.
+    depth : float
+        Of the range of distances.
     """
 
     tilt: float = 1.0
     reach: float = 1.0
+    depth: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -168,7 +171,7 @@ def held_poses(
     places = Halton(2, rng=random).random(_TRIED)
     for place in places:
         q = middle + hand.reach * (place * first.size - middle)
-        depth = 1.0 + hand.reach * (random.uniform(_NEAR, _FAR) - 1.0)
+        depth = 1.0 + hand.depth * (random.uniform(_NEAR, _FAR) - 1.0)
         ray = first.rays(q[None]).direction[0]
         tilt = Rotation.from_rotvec(hand.tilt * TILT_RAD * random.standard_normal(3)).as_matrix()
         R = np.diag([1.0, -1.0, -1.0]) @ tilt
