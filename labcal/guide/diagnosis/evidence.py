@@ -21,6 +21,7 @@ from labcal.guide.diagnosis.forms.explaining import Explained, explained
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.guide.diagnosis.labelling import Labelling, labelling
 from labcal.guide.diagnosis.support.remedies import Remedies
+from labcal.guide.picture_look import PictureLook, look_at
 from labcal.guide.volume_cost import Volume
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget
@@ -148,6 +149,13 @@ class Evidence:
             return None
         noise = float(np.mean(np.square(found.pixel_sigma_px)))
         return Volume.around(found.rig, found.places, noise * np.eye(2))
+
+    @cached_property
+    def looks(self) -> tuple[PictureLook | None, ...]:
+        """Exposure and sharpness of the picture of every measurement; None where it could not be read."""
+        return tuple(
+            None if one.dots is None else look_at(one.source.read(), one.dots) for one in self.measurements
+        )
 
     @cached_property
     def remedies(self) -> Remedies | None:

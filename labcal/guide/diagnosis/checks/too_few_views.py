@@ -19,8 +19,8 @@ def check(evidence: Evidence) -> CheckResult:
     if open_ is not None or found is None:
         return open_ or ()
     words = (
-        f"The cameras are calibrated from {counted(found.views, 'view')}: {ENOUGH_VIEWS} good ones would make "
-        f"points better than {found.both:.2g} mm, which is the best that so few give ({found.enough:.2g} mm).",
+        f"The cameras are calibrated from {counted(found.views, 'view')}: the expected 3-D error is "
+        f"{found.now:.2g} mm, and would be {found.enough:.2g} mm from {ENOUGH_VIEWS} good ones.",
         (
             f"Take at least {ENOUGH_VIEWS} views, in which the target is tilted to all sides and goes into all "
             "corners of both pictures."

@@ -24,6 +24,9 @@ _STEPS = (6, 5, 3)
 _BORDER = 0.1
 """Share of the picture that is left out on each side."""
 
+_DEPTH = 0.15
+"""By which the volume reaches to both sides of the target's usual distance, at least."""
+
 
 @dataclass(frozen=True)
 class ErrorParts:
@@ -128,7 +131,8 @@ def _cameras(rig: Rig) -> tuple[Camera, ...]:
 def _seen_volume(cameras: tuple[Camera, ...], places: Vectors3) -> Float64[np.ndarray, "points 3"]:
     """Return points on a grid of the first picture, at distances of the target, that all cameras see."""
     first = cameras[0]
-    depths = np.quantile(places @ first.T_cam_world[2, :3] + first.T_cam_world[2, 3], [0.1, 0.9])
+    low, median, high = np.quantile(places @ first.T_cam_world[2, :3] + first.T_cam_world[2, 3], [0.1, 0.5, 0.9])
+    depths = min(low, (1.0 - _DEPTH) * median), max(high, (1.0 + _DEPTH) * median)
     width, height = first.size
     u, v = (
         np.linspace(_BORDER * size, (1.0 - _BORDER) * size, count)

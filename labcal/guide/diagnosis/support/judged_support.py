@@ -51,5 +51,10 @@ def lacking(
             harm_mm=harm,
             harm_percent=100.0 * increase,
             pictures=evidence.images(views[:_SHOWN], evidence.cameras[:1]),
+            explained_by=CheckName.TOO_FEW_VIEWS if _by_few(check, found) else None,
         ),
     )
+
+
+def _by_few(check: CheckName, found: Remedies) -> bool:
+    return check is not CheckName.TOO_FEW_VIEWS and found.are_few and found.by_views >= WORTH

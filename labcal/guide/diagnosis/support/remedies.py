@@ -12,6 +12,9 @@ from labcal.guide.diagnosis.support.supposed_views import spread_views, tilted_v
 ENOUGH_VIEWS = 12
 """Views from which on more of the same kind hardly lower the error, where they tilt and cover."""
 
+FEW_VIEWS = 6
+"""Views below which chance alone decides whether they tilt and cover."""
+
 
 @dataclass(frozen=True)
 class Remedies:
@@ -54,9 +57,17 @@ class Remedies:
         )
 
     @property
+    def are_few(self) -> bool:
+        """True if views are so few that more of them are the mend of all that they lack."""
+        return self.views < FEW_VIEWS
+
+    @property
     def by_views(self) -> float:
-        """Relative increase of the error by too few views, were these the best of their number."""
-        return _increase(self.both, self.enough)
+        """Relative increase of the error by too few views.
+
+        Of very few ones all that they lack counts; of more the part that the best of their number would have.
+        """
+        return _increase(self.now if self.are_few else self.both, self.enough)
 
     @property
     def by_tilt(self) -> float:

@@ -10,8 +10,6 @@ from labcal.guide.diagnosis.support.expected_error import SupportedRig
 TILT = np.radians(30.0)
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 """Angle by which directions follow each other so that any number of them is spread evenly."""
-_DEPTHS = (0.85, 1.0, 1.15)
-"""Of the median distance."""
 _SEEN = 0.9
 """Share of the dots that every camera must see."""
 _TRIED = 40
@@ -39,7 +37,7 @@ def tilted_views(poses: list[Pose], middle: np.ndarray) -> list[Pose]:
 
 
 def spread_views(rig: SupportedRig, poses: list[Pose]) -> list[Pose]:
-    """Return views in which the target is turned as it was, but goes over all that the cameras see.
+    """Return views in which the target is turned and as far away as it was, but goes over the whole pictures.
 
     A view for which no place shows the target to all cameras stays where it is.
 
@@ -50,17 +48,15 @@ def spread_views(rig: SupportedRig, poses: list[Pose]) -> list[Pose]:
         ``T_world_target``, mm.
     """
     middle, first = rig.dots.mean(axis=0), rig.cameras[0]
-    centres = np.array([T[:3, :3] @ middle + T[:3, 3] for T in poses])
-    distance = float(np.median(centres @ first.T_cam_world[2, :3] + first.T_cam_world[2, 3]))
     found, tried = [], 0
-    for number, T in enumerate(poses):
+    for T in poses:
         kept = T
+        depth = float((first.T_cam_world @ T)[2] @ [*middle, 1.0])
         for _ in range(_TRIED):
             tried += 1
             q = np.array([[_halton(tried, 2), _halton(tried, 3)]]) * first.size
             ray = first.rays(q)
             along = float(ray.direction[0] @ first.T_cam_world[2, :3])
-            depth = distance * _DEPTHS[number % len(_DEPTHS)]
             moved = _placed(T[:3, :3], ray.origin[0] + ray.direction[0] * depth / along, middle)
             if np.isfinite(moved).all() and rig.seen_share(moved) >= _SEEN:
                 kept = moved
