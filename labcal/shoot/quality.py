@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float32, Shaped
+from jaxtyping import Bool, Float32, Float64, Shaped
 
 _WINDOW = 15  # px: an edge's two sides lie within, unless it is blurred by more than some 4 px
 _STRONG = 99.5  # percentile of the gradient that counts as a strong edge
 _ABOVE_NOISE = 8.0  # contrast of an edge over the usual gradient between pixels
+_DIRECTIONS = 4
+_FEWEST_EDGES = 20
 
 
 @dataclass(frozen=True)
@@ -51,11 +53,7 @@ def picture_quality(picture: Shaped[np.ndarray, "*shape"]) -> PictureQuality:
     picture : ndarray, shape (h, w) or (h, w, 3)
         uint8, uint16, or float with full scale at 1.
     """
-    full = _full_scale(picture)
-    # Green counts twice, so that the order of the colours does not matter.
-    weights = np.array([0.25, 0.5, 0.25], dtype=np.float32) / full
-    levels = picture / full if picture.ndim == 2 else picture @ weights  # noqa: PLR2004 - grey
-    grey = np.nan_to_num(levels).astype(np.float32)
+    grey = _grey(picture)
     return PictureQuality(
         median_level=float(np.median(grey)),
         saturated_share=float(saturated(picture).mean()),
@@ -74,10 +72,47 @@ def _full_scale(picture: np.ndarray) -> float:
     return float(np.iinfo(picture.dtype).max) if np.issubdtype(picture.dtype, np.integer) else 1.0
 
 
+def edge_directions(picture: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "4"]:
+    """Return the widths of strong edges (px) by the direction in which they rise; NaN where there are few.
+
+    Directions are 0, 45, 90 and 135 degrees from the rows, each with 22.5 degrees to both sides. Defocus
+    makes edges of all directions as wide; motion only those that it crosses.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (h, w) or (h, w, 3)
+    """
+    steepness, angle = _strong_edges(_grey(picture))
+    bins = np.round(angle / (np.pi / _DIRECTIONS)).astype(np.int64) % _DIRECTIONS
+    widths = np.full(_DIRECTIONS, np.nan)
+    for direction in range(_DIRECTIONS):
+        of = steepness[bins == direction]
+        if len(of) >= _FEWEST_EDGES:
+            widths[direction] = 1.0 / np.median(of)
+    return widths
+
+
+def _grey(picture: Shaped[np.ndarray, "*shape"]) -> Float32[np.ndarray, "h w"]:
+    """Return grey levels as shares of full scale."""
+    full = _full_scale(picture)
+    # Green counts twice, so that the order of the colours does not matter.
+    weights = np.array([0.25, 0.5, 0.25], dtype=np.float32) / full
+    levels = picture / full if picture.ndim == 2 else picture @ weights  # noqa: PLR2004 - grey
+    return np.asarray(np.nan_to_num(levels).astype(np.float32))
+
+
 def _sharpness(grey: Float32[np.ndarray, "h w"]) -> float:
     """Return the steepness of strong edges, 1/px."""
+    steepness, _ = _strong_edges(grey)
+    return float(np.median(steepness)) if len(steepness) else float("nan")
+
+
+def _strong_edges(
+    grey: Float32[np.ndarray, "h w"],
+) -> tuple[Float32[np.ndarray, " n"], Float32[np.ndarray, " n"]]:
+    """Return the steepness (1/px) of strong edges and the angle of their gradient (rad)."""
     if min(grey.shape) <= _WINDOW:
-        return float("nan")
+        return np.zeros(0, dtype=np.float32), np.zeros(0, dtype=np.float32)
     x = (grey[1:-1, 2:] - grey[1:-1, :-2]) / 2
     y = (grey[2:, 1:-1] - grey[:-2, 1:-1]) / 2
     gradient = np.hypot(x, y)
@@ -88,6 +123,4 @@ def _sharpness(grey: Float32[np.ndarray, "h w"]) -> float:
     crest = gradient >= cv2.dilate(gradient, np.ones((3, 3), dtype=np.uint8))
     strong = crest & (gradient > 0) & (gradient >= np.percentile(gradient, _STRONG) / 2)
     strong &= contrast > _ABOVE_NOISE * float(np.median(gradient))
-    if not strong.any():
-        return float("nan")
-    return float(np.median(gradient[strong] / contrast[strong]))
+    return np.asarray(gradient[strong] / contrast[strong]), np.asarray(np.arctan2(y[strong], x[strong]))

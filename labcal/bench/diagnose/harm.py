@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.bench.diagnose.held_shoot import HeldShoot
+from labcal.bench.diagnose.held_shoot import HeldShoot, measured_points
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import triangulate
@@ -40,7 +40,7 @@ def measured_error(
 def error_of(rig: Rig, shoot: HeldShoot, random: np.random.Generator) -> float:
     """Return the RMS 3-D error of points that are measured with a rig, mm."""
     true = shoot.pair.cameras()
-    p = shoot.pair.points(_POINTS, random)
+    p = measured_points(shoot.pair, _POINTS, random)
     q = np.stack([camera.project(p).q for camera in true], axis=1)
     q += shoot.noise_px * random.standard_normal(q.shape)
     covariance = np.tile(shoot.noise_px**2 * np.eye(2), (len(p), len(true), 1, 1))

@@ -1,9 +1,11 @@
 """Good shoots of a simulated pair of cameras: a target held in the hand, in every picture."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from scipy.stats.qmc import Halton
 
 from labcal.arrays import Pose, Vectors3
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
@@ -15,10 +17,19 @@ from labcal.targets.grid import DotGrid
 TARGETS = ("rings", "plain")
 TILT_RAD = 0.35
 """Standard deviation of the target's rotation about each axis in a good shoot."""
+PAIRS: Mapping[str, PairKind] = {
+    "wide": replace(KINDS["wide"], board_mm=600.0),
+    "narrow": replace(KINDS["narrow"], board_mm=210.0),
+    "webcam": replace(KINDS["webcam"], board_mm=330.0),
+}
+"""Pairs with boards that fill a good part of the picture, as one takes them to calibrate all of it."""
 _NEAR, _FAR = 0.85, 1.2
 """Distances of the target in a good shoot, in units of the rig's."""
-_ACROSS = np.array([1.0, 0.7])
-"""By which the middle of the target moves to both sides, in units of the rig's reach."""
+_SEEN = {"rings": 0.75, "plain": 1.0}
+"""Share of the dots that both cameras see: a plain grid must be seen whole to be numbered."""
+_INNER = 0.8
+"""Share of the width and height of the pictures in which points are measured."""
+_TRIED = 20000
 
 
 @dataclass(frozen=True)
@@ -30,11 +41,14 @@ class Hand:
     tilt : float
         Of the standard deviation of rotations.
     reach : float
-        Of the range of places, across and along.
+        Of the range of places across.
+    depth : float
+        Of the range of distances.
     """
 
     tilt: float = 1.0
     reach: float = 1.0
+    depth: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -94,7 +108,7 @@ class HeldShoot:
     @property
     def pair(self) -> PairKind:
         """The pair of cameras as they were first."""
-        return KINDS[self.kind]
+        return PAIRS[self.kind]
 
 
 def good_shoot(
@@ -105,7 +119,7 @@ def good_shoot(
     Parameters
     ----------
     kind : str
-        One of :data:`~labcal.bench.solve.budget_rigs.KINDS`.
+        One of :data:`PAIRS`.
     layout : str
         One of :data:`TARGETS`.
     views : int
@@ -113,7 +127,7 @@ def good_shoot(
     hand : Hand, optional
         As in a good shoot where not given.
     """
-    pair = KINDS[kind]
+    pair = PAIRS[kind]
     target = pair.target()
     if layout != TARGETS[0]:
         target = target.model_copy(
@@ -122,27 +136,66 @@ def good_shoot(
     still = np.zeros(3)
     pictures = [
         Picture(f"view-{number:02d}", name, device, T, still)
-        for number, T in enumerate(held_poses(pair, views, hand or Hand(), random))
+        for number, T in enumerate(held_poses(pair, _SEEN[layout], (views, hand or Hand()), random))
         for name, device in zip(CAMERAS, pair.cameras(), strict=True)
     ]
     noise_px = float(random.uniform(0.02, 0.06))
     return HeldShoot(kind, target, target, target.points(), tuple(pictures), noise_px)
 
 
-def held_poses(pair: PairKind, views: int, hand: Hand, random: np.random.Generator) -> list[Pose]:
-    """Return ``T_world_target`` of views in which both cameras see the whole target, mm."""
+def held_poses(
+    pair: PairKind, seen: float, wanted: tuple[int, Hand], random: np.random.Generator
+) -> list[Pose]:
+    """Return ``T_world_target`` of views, mm.
+
+    The middle of the target goes over the first picture evenly, as a person does who fills it.
+
+    Parameters
+    ----------
+    pair : PairKind
+    seen : float
+        Share of the dots that both cameras see in each view.
+    wanted : (int, Hand)
+        Number of views, and the way in which they are taken.
+    random : numpy.random.Generator
+
+    Raises
+    ------
+    RuntimeError
+        No place shows so much of the target.
+    """
+    views, hand = wanted
     p, found = pair.target().points(), list[Pose]()
-    middle = 0.5 * (_NEAR + _FAR)
-    low = np.array([*(-hand.reach * _ACROSS), middle - hand.reach * (middle - _NEAR)])
-    high = np.array([*(hand.reach * _ACROSS), middle + hand.reach * (_FAR - middle)])
-    scale = np.array([pair.reach_mm, pair.reach_mm, pair.distance_mm])
-    while len(found) < views:
+    first, second = pair.cameras()
+    middle = first.project(np.array([[0.0, 0.0, pair.distance_mm]])).q[0]
+    places = Halton(2, rng=random).random(_TRIED)
+    for place in places:
+        q = middle + hand.reach * (place * first.size - middle)
+        depth = 1.0 + hand.depth * (random.uniform(_NEAR, _FAR) - 1.0)
+        ray = first.rays(q[None]).direction[0]
         tilt = Rotation.from_rotvec(hand.tilt * TILT_RAD * random.standard_normal(3)).as_matrix()
         R = np.diag([1.0, -1.0, -1.0]) @ tilt
-        T = pose(R, scale * random.uniform(low, high) - R @ p.mean(axis=0))
-        if all(camera.in_picture(camera.project(transform(T, p)).q).all() for camera in pair.cameras()):
+        T = pose(R, depth * pair.distance_mm * ray / ray[2] - R @ p.mean(axis=0))
+        shares = [camera.in_picture(camera.project(transform(T, p)).q).mean() for camera in (first, second)]
+        if min(shares) >= seen:
             found.append(T)
-    return found
+        if len(found) == views:
+            return found
+    raise RuntimeError(f"Only {len(found)} of {views} views show enough of the target.")
+
+
+def measured_points(pair: PairKind, count: int, random: np.random.Generator) -> Vectors3:
+    """Return points in the inner part of both pictures, at the distances of a good shoot, mm."""
+    first, second = pair.cameras()
+    found = np.empty((0, 3))
+    while len(found) < count:
+        share = 0.5 + _INNER * (random.random((4 * count, 2)) - 0.5)
+        rays = first.rays(share * first.size).direction
+        p = pair.distance_mm * random.uniform(_NEAR, _FAR, (len(rays), 1)) * rays / rays[:, 2:]
+        q = second.project(p).q / np.array(second.size) - 0.5
+        with np.errstate(invalid="ignore"):
+            found = np.concatenate([found, p[(np.abs(q) <= 0.5 * _INNER).all(axis=1)]])
+    return found[:count]
 
 
 def with_pictures(shoot: HeldShoot, pictures: list[Picture]) -> HeldShoot:

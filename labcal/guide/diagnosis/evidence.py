@@ -20,6 +20,8 @@ from labcal.errors import InputError
 from labcal.guide.diagnosis.forms.explaining import Explained, explained
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.guide.diagnosis.labelling import Labelling, labelling
+from labcal.guide.diagnosis.support.remedies import Remedies
+from labcal.guide.picture_look import PictureLook, look_at
 from labcal.guide.volume_cost import Volume
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget
@@ -147,6 +149,19 @@ class Evidence:
             return None
         noise = float(np.mean(np.square(found.pixel_sigma_px)))
         return Volume.around(found.rig, found.places, noise * np.eye(2))
+
+    @cached_property
+    def looks(self) -> tuple[PictureLook | None, ...]:
+        """Exposure and sharpness of the picture of every measurement; None where it could not be read."""
+        return tuple(
+            None if one.dots is None else look_at(one.source.read(), one.dots) for one in self.measurements
+        )
+
+    @cached_property
+    def remedies(self) -> Remedies | None:
+        """Errors to expect after views that the shoot could have had; None without a calibrated pair."""
+        found = self.calibration
+        return None if found is None or len(self.cameras) < 2 else Remedies.of(found)  # noqa: PLR2004 -- a pair
 
     @cached_property
     def budget_mm(self) -> float | None:

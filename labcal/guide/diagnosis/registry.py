@@ -17,6 +17,12 @@ CHECKS: dict[CheckName, str] = {
     CheckName.BENT_BOARD: "bent_board",
     CheckName.WRONG_PITCH: "wrong_pitch",
     CheckName.WRONG_TARGET: "wrong_target",
+    CheckName.BLURRED: "blurred",
+    CheckName.EXPOSURE: "exposure",
+    CheckName.MIXED_SIZES: "mixed_sizes",
+    CheckName.TOO_FEW_VIEWS: "too_few_views",
+    CheckName.TOO_LITTLE_TILT: "too_little_tilt",
+    CheckName.POOR_COVERAGE: "poor_coverage",
 }
 """Modules of the checks below ``labcal.guide.diagnosis.checks``."""
 
