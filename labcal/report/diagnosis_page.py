@@ -41,9 +41,9 @@ def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
     evidence = found.evidence
     sections = []
     if found.findings:
-        sections.append(Section("What is wrong", [Prose((_ORDER,)), _table(found)]))
+        sections.append(Section("What is wrong", [Prose((_ORDER,)), _table(found, maker)]))
     sections += [
-        Section(f"{number}. {one.check.value}", _evidence(found, one, number))
+        Section(f"{number}. {one.check.value}", _evidence(found, one, number, maker))
         for number, one in enumerate(found.findings, start=1)
     ]
     if found.explained:
@@ -51,7 +51,7 @@ def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
         sections.append(Section("Explained by these", [Prose(tuple(words))]))
     if found.not_judged:
         columns = [Column("check", Side.LEFT), Column("why", Side.WIDE)]
-        rows = [[one.check.value, one.why] for one in found.not_judged]
+        rows = [[one.check.value, maker.phrase(one.why)] for one in found.not_judged]
         table = PageTable("not-judged", "Checks that could not be made.", columns, rows)
         sections.append(Section("Not judged", [table]))
     views = len(evidence.detections.views)
@@ -97,14 +97,14 @@ def _verdict(found: Diagnosis) -> Verdict:
     )
 
 
-def _table(found: Diagnosis) -> PageTable:
+def _table(found: Diagnosis, maker: PageMaker) -> PageTable:
     columns = [
         Column("mistake", Side.LEFT), Column("what is wrong", Side.WIDE), Column("how to mend it", Side.WIDE),
         Column("adds (mm)"), Column("adds (%)"), Column("p-value"),
     ]  # fmt: skip
     rows = [
         [
-            one.check.value, one.words, one.mend, _number(one.harm_mm), _number(one.harm_percent),
+            one.check.value, maker.phrase(one.words), maker.phrase(one.mend), _number(one.harm_mm), _number(one.harm_percent),
             MISSING if one.p_value is None else f"{one.p_value:.1g}",
         ]
         for one in found.findings
@@ -112,10 +112,10 @@ def _table(found: Diagnosis) -> PageTable:
     return PageTable("findings", f"{counted(len(rows), 'mistake')}, the most harmful first.", columns, rows)
 
 
-def _evidence(found: Diagnosis, one: Finding, number: int) -> list[Part]:
+def _evidence(found: Diagnosis, one: Finding, number: int, maker: PageMaker) -> list[Part]:
     """Return what shows a mistake: words, the views over time, pictures with their residuals."""
     harm = harm_words(one)
-    parts: list[Part] = [Prose((one.words, *((harm,) if harm else ()), one.mend))]
+    parts: list[Part] = [Prose(tuple(maker.phrase(words) for words in (one.words, harm, one.mend) if words))]
     model = found.evidence.model
     if model is not None and one.views and set(one.views) <= set(model.views) and one.p_value is not None:
         misfit = np.sqrt(model.view_misfits / 2.0)

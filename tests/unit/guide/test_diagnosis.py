@@ -102,7 +102,8 @@ def test_gains_of_a_good_shoot_follow_chi_square() -> None:
     assert explained(model).found == ()
 
 
-def test_the_size_of_a_move_is_found(angle: float = 0.02) -> None:
+def test_the_size_of_a_move_is_found() -> None:
+    angle = 0.02
     good, dots = mistaken(CheckName.CAMERA_MOVED, angle)
     found = Evidence(good.described, dots).explained
     assert found is not None
