@@ -166,9 +166,8 @@ def labelling(prepared: PreparedCameras, camera: int, target: AnyTarget) -> Labe
     if not (labels.exchanged or labels.turned):
         return None
     bound = LEFT_OF_POSES * first.single.camera.size[0]
-    return (
-        labels if found and explains(float(given.mean()), float(left.mean()), bound, LEFT_OF_POSES) else None
-    )
+    mended = explains(float(given.mean()), float(left.mean()), bound, LEFT_OF_POSES)
+    return labels if mended else None
 
 
 def _better(pair: Pair, labels: Labelling, views: np.ndarray, target: AnyTarget) -> Labelling:

@@ -6,11 +6,15 @@ import numpy as np
 
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
-from labcal.guide.diagnosis.finding import LEAST_HARM, CheckResult, Finding, NotJudged
+from labcal.guide.diagnosis.finding import CheckResult, Finding, NotJudged
 from labcal.guide.diagnosis.forms.explaining import Explanation
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.wording import listed
 
+LEAST_HARM_PERCENT = 3.0
+"""Increase of the expected 3-D error from which on a mistake is reported that residuals show beyond doubt."""
+_REST = 0.05
+"""Share of the largest gain below which another one may be what the linear model leaves of it."""
 _SHOWN = 4
 """Pictures that are named for a finding."""
 
@@ -32,9 +36,10 @@ def residual_findings(
     model, found = evidence.model, evidence.explained
     if model is None or found is None:
         return NotJudged(check, f"Cameras could not be calibrated. {evidence.why_not_alone}".strip())
-    mine = [one for one in found.found if one.hypothesis.check is check and _matters(one)]
+    largest = max((one.gain for one in found.found), default=0.0)
+    mine = [one for one in found.found if one.hypothesis.check is check and _matters(one, largest)]
     by_itself = [one for one in found.by_themselves if one.hypothesis.check is check]
-    others = [one for one in found.found if one.hypothesis.check is not check and _matters(one)]
+    others = [one for one in found.found if one.hypothesis.check is not check and _matters(one, largest)]
     if not mine and by_itself and others:
         best = max(others, key=lambda one: one.gain)
         what, mend = words(model, max(by_itself, key=lambda one: one.gain))
@@ -73,9 +78,13 @@ def view_words(model: ShootModel, one: Explanation) -> str:
     return listed([f"'{model.views[at]}'" for at in one.hypothesis.views])
 
 
-def _matters(one: Explanation) -> bool:
+def _matters(one: Explanation, largest: float) -> bool:
+    """Tell whether an explanation is worth a word: it does harm, and is not the rest of a far larger one.
+
+    Of a large mistake its second order is left, which the linear model does not hold.
+    """
     harm = one.harm_percent
-    return harm is None or harm >= 100.0 * LEAST_HARM
+    return one.gain >= _REST * largest and (harm is None or harm >= LEAST_HARM_PERCENT)
 
 
 def _together(found: list[Explanation]) -> list[Explanation]:

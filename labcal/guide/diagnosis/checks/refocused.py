@@ -20,8 +20,8 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     percent, shift = 100.0 * float(one.size[0]), float(np.linalg.norm(one.size[1:3]))
     return (
         (
-            f"{picture_words(model, one)} was refocused before view '{model.views[first]}': from there on its "
-            f"focal length is {percent:+.2g}% longer, its principal point {shift:.2g} px away."
+            f"{picture_words(model, one)} was refocused before view '{model.views[first]}': from there on "
+            f"its focal length is {percent:+.2g}% longer, its principal point {shift:.2g} px away."
         ),
         (
             "Switch autofocus and image stabilisation off, lock the focus ring, and take the views again, or "

@@ -22,7 +22,7 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
             "rolling shutter read the picture."
         ),
         (
-            "Hold the target still during the exposure, on a support, or use cameras with a global shutter; take "
-            "the views again."
+            "Hold the target still during the exposure, on a support, or use cameras with a global shutter; "
+            "take the views again."
         ),
     )

@@ -17,10 +17,11 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     return (
         (
             f"{picture_words(model, one)} saw the target elsewhere than the other one, in "
-            f"{view_words(model, one)}: it moved between the exposures, or pictures of different moments bear the name of one view."
+            f"{view_words(model, one)}: it moved between the exposures, or pictures of different moments "
+            "bear the name of one view."
         ),
         (
-            "Hold the target still, on a support or with a short exposure, or trigger the cameras together; take "
-            "the views again."
+            "Hold the target still, on a support or with a short exposure, or trigger the cameras together; "
+            "take the views again."
         ),
     )

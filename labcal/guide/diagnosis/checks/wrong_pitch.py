@@ -37,8 +37,8 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     percent = 100.0 * float(one.size[0]) / model.half_side_mm
     return (
         (
-            f"The pitch along x is {percent:+.2g}% off, relative to that along y: the print is stretched, or the "
-            "declared pitches are not those of this board."
+            f"The pitch along x is {percent:+.2g}% off, relative to that along y: the print is stretched, or "
+            "the declared pitches are not those of this board."
         ),
         _MEND,
     )

@@ -61,10 +61,8 @@ class PictureForms:
             for picture, at in run.within():
                 lens, pose, residual = rows[:free, :, at], rows[free : free + POSE, :, at], rows[-1:, :, at]
                 R = end.state.T_world_target[picture.view, :3, :3]
-                place = end.state.dots[dots.dot[picture.rows], :2]
-                shape = _by_shape(
-                    rows[SHIFT, :, at], R, (place - end.state.dots[:, :2].mean(axis=0)) / extent
-                )
+                place = plane[dots.dot[picture.rows]]
+                shape = _by_shape(rows[SHIFT, :, at], R, place)
                 rolled = pose * (predicted[picture.rows] / height - 0.5)
                 # The residual is predicted minus measured: what a parameter adds lies on the same side.
                 all_ = np.concatenate([pose, lens, shape, rolled, residual]).reshape(columns, -1)

@@ -163,7 +163,7 @@ class ShootModel:
     def bias_mm(
         self, found: Fit, without: Fit, noise: float, later: Float64[np.ndarray, " shared"]
     ) -> float | None:
-        """Return the RMS 3-D error of the rig that is calibrated without a term, less what chance makes of it.
+        """Return the RMS 3-D error of a rig that is calibrated without a term, less the part by chance.
 
         Parameters
         ----------
