@@ -1,4 +1,4 @@
-"""Exposure and sharpness of a picture where the target is: the place that knows, for all who judge pictures."""
+"""Exposure and sharpness of a picture where the target is: one place for all who judge pictures."""
 
 from dataclasses import dataclass
 

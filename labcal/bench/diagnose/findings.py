@@ -8,7 +8,7 @@ from labcal.bench.diagnose.case import DiagnosedFigures, DiagnosedShoot, diagnos
 from labcal.bench.diagnose.sizes import LEVELS
 from labcal.bench.groups import Bench, Findings
 from labcal.guide.diagnosis.check_name import CheckName
-from labcal.report.bench import Check, Figure, at_most
+from labcal.report.bench import Figure, at_most
 from labcal.run.cases import run_cases
 
 MISSED, ACCUSED = 0.05, 0.02
@@ -81,7 +81,11 @@ def _by_check(cases: Sequence[DiagnosedShoot], right: Sequence[bool]) -> list[Fi
     figures = []
     for check in CheckName:
         for level in range(LEVELS):
-            of = [good for case, good in zip(cases, right, strict=True) if case.mistakes[0] == (check.value, level)]
+            of = [
+                good
+                for case, good in zip(cases, right, strict=True)
+                if case.mistakes[0] == (check.value, level)
+            ]
             name = f"diagnose, {check.value}, size {level + 1} of {LEVELS}: share named rightly"
             figures.append(Figure(name=name, value=float(np.mean(of))))
     return figures

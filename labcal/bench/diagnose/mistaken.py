@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.bench.diagnose.drawn_shoot import Fault, drawn_shoot
-from labcal.bench.diagnose.held_shoot import PAIRS, HeldShoot, Hand, good_shoot
+from labcal.bench.diagnose.held_shoot import PAIRS, Hand, HeldShoot, good_shoot
 from labcal.bench.diagnose.mistakes import MISLABELLED, MISTAKES
 from labcal.bench.diagnose.simulated_dots import simulated_dots
 from labcal.bench.diagnose.sizes import size_of
@@ -80,9 +80,7 @@ def _held(
     return good_shoot(*rig, views, random, hand, pair)
 
 
-def _drawn(
-    check: CheckName, level: int, of: tuple[HeldShoot, Path], random: np.random.Generator
-) -> Evidence:
+def _drawn(check: CheckName, level: int, of: tuple[HeldShoot, Path], random: np.random.Generator) -> Evidence:
     shoot, folder = of
     size = size_of(check, shoot.kind, level)
     if check is CheckName.WRONG_TARGET:
@@ -109,8 +107,8 @@ def _another(printed: DotGrid, level: int) -> DotGrid:
     """Return a target that is not the printed one: rings elsewhere, or none, or another number of dots."""
     if level == 0 and printed.rings is not None:
         return printed.model_copy(update={"rings": Rings(origin=(2, 3), x=(9, 3), y=(2, 8))})
-    if level == 1:
-        return printed.model_copy(update={"cols": printed.cols + 2, "rows": printed.rows + 1, "rings": None,
-                                          "ring_outer_diameter_mm": None, "ring_inner_diameter_mm": None})  # fmt: skip
-    return printed.model_copy(update={"cols": printed.cols - 1, "rows": printed.rows - 1, "rings": None,
-                                      "ring_outer_diameter_mm": None, "ring_inner_diameter_mm": None})  # fmt: skip
+    cols, rows = (2, 1) if level == 1 else (-1, -1)
+    size = {"cols": printed.cols + cols, "rows": printed.rows + rows}
+    return printed.model_copy(
+        update={**size, "rings": None, "ring_outer_diameter_mm": None, "ring_inner_diameter_mm": None}
+    )

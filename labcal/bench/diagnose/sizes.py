@@ -1,4 +1,4 @@
-"""Sizes of mistakes: the smallest one just above what harms 3-D by 20%, found by simulation, and larger ones."""
+"""Sizes of mistakes: the smallest just above what harms 3-D by 20%, by simulation, and larger ones."""
 
 from collections.abc import Mapping
 

@@ -37,7 +37,9 @@ def check(evidence: Evidence) -> CheckResult:
 
 def _usual(looked: list[Looked]) -> float:
     """Return the width of edges that a camera's sharper pictures have, px."""
-    widths = [look.edge_width_px for _, _, look in looked if np.isfinite(look.edge_width_px) and not look.burnt]
+    widths = [
+        look.edge_width_px for _, _, look in looked if np.isfinite(look.edge_width_px) and not look.burnt
+    ]
     return float(np.percentile(widths, _SHARP)) if widths else float("nan")
 
 
@@ -54,7 +56,7 @@ def _of_camera(evidence: Evidence, camera: str, usual: dict[str, float]) -> tupl
     moved = [angle for angle in directions if angle is not None]
     width = float(np.nanmedian([one[2].edge_width_px for one in faulty]))
     words = (
-        f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}' are blurred: edges of dots are "
+        f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}' are blurred: edges are "
         f"{width:.1f} px wide, where {own:.1f} px is usual."
     )
     if len(moved) > 0.5 * len(faulty):
@@ -63,7 +65,9 @@ def _of_camera(evidence: Evidence, camera: str, usual: dict[str, float]) -> tupl
     elif len(faulty) == len(looked):
         mend = "Focus the camera on the target and fix the focus, then take all views again."
     else:
-        mend = "Keep the target within the depth of field (or close the aperture), and take these views again."
+        mend = (
+            "Keep the target within the depth of field (or close the aperture), and take these views again."
+        )
     sound = [one[2] for one in looked if one not in faulty]
     harm = noise_increase([one[2] for one in faulty], sound, float(np.sqrt(max(1.0, width / own)) - 1.0))
     return (picture_finding(evidence, CheckName.BLURRED, (camera, faulty), (words, mend), harm),)
