@@ -1,4 +1,4 @@
-"""Exposure and sharpness of a picture where the target is: the place that knows, for all who judge pictures."""
+"""Exposure and sharpness of a picture where the target is: one place for all who judge pictures."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,9 @@ from labcal.detect.flags import DotFlag, Refusal
 from labcal.shoot.quality import edge_directions, picture_quality, saturated
 
 _PAPER, _INK = 90.0, 5.0
-"""Percentiles of the levels between the dots, and of those within."""
+"""Percentiles of the levels of paper and ink where the target is."""
+_LIGHTEST, _DARKEST = 99.0, 1.0
+"""The same where the target is a part of the picture that is not known."""
 _AROUND_PX = 8
 _LEAST = 3
 """Dots that span an area."""
@@ -63,8 +65,7 @@ class PictureLook:
     @property
     def dark(self) -> bool:
         """True if ink and paper hardly differ."""
-        lost = self.refusal is not None and self.paper < 0.5  # noqa: PLR2004 -- half of the range
-        return self.paper - self.ink < (_SMALL_CONTRAST if self.refusal and not lost else FLAT)
+        return self.paper - self.ink < (FLAT if self.refusal is None else _SMALL_CONTRAST)
 
     @property
     def motion_deg(self) -> float | None:
@@ -100,7 +101,8 @@ def look_at(picture: Shaped[np.ndarray, "*shape"], dots: PictureDots) -> Picture
     quality = picture_quality(part)
     levels = part if part.ndim == 2 else part.mean(axis=-1)  # noqa: PLR2004 -- grey
     full = float(np.iinfo(part.dtype).max) if np.issubdtype(part.dtype, np.integer) else 1.0
-    ink, paper = np.percentile(levels[inside], [_INK, _PAPER]) / full
+    ranks = [_DARKEST, _LIGHTEST] if part is picture else [_INK, _PAPER]
+    ink, paper = np.percentile(levels[inside], ranks) / full
     ok = dots.ok
     sigma = np.sqrt(np.trace(dots.covariance[ok], axis1=1, axis2=2) / 2.0) if ok.any() else np.array([np.nan])
     spoilt = float(np.mean([flag is DotFlag.SATURATED for flag in dots.flag])) if dots.flag else 0.0

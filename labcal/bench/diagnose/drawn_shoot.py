@@ -46,7 +46,9 @@ class Fault:
         return self if picture.camera == self.camera and picture.view in self.views else Fault()
 
 
-def drawn_shoot(shoot: HeldShoot, fault: Fault, folder: Path, random: np.random.Generator) -> list[Measurement]:
+def drawn_shoot(
+    shoot: HeldShoot, fault: Fault, folder: Path, random: np.random.Generator
+) -> list[Measurement]:
     """Draw all pictures into a folder, and return what the detector measures in them.
 
     Parameters

@@ -14,9 +14,7 @@ _POINTS = 200
 LENS = "brown5"
 
 
-def measured_error(
-    shoot: HeldShoot, dots: Detections, random: np.random.Generator
-) -> float:
+def measured_error(shoot: HeldShoot, dots: Detections, random: np.random.Generator) -> float:
     """Return the RMS 3-D error of points over the pair's volume, mm; NaN where no calibration is made.
 
     Points are seen by the cameras as they were first, with the noise of the shoot, and are brought onto the

@@ -112,7 +112,12 @@ class HeldShoot:
 
 
 def good_shoot(
-    kind: str, layout: str, views: int, random: np.random.Generator, hand: Hand | None = None
+    kind: str,
+    layout: str,
+    views: int,
+    random: np.random.Generator,
+    hand: Hand | None = None,
+    pair: PairKind | None = None,
 ) -> HeldShoot:
     """Return a shoot of a pair.
 
@@ -126,8 +131,10 @@ def good_shoot(
     random : numpy.random.Generator
     hand : Hand, optional
         As in a good shoot where not given.
+    pair : PairKind, optional
+        With another board.
     """
-    pair = PAIRS[kind]
+    pair = pair or PAIRS[kind]
     target = pair.target()
     if layout != TARGETS[0]:
         target = target.model_copy(

@@ -97,7 +97,7 @@ def swapped_cameras(dots: Detections, share: float, random: np.random.Generator)
 
 
 def turned_target(dots: Detections, share: float, random: np.random.Generator) -> Detections:
-    """Number the dots from the other corner in one camera, in a share of the views, one at least."""
+    """Return dots that one camera numbers from the other corner, in a share of the views, one at least."""
     chosen = np.isin(dots.view, _some_views(dots, share, random)) & (dots.camera == CAMERAS[1])
     last = dots.index.max(axis=0)
     return replace(dots, index=np.where(chosen[:, None], last - dots.index, dots.index))

@@ -41,7 +41,11 @@ def noise_increase(faulty: Sequence[PictureLook], sound: Sequence[PictureLook], 
 
 
 def picture_finding(
-    evidence: Evidence, check: CheckName, of: tuple[str, Sequence[Looked]], words: tuple[str, str], harm: float
+    evidence: Evidence,
+    check: CheckName,
+    of: tuple[str, Sequence[Looked]],
+    words: tuple[str, str],
+    harm: float,
 ) -> Finding:
     """Return the finding for a camera.
 

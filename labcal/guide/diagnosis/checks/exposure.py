@@ -21,8 +21,14 @@ def _of_camera(evidence: Evidence, camera: str) -> tuple[Finding, ...]:
     looked = looks_of(evidence, camera)
     found = []
     for burnt, mend in (
-        (True, "Shorten the exposure or dim the light, so that the bare paper is at three quarters of the range."),
-        (False, "Lengthen the exposure or add light, so that the bare paper is at three quarters of the range."),
+        (
+            True,
+            "Shorten the exposure or dim the light until the bare paper is at three quarters of the range.",
+        ),
+        (
+            False,
+            "Lengthen the exposure or add light until the bare paper is at three quarters of the range.",
+        ),
     ):
         faulty = [one for one in looked if (one[2].burnt if burnt else one[2].dark and not one[2].burnt)]
         if not faulty:
@@ -30,7 +36,9 @@ def _of_camera(evidence: Evidence, camera: str) -> tuple[Finding, ...]:
         faulty.sort(key=lambda one: (-one[2].burnt_share, one[2].paper))
         sound = [one[2] for one in looked if one[2].exposure_words is None]
         worst = faulty[0][2].exposure_words
-        words = f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}': the worst is {worst}."
+        words = (
+            f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}': the worst is {worst}."
+        )
         harm = noise_increase([one[2] for one in faulty], sound, _DARK_HARM)
         found.append(picture_finding(evidence, CheckName.EXPOSURE, (camera, faulty), (words, mend), harm))
     return tuple(found)

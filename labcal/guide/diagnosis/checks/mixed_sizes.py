@@ -31,7 +31,7 @@ def _of_camera(evidence: Evidence, name: str) -> tuple[Finding, ...]:
     odd = [key for key, size in pictures.items() if size != usual]
     sizes = ", ".join(f"{counted(count, 'picture')} of {w} x {h}" for (w, h), count in others)
     turned = all((h, w) == usual for (w, h), _ in others)
-    alike = all(abs(w / h - usual[0] / usual[1]) < 0.01 * w / h for (w, h), _ in others)  # noqa: PLR2004
+    alike = all(abs(w / h - usual[0] / usual[1]) < 0.01 * w / h for (w, h), _ in others)
     if turned:
         why = "They are turned by a quarter: switch off the camera's automatic rotation, and turn them back."
     elif alike:

@@ -16,12 +16,14 @@ def check(evidence: Evidence) -> CheckResult:
     if open_ is not None or found is None:
         return open_ or ()
     words = (
-        f"The target does not go over the whole picture: {listed(_shares(evidence))}. Where no dot was, the "
-        f"lens is not known: over all that the cameras see the expected 3-D error is {found.now:.2g} mm, and "
-        f"with views in all places {found.spread:.2g} mm.",
         (
-            "Take views with the target in every corner and at every edge of both pictures, near and far; or "
-            "measure only where the target has been."
+            f"The target does not go over the whole picture: {listed(_shares(evidence))}. Where no dot was, "
+            f"the lens is not known: over all that the cameras see the expected 3-D error is {found.now:.2g} "
+            f"mm, and with views in all places {found.spread:.2g} mm."
+        ),
+        (
+            "Take views with the target in every corner and at every edge of both pictures; or measure only "
+            "where the target has been."
         ),
     )
     return lacking(evidence, CheckName.POOR_COVERAGE, found.by_places, words, found)

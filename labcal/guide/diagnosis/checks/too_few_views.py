@@ -19,10 +19,12 @@ def check(evidence: Evidence) -> CheckResult:
     if open_ is not None or found is None:
         return open_ or ()
     words = (
-        f"The cameras are calibrated from {counted(found.views, 'view')}: the expected 3-D error is "
-        f"{found.now:.2g} mm, and would be {found.enough:.2g} mm from {ENOUGH_VIEWS} good ones.",
         (
-            f"Take at least {ENOUGH_VIEWS} views, in which the target is tilted to all sides and goes into all "
+            f"The cameras are calibrated from {counted(found.views, 'view')}: the expected 3-D error is "
+            f"{found.now:.2g} mm, and would be {found.enough:.2g} mm from {ENOUGH_VIEWS} good ones."
+        ),
+        (
+            f"Take at least {ENOUGH_VIEWS} views, with the target tilted to all sides and in all "
             "corners of both pictures."
         ),
     )

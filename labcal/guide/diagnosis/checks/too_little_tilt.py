@@ -10,8 +10,8 @@ from labcal.guide.diagnosis.support.frontal import change_of_scale
 from labcal.guide.diagnosis.support.judged_support import lacking, why_not
 
 _MEND = (
-    "Take views in which the target is tilted by 20 to 40 degrees: its top, its bottom, its left and its right "
-    "side away from the cameras in turn."
+    "Take views in which the target is tilted by 20 to 40 degrees: its top, its bottom, its left and its "
+    "right side away from the cameras in turn."
 )
 _FRONTAL = 0.03
 """Change of scale over the target up to which a picture shows no tilt."""
@@ -29,9 +29,11 @@ def check(evidence: Evidence) -> CheckResult:
     mean = normals.mean(axis=0) / np.linalg.norm(normals.mean(axis=0))
     away = np.degrees(np.arccos(np.clip(normals @ mean, -1.0, 1.0)))
     words = (
-        f"The target is hardly tilted: half of the views are within {np.median(away):.2g} degrees of one "
-        f"direction. Tilted views would bring the expected 3-D error from {found.now:.2g} mm to "
-        f"{found.tilted:.2g} mm.",
+        (
+            f"The target is hardly tilted: half of the views are within {np.median(away):.2g} degrees of one "
+            f"direction. Tilted views would bring the expected 3-D error from {found.now:.2g} mm to "
+            f"{found.tilted:.2g} mm."
+        ),
         _MEND,
     )
     return lacking(evidence, CheckName.TOO_LITTLE_TILT, found.by_tilt, words, found)

@@ -131,7 +131,9 @@ def _cameras(rig: Rig) -> tuple[Camera, ...]:
 def _seen_volume(cameras: tuple[Camera, ...], places: Vectors3) -> Float64[np.ndarray, "points 3"]:
     """Return points on a grid of the first picture, at distances of the target, that all cameras see."""
     first = cameras[0]
-    low, median, high = np.quantile(places @ first.T_cam_world[2, :3] + first.T_cam_world[2, 3], [0.1, 0.5, 0.9])
+    low, median, high = np.quantile(
+        places @ first.T_cam_world[2, :3] + first.T_cam_world[2, 3], [0.1, 0.5, 0.9]
+    )
     depths = min(low, (1.0 - _DEPTH) * median), max(high, (1.0 + _DEPTH) * median)
     width, height = first.size
     u, v = (
