@@ -104,7 +104,8 @@ def _table(found: Diagnosis, maker: PageMaker) -> PageTable:
     ]  # fmt: skip
     rows = [
         [
-            one.check.value, maker.phrase(one.words), maker.phrase(one.mend), _number(one.harm_mm), _number(one.harm_percent),
+            one.check.value, maker.phrase(one.words), maker.phrase(one.mend),
+            _number(one.harm_mm), _number(one.harm_percent),
             MISSING if one.p_value is None else f"{one.p_value:.1g}",
         ]
         for one in found.findings

@@ -62,7 +62,7 @@ class SupportedRig:
     rig: Rig
     dots: Vectors3
     noise_px: tuple[float, ...]
-    volume: Vectors3
+    volume: Float64[np.ndarray, "points 3"]
 
     @classmethod
     def of(cls, found: HandheldCalibration) -> "SupportedRig":
