@@ -39,11 +39,11 @@ class UsualEdges:
         """Tell whether a picture is blurred; edges of burnt-out and dark ones do not tell."""
         if look.refusal is Refusal.BLURRED:
             return True
-        return not look.burnt and not look.dark and bool(look.edge_width_px > self.limit_px)
+        return not look.burnt and not look.dark and bool(look.widest_px > self.limit_px)
 
     def words(self, look: PictureLook) -> str:
         """Return what is wrong with a blurred picture."""
-        width = f"{look.edge_width_px:.1f} px" if np.isfinite(look.edge_width_px) else "as much as dots"
+        width = f"{look.widest_px:.1f} px" if np.isfinite(look.widest_px) else "as much as dots"
         return f"blurred: edges are {width} wide, where {self.width_px:.1f} px is usual"
 
 
@@ -56,7 +56,7 @@ def usual_edges(looks: Mapping[str, Sequence[PictureLook]]) -> dict[str, UsualEd
         By camera.
     """
     widths = {
-        name: [one.edge_width_px for one in of if np.isfinite(one.edge_width_px) and not one.burnt]
+        name: [one.widest_px for one in of if np.isfinite(one.widest_px) and not one.burnt]
         for name, of in looks.items()
     }
     own = {name: float(np.percentile(of, _SHARP)) for name, of in widths.items() if of}

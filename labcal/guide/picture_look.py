@@ -21,6 +21,8 @@ BURNT_SHARE = 0.01
 """Share of the target at full scale from which on edges of dots are cut off."""
 FLAT = 0.3
 """Contrast between paper and ink, as a share of full scale, below which noise of dots counts."""
+_BRIGHT = 0.6
+"""Level of paper that is not dark."""
 _SMALL_CONTRAST = 0.12
 """Contrast of a refused picture below which darkness is the reason."""
 MOTION = 1.5
@@ -65,7 +67,16 @@ class PictureLook:
     @property
     def dark(self) -> bool:
         """True if ink and paper hardly differ."""
-        return self.paper - self.ink < (FLAT if self.refusal is None else _SMALL_CONTRAST)
+        contrast = FLAT if self.refusal is None else _SMALL_CONTRAST
+        return (
+            self.paper < _BRIGHT and self.paper - self.ink < contrast
+        )  # a blur makes bright paper flat, too
+
+    @property
+    def widest_px(self) -> float:
+        """Width of the edges of the direction in which they are widest; NaN where there are none."""
+        known = [*self.directions_px[np.isfinite(self.directions_px)].tolist(), self.edge_width_px]
+        return float(max(known)) if np.isfinite(self.edge_width_px) else float("nan")
 
     @property
     def motion_deg(self) -> float | None:

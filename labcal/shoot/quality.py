@@ -82,14 +82,49 @@ def edge_directions(picture: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray
     ----------
     picture : ndarray, shape (h, w) or (h, w, 3)
     """
-    steepness, angle = _strong_edges(_grey(picture))
-    bins = np.round(angle / (np.pi / _DIRECTIONS)).astype(np.int64) % _DIRECTIONS
+    edges = _Edges.of(_grey(picture))
+    if edges is None:
+        return np.full(_DIRECTIONS, np.nan)
+    bins = np.round(edges.angle / (np.pi / _DIRECTIONS)).astype(np.int64) % _DIRECTIONS
     widths = np.full(_DIRECTIONS, np.nan)
     for direction in range(_DIRECTIONS):
-        of = steepness[bins == direction]
+        of = edges.steepness(bins == direction)
         if len(of) >= _FEWEST_EDGES:
             widths[direction] = 1.0 / np.median(of)
     return widths
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """Gradients of a picture without its border: values, angles, crests, and the contrast around."""
+
+    gradient: Float32[np.ndarray, "h w"]
+    angle: Float32[np.ndarray, "h w"]
+    crest: Bool[np.ndarray, "h w"]
+    contrast: Float32[np.ndarray, "h w"]
+
+    @classmethod
+    def of(cls, grey: Float32[np.ndarray, "rows columns"]) -> "_Edges | None":
+        if min(grey.shape) <= _WINDOW:
+            return None
+        x = (grey[1:-1, 2:] - grey[1:-1, :-2]) / 2
+        y = (grey[2:, 1:-1] - grey[:-2, 1:-1]) / 2
+        gradient = np.hypot(x, y)
+        window = np.ones((_WINDOW, _WINDOW), dtype=np.uint8)
+        # Smoothed, since the extremes of noise are no contrast.
+        smooth = cv2.blur(grey, (3, 3))
+        contrast = (cv2.dilate(smooth, window) - cv2.erode(smooth, window))[1:-1, 1:-1]
+        crest = gradient >= cv2.dilate(gradient, np.ones((3, 3), dtype=np.uint8))
+        return cls(gradient, np.arctan2(y, x), crest, contrast)
+
+    def steepness(self, among: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, " n"]:
+        """Return the steepness of the strong edges among some pixels, 1/px."""
+        if not among.any():
+            return np.zeros(0, dtype=np.float32)
+        strong = among & self.crest & (self.gradient > 0)
+        strong &= self.gradient >= np.percentile(self.gradient[among], _STRONG) / 2
+        strong &= self.contrast > _ABOVE_NOISE * float(np.median(self.gradient))
+        return np.asarray(self.gradient[strong] / self.contrast[strong])
 
 
 def _grey(picture: Shaped[np.ndarray, "*shape"]) -> Float32[np.ndarray, "h w"]:
@@ -103,24 +138,6 @@ def _grey(picture: Shaped[np.ndarray, "*shape"]) -> Float32[np.ndarray, "h w"]:
 
 def _sharpness(grey: Float32[np.ndarray, "h w"]) -> float:
     """Return the steepness of strong edges, 1/px."""
-    steepness, _ = _strong_edges(grey)
+    edges = _Edges.of(grey)
+    steepness = edges.steepness(np.ones_like(edges.crest)) if edges is not None else np.zeros(0)
     return float(np.median(steepness)) if len(steepness) else float("nan")
-
-
-def _strong_edges(
-    grey: Float32[np.ndarray, "h w"],
-) -> tuple[Float32[np.ndarray, " n"], Float32[np.ndarray, " n"]]:
-    """Return the steepness (1/px) of strong edges and the angle of their gradient (rad)."""
-    if min(grey.shape) <= _WINDOW:
-        return np.zeros(0, dtype=np.float32), np.zeros(0, dtype=np.float32)
-    x = (grey[1:-1, 2:] - grey[1:-1, :-2]) / 2
-    y = (grey[2:, 1:-1] - grey[:-2, 1:-1]) / 2
-    gradient = np.hypot(x, y)
-    window = np.ones((_WINDOW, _WINDOW), dtype=np.uint8)
-    # Smoothed, since the extremes of noise are no contrast.
-    smooth = cv2.blur(grey, (3, 3))
-    contrast = (cv2.dilate(smooth, window) - cv2.erode(smooth, window))[1:-1, 1:-1]
-    crest = gradient >= cv2.dilate(gradient, np.ones((3, 3), dtype=np.uint8))
-    strong = crest & (gradient > 0) & (gradient >= np.percentile(gradient, _STRONG) / 2)
-    strong &= contrast > _ABOVE_NOISE * float(np.median(gradient))
-    return np.asarray(gradient[strong] / contrast[strong]), np.asarray(np.arctan2(y[strong], x[strong]))

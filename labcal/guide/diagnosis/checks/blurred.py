@@ -29,9 +29,9 @@ def _of_camera(evidence: Evidence, camera: str, usual: UsualEdges) -> tuple[Find
     faulty = [one for one in looked if usual.is_blurred(one[2])]
     if not faulty:
         return ()
-    faulty.sort(key=lambda one: -np.nan_to_num(one[2].edge_width_px, nan=np.inf))
+    faulty.sort(key=lambda one: -np.nan_to_num(one[2].widest_px, nan=np.inf))
     moved = [one for one in faulty if one[2].motion_deg is not None]
-    widths = [one[2].edge_width_px for one in faulty if np.isfinite(one[2].edge_width_px)]
+    widths = [one[2].widest_px for one in faulty if np.isfinite(one[2].widest_px)]
     width = float(np.median(widths)) if widths else usual.limit_px
     words = (
         f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}' are blurred: edges are "

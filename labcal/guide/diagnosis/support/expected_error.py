@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.arrays import Mask, Pixels, Pose, Vectors3
+from labcal.arrays import Mask, Pixels, Pose
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.prior_term import LensPrior
 from labcal.calibrate.adjustment.problem import AdjustmentProblem
@@ -60,7 +60,7 @@ class SupportedRig:
     """
 
     rig: Rig
-    dots: Vectors3
+    dots: Float64[np.ndarray, "dots 3"]
     noise_px: tuple[float, ...]
     volume: Float64[np.ndarray, "points 3"]
 
@@ -128,7 +128,9 @@ def _cameras(rig: Rig) -> tuple[Camera, ...]:
     return tuple(rig.camera(name) for name in rig.cameras)
 
 
-def _seen_volume(cameras: tuple[Camera, ...], places: Vectors3) -> Float64[np.ndarray, "points 3"]:
+def _seen_volume(
+    cameras: tuple[Camera, ...], places: Float64[np.ndarray, "places 3"]
+) -> Float64[np.ndarray, "points 3"]:
     """Return points on a grid of the first picture, at distances of the target, that all cameras see."""
     first = cameras[0]
     low, median, high = np.quantile(
