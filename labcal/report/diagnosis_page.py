@@ -28,6 +28,7 @@ _ORDER = (
 _ARROWS = "Arrows are residuals of the dots, predicted minus measured, where all views share one rig."
 _MISFIT = "RMS residuals of each view in units of their expected size, where all views share one rig."
 _MOST_PICTURES = 2
+_SHOWN_CHANCE = 1e-99
 
 
 def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
@@ -106,7 +107,7 @@ def _table(found: Diagnosis, maker: PageMaker) -> PageTable:
         [
             one.check.value, maker.phrase(one.words), maker.phrase(one.mend),
             _number(one.harm_mm), _number(one.harm_percent),
-            MISSING if one.p_value is None else f"{one.p_value:.1g}",
+            _chance(one.p_value),
         ]
         for one in found.findings
     ]  # fmt: skip
@@ -147,6 +148,12 @@ def _photographs(found: Diagnosis, one: Finding, number: int) -> list[Part]:
                     q, residual = of.q[rows], of.residual[rows]
         parts.append(Photograph(f"picture-{number}-{at}", path, q, residual, title))
     return parts
+
+
+def _chance(p_value: float | None) -> str:
+    if p_value is None:
+        return MISSING
+    return f"{p_value:.1g}" if p_value > _SHOWN_CHANCE else f"< {_SHOWN_CHANCE:.0e}"
 
 
 def _number(value: float | None) -> str:
