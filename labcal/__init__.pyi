@@ -30,6 +30,7 @@ from .evaluate.acceptance.reference_lengths import ReferenceLengths as Reference
 from .evaluate.against_truth import TruthErrors as TruthErrors
 from .evaluate.comparison.rig_comparison import RigComparison as RigComparison
 from .evaluate.own_lengths import LengthErrors as LengthErrors
+from .guide.diagnosis.diagnosis import Diagnosis as Diagnosis
 from .guide.rehearsal.catalogue import load_rig_plan as load_rig_plan
 from .guide.rehearsal.rehearsal import Rehearsal as Rehearsal
 from .guide.rehearsal.rig_plan import RigPlan as RigPlan
@@ -37,6 +38,7 @@ from .guide.rig_check import RigCheck as RigCheck
 from .pipeline.acceptance import certify as certify
 from .pipeline.check import check as check
 from .pipeline.comparison import compare as compare
+from .pipeline.diagnosis import diagnose as diagnose
 from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .pipeline.rehearsal import rehearse as rehearse

@@ -57,6 +57,7 @@ VERBS = {
     "measure": "points in space from named pixels, in a frame of one's own",
     "evaluate": "errors of points in millimetres",
     "check": "whether a calibration is still valid, and what changed",
+    "diagnose": "what is wrong with a shoot, and how to mend it",
     "certify": "an acceptance test by known lengths, with a certificate",
     "compare": "how two calibrations differ, in pixels and in millimetres",
     "rehearse": "the errors to expect of a planned rig, before anything is bought",

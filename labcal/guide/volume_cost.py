@@ -52,7 +52,20 @@ class Volume:
         noise : ndarray, shape (2, 2)
             Covariance of a pixel, px squared.
         """
-        dots = np.concatenate([transform(T, state.dots) for T in state.T_world_target])
+        places = np.concatenate([transform(T, state.dots) for T in state.T_world_target])
+        return cls.around(rig, places, noise)
+
+    @classmethod
+    def around(cls, rig: Rig, dots: Vectors3, noise: Float64[np.ndarray, "2 2"]) -> "Volume | None":
+        """Return the volume around points in the world, mm; None if no two cameras see any of it.
+
+        Parameters
+        ----------
+        rig : Rig
+        dots : ndarray, shape (n, 3)
+        noise : ndarray, shape (2, 2)
+            Covariance of a pixel, px squared.
+        """
         low, high = dots.min(axis=0), dots.max(axis=0)
         axes = [np.linspace(first, last, _STEPS) for first, last in zip(low, high, strict=True)]
         grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)

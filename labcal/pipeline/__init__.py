@@ -19,6 +19,7 @@ from labcal.pipeline.capturing import capture
 from labcal.pipeline.check import check
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
+from labcal.pipeline.diagnosis import diagnose
 from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
@@ -86,6 +87,7 @@ __all__ = [
     "detect",
     "detect_settings",
     "detections_of",
+    "diagnose",
     "epipolar_rms",
     "estimators_of",
     "evaluate",

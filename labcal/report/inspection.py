@@ -1,7 +1,7 @@
 """A shoot at a glance: exposure, sharpness and dots of every picture, drawn on one contact sheet."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,8 @@ from labcal.correspond.measure import Measurement, detections_of
 from labcal.correspond.picture_set import PictureSet
 from labcal.correspond.refused_pictures import shared_reasons
 from labcal.extras import optional_module
+from labcal.guide.picture_blur import usual_edges
+from labcal.guide.picture_look import PictureLook, look_at
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.report.columns import name_column
@@ -45,6 +47,8 @@ class InspectedPicture:
     dots: int
     reason: str | None
     """Reason why the picture has no ids; null if it has."""
+    doubt: str | None = None
+    """What is wrong with exposure or sharpness where the target is, in words; null if nothing is."""
 
 
 @dataclass(frozen=True)
@@ -156,12 +160,14 @@ def inspection(
     aspect = max(height / width for width, height in sizes.values())
     layout = plan_layout(len(measurements), len(sizes), aspect)
     progress.start("drawing", len(measurements))
-    inspected, tiles = [], []
+    inspected, tiles, looks = [], [], list[PictureLook | None]()
     for found in measurements:  # one picture in memory at a time
-        picture, tile = _inspect(found, pictures.roles.get(found.source.view), target.count, layout)
+        picture, tile, look = _inspect(found, pictures.roles.get(found.source.view), target.count, layout)
         inspected.append(picture)
         tiles.append(tile)
+        looks.append(look)
         progress.advance()
+    inspected = _doubted(inspected, looks)
     coverages, cameras = [], {}
     for name, size in sizes.items():
         cells = coverage(detections, name, size)
@@ -179,8 +185,8 @@ def inspection(
 
 def _inspect(
     found: Measurement, role: str | None, expected: int, layout: SheetLayout
-) -> tuple[InspectedPicture, SheetTile]:
-    """Return what there is to say of one picture, and its tile."""
+) -> tuple[InspectedPicture, SheetTile, PictureLook | None]:
+    """Return what there is to say of one picture, its tile, and its look."""
     source = found.source
     count = 0 if found.dots is None else int(found.dots.ok.sum())
     first = f"{source.view}  {source.camera}" + (f"  ({role})" if role else "")
@@ -188,7 +194,7 @@ def _inspect(
         unread = InspectedPicture(
             source.image, source.view, source.camera, role, None, None, None, 0, found.reason
         )
-        return unread, SheetTile(None, (first, found.reason or ""), refused=True)
+        return unread, SheetTile(None, (first, found.reason or ""), refused=True), None
     picture = source.read()
     quality = picture_quality(picture)
     inspected = InspectedPicture(
@@ -206,7 +212,26 @@ def _inspect(
     dots = f"{count} of {expected} dots, edges {quality.edge_width_px:.1f} px wide"
     last = dots if found.reason is None else found.reason
     thumbnail = marked_thumbnail(picture, found.dots, layout.box)
-    return inspected, SheetTile(thumbnail, (first, exposure, last), refused=not found.indexed)
+    tile = SheetTile(thumbnail, (first, exposure, last), refused=not found.indexed)
+    return inspected, tile, look_at(picture, found.dots)
+
+
+def _doubted(
+    inspected: Sequence[InspectedPicture], looks: Sequence[PictureLook | None]
+) -> list[InspectedPicture]:
+    """Return the pictures with what is wrong with their exposure and sharpness."""
+    of: dict[str, list[PictureLook]] = {}
+    for picture, look in zip(inspected, looks, strict=True):
+        if look is not None:
+            of.setdefault(picture.camera, []).append(look)
+    usual = usual_edges(of)
+    doubted = []
+    for picture, look in zip(inspected, looks, strict=True):
+        doubt = None if look is None else look.exposure_words
+        if look is not None and doubt is None and usual[picture.camera].is_blurred(look):
+            doubt = usual[picture.camera].words(look)
+        doubted.append(replace(picture, doubt=doubt))
+    return doubted
 
 
 def inspection_table(result: InspectResult, expected: int) -> Table:
@@ -214,6 +239,7 @@ def inspection_table(result: InspectResult, expected: int) -> Table:
     shared = shared_reasons([(one.image, one.reason) for one in result.pictures if one.reason is not None])
     words = [reason.words for reason in shared]
     cameras = "; ".join(f"{name}: {camera.coverage:.0%}" for name, camera in result.cameras.items())
+    words += [f"{one.view} {one.camera}: {one.doubt}" for one in result.pictures if one.doubt is not None]
     caption = f"{result.sheet}\nshare of the picture where dots were found: {cameras}"
     table = Table(
         name_column("view"),

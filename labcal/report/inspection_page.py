@@ -23,10 +23,8 @@ from labcal.wording import counted, listed
 _JPEG_QUALITY = 72
 _MOST_PIXELS = 1.2e7
 """Of all pictures together, so that the page stays below 10 MB."""
-_BURNT = 0.01
-"""Share of pixels at full scale from which on a picture is worth a word."""
-_SOFT = 0.6
-"""Of the usual sharpness of its camera, below which a picture is worth a word."""
+_WORTH_WORDS = 8
+"""Pictures of which the page says at its top what is wrong; the table says it of all."""
 _COVERED = 0.4
 """Share of a camera's picture with dots, below which most of its lens is not seen."""
 
@@ -70,18 +68,9 @@ _TILES = "Measured dots are green, and red is at full scale. A red frame means t
 
 def _remarks(found: Inspection) -> list[str]:
     """Return what is worth a word, by the limits of this file."""
-    remarks = []
-    burnt = [_named(one) for one in found.pictures if (one.saturated_share or 0.0) > _BURNT]
-    if burnt:
-        remarks.append(
-            f"burnt out in more than {100 * _BURNT:g}% of the pixels: {listed(burnt)}. Expose less."
-        )
-    soft = [_named(one) for name in found.cameras for one in _soft(found.pictures, name)]
-    if soft:
-        remarks.append(
-            f"less sharp than the others of the same camera: {listed(soft)}. The target moved, or was out of "
-            "focus."
-        )
+    remarks = [f"{_named(one)}: {one.doubt}." for one in found.pictures if one.doubt is not None][
+        :_WORTH_WORDS
+    ]
     coverages = {name: camera.coverage for name, camera in found.cameras.items()}
     bare = [f"{name} ({share:.0%})" for name, share in coverages.items() if share < _COVERED]
     if bare:
@@ -89,15 +78,6 @@ def _remarks(found: Inspection) -> list[str]:
             f"dots cover little of the picture of {listed(bare)}. Take views with dots up to the corners."
         )
     return remarks
-
-
-def _soft(pictures: Sequence[InspectedPicture], camera: str) -> list[InspectedPicture]:
-    """Return the pictures of a camera that are far less sharp than is usual."""
-    known = [one for one in pictures if one.camera == camera and one.sharpness is not None]
-    if not known:
-        return []
-    usual = float(np.median([one.sharpness for one in known if one.sharpness is not None]))
-    return [one for one in known if one.sharpness is not None and one.sharpness < _SOFT * usual]
 
 
 def _named(one: InspectedPicture) -> str:
@@ -155,6 +135,7 @@ def _table(pictures: Sequence[InspectedPicture]) -> PageTable:
         Column("at full scale", meaning="Share of pixels"),
         Column("sharpness, 1/px", meaning="Contrast of strong edges per pixel"),
         Column("dots"),
+        Column("doubt", Side.WIDE),
         Column("refused because", Side.WIDE),
     ]
     rows = [
@@ -166,6 +147,7 @@ def _table(pictures: Sequence[InspectedPicture]) -> PageTable:
             MISSING if one.saturated_share is None else f"{one.saturated_share:.2%}",
             MISSING if one.sharpness is None else f"{one.sharpness:.3f}",
             str(one.dots),
+            one.doubt or "",
             one.reason or "",
         ]
         for one in pictures
@@ -179,6 +161,7 @@ def _table(pictures: Sequence[InspectedPicture]) -> PageTable:
         "saturated_share",
         "sharpness",
         "dots",
+        "doubt",
         "reason",
     )
     lines = [[getattr(one, name) for name in header] for one in pictures]

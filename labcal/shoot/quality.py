@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float32, Shaped
+from jaxtyping import Bool, Float32, Float64, Shaped
 
 _WINDOW = 15  # px: an edge's two sides lie within, unless it is blurred by more than some 4 px
 _STRONG = 99.5  # percentile of the gradient that counts as a strong edge
 _ABOVE_NOISE = 8.0  # contrast of an edge over the usual gradient between pixels
+_DIRECTIONS = 4
+_FEWEST_EDGES = 20
 
 
 @dataclass(frozen=True)
@@ -51,11 +53,7 @@ def picture_quality(picture: Shaped[np.ndarray, "*shape"]) -> PictureQuality:
     picture : ndarray, shape (h, w) or (h, w, 3)
         uint8, uint16, or float with full scale at 1.
     """
-    full = _full_scale(picture)
-    # Green counts twice, so that the order of the colours does not matter.
-    weights = np.array([0.25, 0.5, 0.25], dtype=np.float32) / full
-    levels = picture / full if picture.ndim == 2 else picture @ weights  # noqa: PLR2004 - grey
-    grey = np.nan_to_num(levels).astype(np.float32)
+    grey = _grey(picture)
     return PictureQuality(
         median_level=float(np.median(grey)),
         saturated_share=float(saturated(picture).mean()),
@@ -74,20 +72,72 @@ def _full_scale(picture: np.ndarray) -> float:
     return float(np.iinfo(picture.dtype).max) if np.issubdtype(picture.dtype, np.integer) else 1.0
 
 
+def edge_directions(picture: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray, "4"]:
+    """Return the widths of strong edges (px) by the direction in which they rise; NaN where there are few.
+
+    Directions are 0, 45, 90 and 135 degrees from the rows, each with 22.5 degrees to both sides. Defocus
+    makes edges of all directions as wide; motion only those that it crosses.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (h, w) or (h, w, 3)
+    """
+    edges = _Edges.of(_grey(picture))
+    if edges is None:
+        return np.full(_DIRECTIONS, np.nan)
+    bins = np.round(edges.angle / (np.pi / _DIRECTIONS)).astype(np.int64) % _DIRECTIONS
+    widths = np.full(_DIRECTIONS, np.nan)
+    for direction in range(_DIRECTIONS):
+        of = edges.steepness(bins == direction)
+        if len(of) >= _FEWEST_EDGES:
+            widths[direction] = 1.0 / np.median(of)
+    return widths
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """Gradients of a picture without its border: values, angles, crests, and the contrast around."""
+
+    gradient: Float32[np.ndarray, "h w"]
+    angle: Float32[np.ndarray, "h w"]
+    crest: Bool[np.ndarray, "h w"]
+    contrast: Float32[np.ndarray, "h w"]
+
+    @classmethod
+    def of(cls, grey: Float32[np.ndarray, "rows columns"]) -> "_Edges | None":
+        if min(grey.shape) <= _WINDOW:
+            return None
+        x = (grey[1:-1, 2:] - grey[1:-1, :-2]) / 2
+        y = (grey[2:, 1:-1] - grey[:-2, 1:-1]) / 2
+        gradient = np.hypot(x, y)
+        window = np.ones((_WINDOW, _WINDOW), dtype=np.uint8)
+        # Smoothed, since the extremes of noise are no contrast.
+        smooth = cv2.blur(grey, (3, 3))
+        contrast = (cv2.dilate(smooth, window) - cv2.erode(smooth, window))[1:-1, 1:-1]
+        crest = gradient >= cv2.dilate(gradient, np.ones((3, 3), dtype=np.uint8))
+        return cls(gradient, np.arctan2(y, x), crest, contrast)
+
+    def steepness(self, among: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, " n"]:
+        """Return the steepness of the strong edges among some pixels, 1/px."""
+        if not among.any():
+            return np.zeros(0, dtype=np.float32)
+        strong = among & self.crest & (self.gradient > 0)
+        strong &= self.gradient >= np.percentile(self.gradient[among], _STRONG) / 2
+        strong &= self.contrast > _ABOVE_NOISE * float(np.median(self.gradient))
+        return np.asarray(self.gradient[strong] / self.contrast[strong])
+
+
+def _grey(picture: Shaped[np.ndarray, "*shape"]) -> Float32[np.ndarray, "h w"]:
+    """Return grey levels as shares of full scale."""
+    full = _full_scale(picture)
+    # Green counts twice, so that the order of the colours does not matter.
+    weights = np.array([0.25, 0.5, 0.25], dtype=np.float32) / full
+    levels = picture / full if picture.ndim == 2 else picture @ weights  # noqa: PLR2004 - grey
+    return np.asarray(np.nan_to_num(levels).astype(np.float32))
+
+
 def _sharpness(grey: Float32[np.ndarray, "h w"]) -> float:
     """Return the steepness of strong edges, 1/px."""
-    if min(grey.shape) <= _WINDOW:
-        return float("nan")
-    x = (grey[1:-1, 2:] - grey[1:-1, :-2]) / 2
-    y = (grey[2:, 1:-1] - grey[:-2, 1:-1]) / 2
-    gradient = np.hypot(x, y)
-    window = np.ones((_WINDOW, _WINDOW), dtype=np.uint8)
-    # Smoothed, since the extremes of noise are no contrast.
-    smooth = cv2.blur(grey, (3, 3))
-    contrast = (cv2.dilate(smooth, window) - cv2.erode(smooth, window))[1:-1, 1:-1]
-    crest = gradient >= cv2.dilate(gradient, np.ones((3, 3), dtype=np.uint8))
-    strong = crest & (gradient > 0) & (gradient >= np.percentile(gradient, _STRONG) / 2)
-    strong &= contrast > _ABOVE_NOISE * float(np.median(gradient))
-    if not strong.any():
-        return float("nan")
-    return float(np.median(gradient[strong] / contrast[strong]))
+    edges = _Edges.of(grey)
+    steepness = edges.steepness(np.ones_like(edges.crest)) if edges is not None else np.zeros(0)
+    return float(np.median(steepness)) if len(steepness) else float("nan")

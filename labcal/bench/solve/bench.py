@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from labcal.bench.diagnose.findings import diagnose_findings
 from labcal.bench.groups import Groups, measured_groups
 from labcal.bench.marks.coded_dots import coded_dot_findings
 from labcal.bench.marks.in_space import marks_in_space_findings
@@ -27,7 +28,9 @@ from labcal.run.progress import Progress
 from labcal.wording import listed
 
 _OF_METHODS = "limits"
-_OF_CASES = frozenset((_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse"))
+_OF_CASES = frozenset(
+    (_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "diagnose")
+)
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,
@@ -39,6 +42,7 @@ GROUPS: Groups = {
     "check": check_findings,
     "compare": compare_findings,
     "rehearse": rehearsal_findings,
+    "diagnose": diagnose_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }

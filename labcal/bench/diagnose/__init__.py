@@ -1,0 +1,1 @@
+"""Benchmark of ``labcal diagnose``: shoots with a mistake, and good ones."""

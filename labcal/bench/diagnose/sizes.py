@@ -1,0 +1,52 @@
+"""Sizes of mistakes: the smallest just above what harms 3-D by 20%, by simulation, and larger ones."""
+
+from collections.abc import Mapping
+
+from labcal.guide.diagnosis.check_name import CheckName
+
+LEVELS = 3
+_TIMES = (1.15, 2.0, 4.0)
+_SMALLEST: Mapping[CheckName, Mapping[str, float]] = {
+    CheckName.UNSYNCHRONISED: {"wide": 1.0, "narrow": 0.03, "webcam": 0.6},
+    CheckName.CAMERA_MOVED: {"wide": 0.08, "narrow": 0.004, "webcam": 0.06},
+    CheckName.REFOCUSED: {"wide": 0.0025, "narrow": 0.0007, "webcam": 0.0018},
+    CheckName.BENT_BOARD: {"wide": 1.5, "narrow": 0.6, "webcam": 1.5},
+    CheckName.WRONG_PITCH: {"wide": 0.005, "narrow": 0.0008, "webcam": 0.006},
+    CheckName.ROLLING_SHUTTER: {"wide": 4.0, "narrow": 0.2, "webcam": 3.0},
+}
+"""Where the RMS 3-D error grows by 20%, in the units of the mistake; decision 2026-11-27."""
+_STEPS: Mapping[CheckName, tuple[float, float, float]] = {
+    CheckName.SWAPPED_CAMERAS: (0.05, 0.25, 0.45),
+    CheckName.TURNED_TARGET: (0.05, 0.25, 0.45),
+    CheckName.MIXED_SIZES: (0.8, 0.5, 0.25),
+    CheckName.TOO_FEW_VIEWS: (3, 2, 1),
+    CheckName.BLURRED: (1.6, 2.5, 4.0),
+    CheckName.EXPOSURE: (-2.5, -4.0, 1.5),
+    CheckName.WRONG_TARGET: (1, 2, 3),
+}
+"""Mistakes of which any size spoils the calibration, or whose sizes do not depend on the rig."""
+_HANDS: Mapping[CheckName, Mapping[str, tuple[float, float, float]]] = {
+    CheckName.TOO_LITTLE_TILT: {
+        "wide": (0.04, 0.02, 0.01), "narrow": (0.2, 0.1, 0.03), "webcam": (0.06, 0.03, 0.01),
+    },
+    CheckName.POOR_COVERAGE: {
+        "wide": (0.5, 0.3, 0.1), "narrow": (0.06, 0.03, 0.01), "webcam": (0.3, 0.2, 0.1),
+    },
+}  # fmt: skip
+"""Shares of the tilts and places of a good shoot."""
+
+
+def size_of(check: CheckName, kind: str, level: int) -> float:
+    """Return the size of a mistake.
+
+    Parameters
+    ----------
+    check : CheckName
+    kind : str
+        Of the pair of cameras.
+    level : int
+        0 for the smallest one.
+    """
+    if check in _SMALLEST:
+        return _TIMES[level] * _SMALLEST[check][kind]
+    return _HANDS[check][kind][level] if check in _HANDS else _STEPS[check][level]

@@ -1,0 +1,44 @@
+"""Pictures that are burnt out or too dark."""
+
+from labcal.guide.diagnosis.check_name import CheckName
+from labcal.guide.diagnosis.evidence import Evidence
+from labcal.guide.diagnosis.finding import CheckResult, Finding, NotJudged
+from labcal.guide.diagnosis.picture_findings import looks_of, noise_increase, picture_cameras, picture_finding
+from labcal.wording import counted
+
+_DARK_HARM = 0.2
+"""Least increase of noise that is stated where all pictures are dark."""
+
+
+def check(evidence: Evidence) -> CheckResult:
+    """Return a finding for each camera."""
+    if not evidence.has_pictures:
+        return NotJudged(CheckName.EXPOSURE, "A table of dots does not tell the exposure. Give the pictures.")
+    return tuple(found for camera in picture_cameras(evidence) for found in _of_camera(evidence, camera))
+
+
+def _of_camera(evidence: Evidence, camera: str) -> tuple[Finding, ...]:
+    looked = looks_of(evidence, camera)
+    found = []
+    for burnt, mend in (
+        (
+            True,
+            "Shorten the exposure or dim the light until the bare paper is at three quarters of the range.",
+        ),
+        (
+            False,
+            "Lengthen the exposure or add light until the bare paper is at three quarters of the range.",
+        ),
+    ):
+        faulty = [one for one in looked if (one[2].burnt if burnt else one[2].dark and not one[2].burnt)]
+        if not faulty:
+            continue
+        faulty.sort(key=lambda one: (-one[2].burnt_share, one[2].paper))
+        sound = [one[2] for one in looked if one[2].exposure_words is None]
+        worst = faulty[0][2].exposure_words
+        words = (
+            f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}': the worst is {worst}."
+        )
+        harm = noise_increase([one[2] for one in faulty], sound, _DARK_HARM)
+        found.append(picture_finding(evidence, CheckName.EXPOSURE, (camera, faulty), (words, mend), harm))
+    return tuple(found)

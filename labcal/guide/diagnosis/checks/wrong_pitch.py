@@ -1,0 +1,61 @@
+"""A pitch that is not as declared: unequal along x and y, or another one than a stage measures."""
+
+from labcal.guide.diagnosis.check_name import CheckName
+from labcal.guide.diagnosis.evidence import Evidence
+from labcal.guide.diagnosis.finding import LEAST_HARM, LEVEL, CheckResult, Finding, NotJudged
+from labcal.guide.diagnosis.forms.explaining import Explanation
+from labcal.guide.diagnosis.forms.shoot_model import ShootModel
+from labcal.guide.diagnosis.residual_findings import residual_findings
+from labcal.guide.diagnosis.stage_scale import StageScale
+
+_MEND = (
+    "Measure a long row of dots with a ruler and declare the pitch that you find; print at 100%, without "
+    "'fit to page'."
+)
+
+
+def check(evidence: Evidence) -> CheckResult:
+    """Return the finding."""
+    found = residual_findings(evidence, CheckName.WRONG_PITCH, _words)
+    if isinstance(found, NotJudged):
+        return found
+    scale = StageScale.of(evidence)
+    if scale is not None:
+        return (*found, *_by_stage(evidence, scale))
+    if found:
+        return found
+    return NotJudged(
+        CheckName.WRONG_PITCH,
+        "The pitches of x and y agree, but a pitch that is wrong by the same factor in both cannot be seen "
+        "with a target in the hand: the whole rig is scaled with it. A stage's readings, a scale bar or a "
+        "measured ruler on the print would decide.",
+    )
+
+
+def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
+    # The column moves the end of the longer side by 1 mm.
+    percent = 100.0 * float(one.size[0]) / model.half_side_mm
+    return (
+        (
+            f"The pitch along x is {percent:+.2g}% off, relative to that along y: the print is stretched, or "
+            "the declared pitches are not those of this board."
+        ),
+        _MEND,
+    )
+
+
+def _by_stage(evidence: Evidence, scale: StageScale) -> tuple[Finding, ...]:
+    harm = scale.harm_mm
+    percent = evidence.harm_percent_of(harm)
+    if scale.p_value >= LEVEL or (percent is not None and percent < 100.0 * LEAST_HARM):
+        return ()
+    words = (
+        f"The stage's readings say that the pitch is {scale.percent:+.2g} +- {scale.sigma_percent:.1g}% "
+        "larger than declared."
+    )
+    return (
+        Finding(
+            CheckName.WRONG_PITCH, evidence.cameras, tuple(evidence.detections.views), words, _MEND,
+            scale.p_value, harm, percent,
+        ),
+    )  # fmt: skip

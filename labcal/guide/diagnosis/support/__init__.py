@@ -1,0 +1,1 @@
+"""Support of a calibration by its views: what more views, tilts or places would bring."""

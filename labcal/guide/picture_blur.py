@@ -1,0 +1,68 @@
+"""Pictures that are blurred beside the others of a set."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from labcal.detect.flags import Refusal
+from labcal.guide.picture_look import PictureLook
+
+WIDER = 1.5
+"""Times the usual width of edges from which on a picture counts as blurred."""
+LEAST_PX = 3.0
+"""Width that every sharp lens and sensor may show."""
+ALWAYS_PX = 7.0
+"""Width from which on a picture is blurred whatever the others are."""
+_SHARP = 25.0
+"""Percentile of the widths of a camera that its optics can do."""
+_OTHER = 2.0
+"""Times the width of the sharpest camera that another one may have."""
+
+
+@dataclass(frozen=True)
+class UsualEdges:
+    """Widths of edges in a camera's pictures.
+
+    Attributes
+    ----------
+    width_px : float
+        Of its sharper pictures; of the other cameras' where it has none.
+    limit_px : float
+        From which on a picture counts as blurred.
+    """
+
+    width_px: float
+    limit_px: float
+
+    def is_blurred(self, look: PictureLook) -> bool:
+        """Tell whether a picture is blurred; edges of burnt-out and dark ones do not tell."""
+        if look.refusal is Refusal.BLURRED:
+            return True
+        return not look.burnt and not look.dark and bool(look.widest_px > self.limit_px)
+
+    def words(self, look: PictureLook) -> str:
+        """Return what is wrong with a blurred picture."""
+        width = f"{look.widest_px:.1f} px" if np.isfinite(look.widest_px) else "as much as dots"
+        return f"blurred: edges are {width} wide, where {self.width_px:.1f} px is usual"
+
+
+def usual_edges(looks: Mapping[str, Sequence[PictureLook]]) -> dict[str, UsualEdges]:
+    """Return the usual widths of edges by camera.
+
+    Parameters
+    ----------
+    looks : mapping of str to sequence of PictureLook
+        By camera.
+    """
+    widths = {
+        name: [one.widest_px for one in of if np.isfinite(one.widest_px) and not one.burnt]
+        for name, of in looks.items()
+    }
+    own = {name: float(np.percentile(of, _SHARP)) for name, of in widths.items() if of}
+    most = _OTHER * min(own.values(), default=ALWAYS_PX)
+    found = {}
+    for name in looks:
+        width = min(own.get(name, most), max(most, LEAST_PX))
+        found[name] = UsualEdges(width, min(max(LEAST_PX, WIDER * width), ALWAYS_PX))
+    return found
