@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.capture.advice import Advice, Advisor
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import FrameSet, Source, opened
@@ -46,6 +47,8 @@ class Captured(PublicObject):
     """Settings that the devices refused, for people."""
     replayed: bool
     """True if the sets came from a recording, of which a refused one is lost."""
+    advice: Advice | None = None
+    """The last advice of a guided capture; None of others."""
 
     def _summary(self) -> Mapping[str, object]:
         return {
@@ -68,6 +71,11 @@ class CaptureRun:
     settings: CaptureSettings
     ask: Callable[[str], None] | None
     """Called before each set with what is to be done; returns when a person has done it."""
+    advisor: Advisor | None = None
+    """Judges each set that entered, and ends the capture when it says that it is done; None where nobody
+    guides."""
+    show: Callable[[Advice], None] | None = None
+    """Called with each advice before its set is taken, and with the last one."""
 
 
 def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progress) -> Captured:
