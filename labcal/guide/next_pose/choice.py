@@ -13,10 +13,11 @@ from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.information import Variance, view_information
 from labcal.guide.next_pose.volume import MeasuredVolume
 
-CANDIDATES = 1000
-BEST, NEARBY = 5, 12
+CANDIDATES, LOOKED_AT = 3000, 500
+"""Poses that are drawn, and those of them, where the target is found, that are compared at most."""
+BEST, NEARBY = 8, 20
 """Of the best poses so many go on, and so many near each of them are tried."""
-SPREADS = (0.15, 0.07)
+SPREADS = (0.15, 0.07, 0.03)
 """Of poses nearby: rad, and shares of the distance."""
 _PAIR = 2
 
@@ -81,7 +82,7 @@ class _Pool:
         found, seen = (
             np.array(part) for part in zip(*(target.seen(one, drawn) for one in cameras), strict=True)
         )
-        enough = found.sum(axis=0) >= min(_PAIR, len(cameras))
+        enough = np.flatnonzero(found.sum(axis=0) >= min(_PAIR, len(cameras)))[:LOOKED_AT]
         return cls(drawn[enough], found[:, enough], (seen & found[..., None])[:, enough])
 
     def sure(
