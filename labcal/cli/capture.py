@@ -15,7 +15,6 @@ from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.wording import counted
 
-
 _LIVE = ("uvc:", "genicam:")
 """Beginnings of addresses of cameras before which a person holds a target."""
 
@@ -225,7 +224,8 @@ def _asks(arguments: Namespace, session: Session) -> Callable[[str], None] | Non
 def _wait_for_enter(words: str) -> None:
     """Ask a person for the next view."""
     many = "\n" in words
-    sys.stderr.write(f"{words}\nTake the pose, then press Enter. " if many else f"{words}, then press Enter. ")
+    sys.stderr.write(f"{words}\nTake the pose" if many else words)
+    sys.stderr.write(", then press Enter. ")
     sys.stderr.flush()
     if not sys.stdin.readline():
         raise EOFError

@@ -64,9 +64,7 @@ def _rig(name: str, seeds: range) -> _Rig:
     plan = planned.plan
     views = planned.views(plan.shoot.views, 0)
     some = views[:: -(-len(views) // _DRAWN)]
-    noise = measured_noise(
-        drawn_pictures(planned.cameras, some, plan.target, plan.photometry, seeds.start)
-    )
+    noise = measured_noise(drawn_pictures(planned.cameras, some, plan.target, plan.photometry, seeds.start))
     many = [random_errors(planned, noise, seed)[RANDOM_VIEWS - 1] for seed in seeds]
     wanted = float(np.median(many))
     return _Rig(name, wanted, [GuidedSet(name, noise, wanted, seed) for seed in seeds])

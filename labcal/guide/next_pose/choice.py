@@ -52,11 +52,13 @@ def next_pose(
         None where no pose was found.
     """
     cameras = volume.cameras
-    pool = _Pool.of(drawn_poses(cameras, reach, target.middle, CANDIDATES, random), cameras, target)
+    drawn = drawn_poses(cameras, reach, target.middle, CANDIDATES, random)
+    pool = _Pool.of(drawn, cameras, target)
     for spread in (None, *SPREADS):
         if spread is not None:
-            near = [nearby_poses(T, target.middle, spread, NEARBY, random) for T in pool.T_world_target[:BEST]]
-            pool = _Pool.of(np.concatenate([pool.T_world_target[:BEST], *near]), cameras, target)
+            best = pool.T_world_target[:BEST]
+            near = [nearby_poses(T, target.middle, spread, NEARBY, random) for T in best]
+            pool = _Pool.of(np.concatenate([best, *near]), cameras, target)
         if len(pool.T_world_target) == 0:
             return None
         added = view_information(cameras, pool.T_world_target, target, pool.seen, variance)
@@ -85,9 +87,7 @@ class _Pool:
         enough = np.flatnonzero(found.sum(axis=0) >= min(_PAIR, len(cameras)))[:LOOKED_AT]
         return cls(drawn[enough], found[:, enough], (seen & found[..., None])[:, enough])
 
-    def sure(
-        self, order: Int[np.ndarray, " n"], cameras: tuple[Camera, ...], target: Findable
-    ) -> "_Pool":
+    def sure(self, order: Int[np.ndarray, " n"], cameras: tuple[Camera, ...], target: Findable) -> "_Pool":
         """Return the first poses of an order at which a hand with its errors is found, too."""
         good: list[int] = []
         for number in order:
