@@ -5,6 +5,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.capture.advice import Advice, Advisor
+from labcal.capture.advice_text import advice_text
+from labcal.capture.guide_settings import MOST_VIEWS
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import FrameSet, Source, opened
@@ -46,6 +49,8 @@ class Captured(PublicObject):
     """Settings that the devices refused, and where the target is read, for people."""
     replayed: bool
     """True if the sets came from a recording, of which a refused one is lost."""
+    advice: Advice | None = None
+    """The last advice of a guided capture; None of others."""
 
     def _summary(self) -> Mapping[str, object]:
         return {
@@ -69,6 +74,11 @@ class CaptureRun:
     settings: CaptureSettings
     ask: Callable[[str], None] | None
     """Called before each set with what is to be done; returns when a person has done it."""
+    advisor: Advisor | None = None
+    """Judges each set that entered, and ends the capture when it says that it is done; None where nobody
+    guides."""
+    show: Callable[[Advice], None] | None = None
+    """Called with each advice before its set is taken, and with the one that says that it is done."""
 
 
 def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progress) -> Captured:
@@ -105,6 +115,10 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
         infos = cameras.describe()
         recorder = Recorder(growing, run.target, infos, run.settings.print_scale)
         cameras.skip(recorder.views)
+        if run.advisor is not None:
+            run.advisor.begin(infos)
+            for view, before in recorder.recorded():
+                run.advisor.judge(before, view)
         try:
             refused = _take_views(cameras, recorder, run, progress)
         except DeviceError as error:
@@ -116,19 +130,27 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
     notes = (*(note for one in infos for note in one.notes), *recorder.target_notes)
     if recorder.target is None and run.settings.print_scale is not None:
         notes += ("`print_scale` is not stored: no target is named, and no code of a print is read",)
-    return Captured(open_shoot(folder), tuple(refused), notes, not source.live)
+    advice = None if run.advisor is None else run.advisor.advise()
+    return Captured(open_shoot(folder), tuple(refused), notes, not source.live, advice)
 
 
 def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: Progress) -> list[RefusedSet]:
     """Take the views that are missing, and return the sets that were refused."""
     settings, refused, in_a_row = run.settings, list[RefusedSet](), 0
-    wanted = settings.views or (len(run.stage) or LIVE_VIEWS if source.live or run.stage else None)
+    usual = LIVE_VIEWS if run.advisor is None else MOST_VIEWS
+    wanted = settings.views or (len(run.stage) or usual if source.live or run.stage or run.advisor else None)
     progress.start("capture", wanted or 0, len(recorder.views))
     number, due = 0, time.monotonic()
     while wanted is None or len(recorder.views) < wanted:
         view = _next_view(recorder, run)
+        advice = None if run.advisor is None else run.advisor.advise()
+        if advice is not None and run.show is not None:
+            run.show(advice)
+        if advice is not None and advice.done:
+            break
         if run.ask is not None:
-            run.ask(_request(view, len(recorder.views), wanted))
+            words = _request(view, len(recorder.views), wanted) if advice is None else advice_text(advice)
+            run.ask(words)
         elif source.live:
             time.sleep(max(0.0, due - time.monotonic()))
             due = time.monotonic() + settings.interval_s
@@ -145,8 +167,15 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
             continue
         in_a_row = 0
         placed = _placed(taken, view)
+<<<<<<< HEAD
         recorder.read_target(placed)
         recorder.add(placed, placed.view or f"view-{len(recorder.views) + 1:03d}")
+=======
+        name = placed.view or f"view-{len(recorder.views) + 1:03d}"
+        recorder.add(placed, name)
+        if run.advisor is not None:
+            run.advisor.judge(placed, name)
+>>>>>>> wt10-E
         progress.advance()
     return refused
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from labcal.arguments import set_checked, whole_number
+from labcal.capture.guide_settings import GuideSettings
 from labcal.errors import InputError
 from labcal.paths import AnyPath
 from labcal.targets.print_scale import AnyPrintScale, print_scale
@@ -67,6 +68,9 @@ class CaptureSettings:
     and y apart ``"99.8/100,100.1/100"``."""
     force: bool = False
     """Replace a shoot that is there already."""
+    guide: GuideSettings | None = None
+    """Settings of a guided capture: after each view the error reached and the pose to take next; a plain
+    capture where left out."""
 
     def __post_init__(self) -> None:
         """Check the numbers.

@@ -15,6 +15,7 @@ from labcal.bench.solve.budget import budget_findings
 from labcal.bench.solve.certify import certify_findings
 from labcal.bench.solve.check import check_findings
 from labcal.bench.solve.compare import compare_findings
+from labcal.bench.solve.guided import guided_findings
 from labcal.bench.solve.limits import limit_findings
 from labcal.bench.solve.mistakes import mistake_findings
 from labcal.bench.solve.mrcal import mrcal_findings
@@ -29,7 +30,7 @@ from labcal.wording import listed
 
 _OF_METHODS = "limits"
 _OF_CASES = frozenset(
-    (_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "diagnose")
+    (_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "diagnose", "guided")
 )
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
@@ -43,6 +44,7 @@ GROUPS: Groups = {
     "compare": compare_findings,
     "rehearse": rehearsal_findings,
     "diagnose": diagnose_findings,
+    "guided": guided_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }

@@ -16,7 +16,7 @@ from labcal.targets.places import DotPlaces
 
 SETTINGS: dict[str, tuple[type, ...]] = {
     "render": (pipeline.RenderSettings,),
-    "capture": (pipeline.CaptureSettings, pipeline.SourceSettings),
+    "capture": (pipeline.CaptureSettings, pipeline.SourceSettings, pipeline.GuideSettings),
     "inspect": (),
     "detect": (),
     "calibrate": (pipeline.HandheldSettings,),
@@ -44,7 +44,7 @@ TARGET: Place = (labcal.Shoot.showing, "target")
 PLY: dict[str, Place | str] = {"ply": (labcal.write_ply, "path"), "encoding": (labcal.write_ply, "encoding")}
 ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "render": {"output": "folder"},
-    "capture": {"output": "folder", "on_enter": "ask"},
+    "capture": {"output": "folder", "on_enter": "ask", "guided": "guide"},
     "inspect": {
         "cameras": CAMERAS,
         "changes": CHANGES,
