@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float32, Float64
 
 _DEGREES = (0, 1, 2, 3, 4, 6, 8)
 """Of the polynomials that are tried."""
-_POINTS = 40_000
+_POINTS = 12_000
 """Pixels that a field is fitted to."""
 _FEWEST = 12
 """Pixels for each coefficient."""
@@ -139,7 +139,8 @@ def _robust(
     """Return coefficients without pixels that are far off (dust, a scratch), and the scatter of the others."""
     keep = np.ones(len(value), dtype=bool)
     for _ in range(2):
-        coefficients = np.linalg.lstsq(design[keep], value[keep], rcond=None)[0]
+        some = design[keep]
+        coefficients = np.linalg.lstsq(some.T @ some, some.T @ value[keep], rcond=None)[0]
         off = value - design @ coefficients
         scatter = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 1e-9)
         keep = np.abs(off) <= _CLIP * scatter
