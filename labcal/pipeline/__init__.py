@@ -27,6 +27,7 @@ from labcal.pipeline.reconstruction import evaluate, reconstruct
 from labcal.pipeline.rehearsal import rehearse
 from labcal.pipeline.rendering import render
 from labcal.pipeline.studies import bench, reproduce
+from labcal.pipeline.twin import twin
 
 if TYPE_CHECKING:
     from labcal.bench.settings import BenchSettings
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from labcal.evaluate.comparison.compare_settings import CompareSettings
     from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rehearsal.settings import RehearseSettings
+    from labcal.guide.twin.settings import TwinSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
@@ -72,6 +74,7 @@ __all__ = [
     "RenderSettings",
     "ReproduceSettings",
     "SourceSettings",
+    "TwinSettings",
     "UndistortSettings",
     "bench",
     "calibrate",
@@ -100,6 +103,7 @@ __all__ = [
     "render",
     "reproduce",
     "training_of",
+    "twin",
     "undistort",
     "write_mark_overlays",
     "write_overlays",
@@ -123,6 +127,7 @@ _HOMES = {
     "RenderSettings": "labcal.render.shoot",
     "ReproduceSettings": "labcal.paper.reproduce",
     "SourceSettings": "labcal.capture.settings",
+    "TwinSettings": "labcal.guide.twin.settings",
     "UndistortSettings": "labcal.correspond.undistortion",
     "detect_settings": "labcal.detect.settings",
     "detections_of": "labcal.correspond.measure",

@@ -1,4 +1,4 @@
-"""The share of each pixel that shows the lighter of a print's two colours: geometry alone, sharp and noiseless.
+"""The share of each pixel that shows the lighter of a print's two colours: geometry alone, sharp.
 
 Edges are traced with many rays, since what the light, the blur and the noise make of them is added afterwards
 and compared with a photograph; where a pixel and all its neighbours show one colour, a few rays tell it.

@@ -173,9 +173,7 @@ def rendered_again(job: TwinJob, sharp: Float32[np.ndarray, "h w"]) -> RenderedA
         variance = noise.variance(light.image(behind.share))
         windows = dot_windows(photo[main], variance, behind, light, around)
         step = float(np.clip(windows.typical(BLUR), -0.4 * blur, 1.5))
-        found = RenderedAgain(
-            stored, photo, [light], [noise], blur, behind, compared, windows, around
-        )
+        found = RenderedAgain(stored, photo, [light], [noise], blur, behind, compared, windows, around)
         if abs(step) < _SETTLED_PX:
             break
         blur = float(np.clip(blur + step, _LEAST_BLUR_PX, _MOST_BLUR_PX))

@@ -25,7 +25,9 @@ class CauseKind(StrEnum):
     """Shift, turn and scale of single pictures against the other cameras of the view."""
 
 
-def pose_design(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"]) -> Float64[np.ndarray, "n 2 columns"]:
+def pose_design(
+    found: DotResiduals, dots: Float64[np.ndarray, "dots 3"]
+) -> Float64[np.ndarray, "n 2 columns"]:
     """Return the derivatives of images by small changes of the pose of the target in each view."""
     p = dots[found.dot] - dots.mean(axis=0)
     turns = np.stack([np.cross(np.eye(3)[axis], p) for axis in range(3)], axis=-1)  # (n, 3, 3)
@@ -76,9 +78,7 @@ def _similarities(found: DotResiduals) -> Float64[np.ndarray, "n 2 columns"]:
     return _by_group(own, found.picture)
 
 
-def _by_group(
-    own: Float64[np.ndarray, "n 2 k"], group: np.ndarray
-) -> Float64[np.ndarray, "n 2 columns"]:
+def _by_group(own: Float64[np.ndarray, "n 2 k"], group: np.ndarray) -> Float64[np.ndarray, "n 2 columns"]:
     """Return columns of which each group of lines has its own."""
     names, number = np.unique(group, return_inverse=True)
     k = own.shape[2]

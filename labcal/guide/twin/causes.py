@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -70,9 +71,7 @@ class Explained:
     left_level: float
 
 
-def explained(
-    found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed: float = 0.0
-) -> Explained:
+def explained(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed: float = 0.0) -> Explained:
     """Return what explains residuals: noise, and causes by forward selection.
 
     Parameters
@@ -133,7 +132,7 @@ class _Model:
         flat = [np.einsum("nij,njk->nik", white, X).reshape(2 * len(found), -1) for X in designs]
         flat = [X / np.maximum(np.linalg.norm(X, axis=0), 1e-12) for X in flat]
         edges = np.cumsum([0, *(X.shape[1] for X in flat)])
-        places = [np.arange(first, end) for first, end in zip(edges[:-1], edges[1:], strict=True)]
+        places = [np.arange(first, end) for first, end in pairwise(edges)]
         X = np.concatenate(flat, axis=1)
         y = np.einsum("nij,nj->ni", white, found.residual).ravel()
         at = dict(zip(CauseKind, places[1:], strict=True))
@@ -165,7 +164,7 @@ class _Model:
 
 
 def _best(model: _Model, chosen: list[CauseKind], rank: int) -> tuple[CauseKind, float, int] | None:
-    """Return the cause that explains most for its parameters, the squares that it leaves, and all parameters."""
+    """Return the cause that explains most for its parameters, what it leaves, and all parameters."""
     n = len(model.y)
     trials = []
     for kind in CauseKind:
@@ -182,9 +181,7 @@ def _chance(gain: float, noise: float, q: int, freedom: int) -> float:
     return float(f.sf(gain / max(noise, 1e-300), q, freedom))
 
 
-def _size(
-    kind: CauseKind, fit: Float64[np.ndarray, "n 2"], found: DotResiduals
-) -> tuple[float, str]:
+def _size(kind: CauseKind, fit: Float64[np.ndarray, "n 2"], found: DotResiduals) -> tuple[float, str]:
     """Return the RMS displacement by a cause, and its unit."""
     if kind in {CauseKind.PRINT, CauseKind.BEND}:
         in_plane = np.einsum("nij,nj->ni", np.linalg.inv(found.by_point[:, :, :2]), fit)

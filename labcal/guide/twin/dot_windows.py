@@ -1,4 +1,4 @@
-"""The difference of photograph and rendering around each dot, told by its causes: light, place, blur, size."""
+"""The difference of photograph and rendering around each dot by its causes: light, place, blur, size."""
 
 from dataclasses import dataclass
 

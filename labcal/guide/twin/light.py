@@ -136,7 +136,7 @@ def _field(
 def _robust(
     design: Float64[np.ndarray, "n terms"], value: Float64[np.ndarray, " n"]
 ) -> tuple[Float64[np.ndarray, " terms"], float]:
-    """Return coefficients without pixels that are far off (dust, a scratch), and the scatter of the others."""
+    """Return coefficients without pixels far off (dust, a scratch), and the scatter of the others."""
     keep = np.ones(len(value), dtype=bool)
     for _ in range(2):
         some = design[keep]

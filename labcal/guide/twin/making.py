@@ -14,7 +14,7 @@ from labcal.guide.twin.again import TwinJob
 from labcal.guide.twin.causes import explained
 from labcal.guide.twin.first_look import FirstLook, first_look, joint_growth
 from labcal.guide.twin.known_print import KnownPrint
-from labcal.guide.twin.picture import TwinPicture, twin_picture
+from labcal.guide.twin.picture import DIFFERENCE, RENDERING, SHOOT, TwinPicture, twin_picture
 from labcal.guide.twin.posed import PosedViews, posed_views
 from labcal.guide.twin.residuals import dot_residuals
 from labcal.guide.twin.settings import TwinSettings
@@ -43,8 +43,8 @@ def known_print(given: AnyTarget | DotPlaces) -> KnownPrint:
     target = given.target if isinstance(given, DotPlaces) else given
     if not isinstance(target, DotGrid):
         raise InputError(
-            f"A twin renders targets of dots, but '{target.name}' is of another kind. Give a shoot of one that "
-            "'labcal target list' shows with dots."
+            f"A twin renders targets of dots, but '{target.name}' is of another kind. Give a shoot of one "
+            "that 'labcal target list' shows with dots."
         )
     return KnownPrint(target, given.points())
 
@@ -98,6 +98,9 @@ def made_twin(
         As of writing and rendering.
     """
     folder, progress = place
+    if folder is not None:
+        for inside in (SHOOT, f"{SHOOT}/images", "pictures", RENDERING, DIFFERENCE):
+            (folder / inside).mkdir(exist_ok=True)
     posed = posed_views(rig, detections, known.target, known.dots)
     jobs = _jobs(sources, posed, known, how, folder)
     with open_executor(how.workers) as pool:

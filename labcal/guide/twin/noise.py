@@ -1,4 +1,4 @@
-"""The noise of a picture, by photon transfer: its variance by the light, and what neighbours have in common."""
+"""The noise of a picture by photon transfer: variance by light, and correlation of neighbours."""
 
 from dataclasses import dataclass
 
@@ -74,9 +74,10 @@ def measured_noise(
     Notes
     -----
     In each block a plane is subtracted; what is left tells the variance with ``side^2 - 3`` degrees of
-    freedom. The median over blocks of like light is not moved by dust; that of chi-square over its degrees of
-    freedom is (1 - 2 / (9 nu))^3 (Wilson and Hilferty 1931). A line through the medians is the photon
-    transfer curve (EMVA 1288).
+    freedom, fewer where neighbours are correlated and the plane takes more of the noise. The median over
+    blocks of like light is not moved by dust; that of chi-square over its degrees of freedom is
+    (1 - 2 / (9 nu))^3 (Wilson and Hilferty 1931). A line through the medians is the photon transfer curve
+    (EMVA 1288).
     """
     for side in (SIDE, _SMALLER):
         of_paper, of_ink = _blocks(light, paper, side), _blocks(light, ink, side)
@@ -85,11 +86,12 @@ def measured_noise(
     else:
         if len(of_paper) < _FEWEST:
             return None
-    groups = [part for some in (of_paper, of_ink) if len(some) for part in _by_light(some)]
-    mean, variance, count = (np.array([_level(part, side)[k] for part in groups]) for k in range(3))
-    offset, slope = _line(mean, variance, count)
     both = np.concatenate([of_paper, of_ink])
     along, down = (_correlation(both, axis, side) for axis in (2, 1))
+    freedom = side * side - _PLANE * (1.0 + 2.0 * along) * (1.0 + 2.0 * down)
+    groups = [part for some in (of_paper, of_ink) if len(some) for part in _by_light(some)]
+    mean, variance, count = np.array([_level(part, freedom) for part in groups]).T
+    offset, slope = _line(mean, variance, count)
     return PictureNoise(offset, slope, along, down, len(both))
 
 
@@ -121,9 +123,8 @@ def _by_light(blocks: Float64[np.ndarray, "n side side"]) -> list[Float64[np.nda
     return [blocks[part] for part in np.array_split(order, groups)]
 
 
-def _level(blocks: Float64[np.ndarray, "n side side"], side: int) -> tuple[float, float, int]:
+def _level(blocks: Float64[np.ndarray, "n side side"], freedom: float) -> tuple[float, float, int]:
     """Return the light of blocks, the variance in them, and their number."""
-    freedom = side * side - _PLANE
     variances = (_flattened(blocks) ** 2).sum(axis=(1, 2)) / freedom
     usual = (1.0 - 2.0 / (9.0 * freedom)) ** 3
     return float(blocks.mean()), float(np.median(variances)) / usual, len(blocks)

@@ -66,7 +66,7 @@ def normalised(made: RenderedAgain) -> list[Float32[np.ndarray, "h w"]]:
 
 
 def difference_picture(made: RenderedAgain) -> UInt8[np.ndarray, "h w 3"]:
-    """Return the residual picture of the main channel: red where the photograph is lighter, blue where darker.
+    """Return the residual picture of the main channel: red where the photograph is lighter, else blue.
 
     White is no difference, full colour five standard deviations of the noise; what was not compared is grey.
     """

@@ -95,8 +95,8 @@ def posed_views(rig: Rig, detections: Detections, target: DotGrid, dots: Vectors
     radii = 0.5 * target.outer_diameters_mm()
     state, seen, off = _settled(state, seen, radii)
     words = tuple(
-        f"dot {tuple(target.indices()[seen_dot].tolist())} in view '{names[view]}' of camera '{cameras[camera]}'"
-        for camera, view, seen_dot in off
+        f"dot {tuple(target.indices()[dot].tolist())} in view '{names[view]}' of camera '{cameras[camera]}'"
+        for camera, view, dot in off
     )
     return PosedViews(
         names, cameras, state, seen, predicted_eccentricities(state, seen, radii), words, skipped

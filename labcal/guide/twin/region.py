@@ -45,9 +45,7 @@ def compared_pixels(
     reach = max(1, int(np.ceil(margin_px)))
     around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), dtype=np.uint8))
-    return np.asarray(
-        cv2.erode(closed, around, borderType=cv2.BORDER_CONSTANT, borderValue=0).astype(bool)
-    )
+    return np.asarray(cv2.erode(closed, around, borderType=cv2.BORDER_CONSTANT, borderValue=0).astype(bool))
 
 
 def _cell(target: DotGrid) -> np.ndarray:

@@ -72,7 +72,7 @@ def still_take(view: str, camera: str, device: Camera, T_world_target: Pose) -> 
 def _described(camera: Camera) -> CameraDescription:
     """Return a camera without distortion at the place of one."""
     fx, fy, cx, cy = camera.intrinsics
-    eye: Float64[np.ndarray, "3"] = camera.centre
+    eye: Float64[np.ndarray, 3] = camera.centre
     ahead = eye + 1000.0 * camera.T_cam_world[2, :3]
     return CameraDescription(
         size=camera.size,

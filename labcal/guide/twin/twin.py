@@ -124,9 +124,7 @@ class Twin(PublicObject):
         return [HtmlTable(("not explained", "words"), rows)]
 
 
-def _mean(
-    pictures: Sequence[TwinPicture], figure: Callable[[TwinPicture], tuple[float, int]]
-) -> float:
+def _mean(pictures: Sequence[TwinPicture], figure: Callable[[TwinPicture], tuple[float, int]]) -> float:
     pairs: Float64[np.ndarray, "n 2"] = np.array([figure(one) for one in pictures], dtype=np.float64)
     known = np.isfinite(pairs[:, 0]) & (pairs[:, 1] > 0)
     return float(np.average(pairs[known, 0], weights=pairs[known, 1])) if known.any() else float("nan")

@@ -100,7 +100,9 @@ def picture_verdicts(
                 f"{usual[made.camera]:.2f} px"
             )
         if made.pixels.flat_variance > _LOUD:
-            findings.append(f"paper and ink differ by {np.sqrt(made.pixels.flat_variance):.2g} times the noise")
+            findings.append(
+                f"paper and ink differ by {np.sqrt(made.pixels.flat_variance):.2g} times the noise"
+            )
         if made.pixels.edge_variance > max(_LOUD, _LOUD * made.pixels.flat_variance):
             findings.append(f"edges differ by {np.sqrt(made.pixels.edge_variance):.2g} times the noise")
         verdicts.append(PictureVerdict(
@@ -150,7 +152,7 @@ def unexplained(
         moving.append(Unexplained(
             "positions",
             f"residuals of dots without a pattern that repeats, {np.sqrt(told.left_level):.2g} times the "
-            "noise: edges of dots that are not those of round dots, or light and blur that differ from dot to dot",
+            "noise: edges that are not those of round dots, or light and blur that differ from dot to dot",
             told.rest, np.sqrt(told.rest) * found.rms_px, "px", tuple(far[:_SHOWN]),
         ))  # fmt: skip
     moving.sort(key=lambda one: -(one.share or 0.0))
@@ -181,14 +183,18 @@ def _moving(cause: Cause, found: DotResiduals, names: list[str]) -> Unexplained:
 def _blurs(pictures: Sequence[TwinPicture], names: list[str]) -> list[Unexplained]:
     """Return what edge widths show."""
     usual = usual_blur(pictures)
-    off = [(name, made) for name, made in zip(names, pictures, strict=True) if is_unusual(made, usual[made.camera])]
+    off = [
+        (name, made)
+        for name, made in zip(names, pictures, strict=True)
+        if is_unusual(made, usual[made.camera])
+    ]
     found = []
     if off:
         most = max(abs(made.blur_px - usual[made.camera]) for _, made in off)
         which = tuple(name for name, _ in off)
         found.append(Unexplained(
             "blur",
-            f"the edge width of {listed(which[:_SHOWN])}, up to {most:.2g} px from what is usual for the camera: "
+            f"the edge width of {listed(which[:_SHOWN])}, up to {most:.2g} px from the usual of the camera: "
             "out of focus, or moved during the exposure",
             None, most, "px", which,
         ))  # fmt: skip
