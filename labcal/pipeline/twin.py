@@ -15,9 +15,8 @@ from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 
 if TYPE_CHECKING:
-    from labcal.correspond.detections import Detections
     from labcal.correspond.picture_set import AnyPictures, PictureSet
-    from labcal.correspond.sources import Source
+    from labcal.guide.twin.making import Photographs
     from labcal.guide.twin.settings import TwinSettings
     from labcal.guide.twin.twin import Twin
     from labcal.report.page.output import PageOutput
@@ -87,13 +86,13 @@ def twin(
         named = [one for one in (rig, target) if isinstance(one, str | os.PathLike)]
         read = paths_read([*named, *opened.given], opened.sources)
         claim_outputs([FolderOutput(as_path(folder))], read, force=how.force)
-    sources, dots = _measured(opened, known.target, how, receiver)
+    photographs = _measured(opened, known.target, how, receiver)
     if folder is None:
-        return made_twin(calibrated, sources, dots, known, how, (None, receiver))
+        return made_twin(calibrated, photographs, known, how, (None, receiver))
     arguments: Mapping[str, object] = {"pictures": opened.given, "rig": rig, "target": target}
     command = f"twin {calibrated.model_dump_json()} {how.views} {how.spp} {how.draws} {how.seed}"
     with unfinished_folder(as_path(folder), command, force=how.force) as working:
-        found = made_twin(calibrated, sources, dots, known, how, (working, receiver))
+        found = made_twin(calibrated, photographs, known, how, (working, receiver))
         write_twin(working, found, page_maker(_page(opened, rig, target), "twin", arguments))
     return found
 
@@ -103,7 +102,7 @@ def _measured(
     target: AnyTarget,
     how: "TwinSettings",
     receiver: Progress,
-) -> "tuple[list[Source], Detections]":
+) -> "Photographs":
     """Return the pictures of the chosen views, and their dots.
 
     Raises
@@ -112,16 +111,19 @@ def _measured(
         There is no such view, or there is no picture.
     """
     from labcal.correspond.measure import detections_of, measure_pictures
-    from labcal.guide.twin.making import chosen_views
+    from labcal.guide.twin.making import Photographs, chosen_views
+    from labcal.guide.twin.ray_noise import rays_of_shoot
     from labcal.run.executor import open_executor
 
     if not opened.sources:
         raise InputError("No picture is given. Give a shoot, or pictures.")
     names = tuple(dict.fromkeys(source.view for source in opened.sources))
     views = chosen_views(names, how.views)
-    sources = [source for source in opened.sources if source.view in views]
+    sources = tuple(source for source in opened.sources if source.view in views)
+    rays = None if opened.shoot is None else rays_of_shoot(opened.shoot.folder)
     with open_executor(how.workers) as executor:
-        return sources, detections_of(measure_pictures(sources, target, executor, receiver))
+        found = detections_of(measure_pictures(sources, target, executor, receiver))
+    return Photographs(sources, found, rays)
 
 
 def _page(opened: "PictureSet", rig: Rig | AnyPath, target: object) -> "PageOutput":

@@ -11,15 +11,16 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
-from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, dot_windows
+from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, blurred, dot_windows
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.light import PictureLight, fitted_light
 from labcal.guide.twin.noise import PictureNoise, measured_noise
+from labcal.guide.twin.ray_noise import ray_variance
 from labcal.guide.twin.region import compared_pixels
 from labcal.guide.twin.scene import still_take, twin_scene
 from labcal.guide.twin.stored import StoredValues
 from labcal.render.irradiance import Case
-from labcal.render.paper_share import paper_share
+from labcal.render.paper_share import EdgeRays, PaperShare, paper_share
 from labcal.rng import generator
 from labcal.shoot.tone_curve import ToneCurve
 
@@ -51,6 +52,8 @@ class TwinJob:
         Numbers of the dots that were measured in the photograph.
     curve : ToneCurve
     spp, draws, seed : int
+    rays : int or None
+        Rays a pixel of the photograph, where it is a rendering that says so.
     folder : Path or None
         Where pictures are written: ``rendering``, ``difference`` and ``images``; None for none.
     name : str
@@ -66,6 +69,7 @@ class TwinJob:
     spp: int
     draws: int
     seed: int
+    rays: int | None
     folder: Path | None
     name: str
 
@@ -88,6 +92,8 @@ class RenderedAgain:
         Of the main channel.
     around : Windows
         Where they are.
+    made : PaperShare
+        As it was rendered, sharp.
     """
 
     stored: StoredValues
@@ -99,6 +105,7 @@ class RenderedAgain:
     compared: Bool[np.ndarray, "h w"]
     windows: DotWindows
     around: Windows
+    made: PaperShare
 
     @property
     def main(self) -> int:
@@ -109,10 +116,29 @@ class RenderedAgain:
         """Return the light of the rendering, without noise."""
         return [light.image(self.behind.share) for light in self.light]
 
-    def noisy(self, random: np.random.Generator) -> np.ndarray:
-        """Return the picture that the twin takes, with noise that is drawn."""
+    def variances(self) -> list[Float32[np.ndarray, "h w"]]:
+        """Return the variance of the noise of each channel of the photograph, by light and by rays."""
+        by_rays = ray_variance(self.made, self.blur_px)
+        found = []
+        for light, noise in zip(self.light, self.noise, strict=True):
+            contrast = light.paper.over(by_rays.shape) - light.ink.over(by_rays.shape)
+            found.append(noise.variance(light.image(self.behind.share)) + contrast**2 * by_rays)
+        return found
+
+    def noisy(self, number: int, random: np.random.Generator) -> np.ndarray:
+        """Return the picture that the twin takes, with noise that is drawn.
+
+        Parameters
+        ----------
+        number : int
+            Of the draw.
+        random : numpy.random.Generator
+        """
+        rough = self.made.rough
+        share = blurred(rough[1 + number], self.blur_px) if rough else self.behind.share
         channels = []
-        for light, noise in zip(self.clean(), self.noise, strict=True):
+        for of, noise in zip(self.light, self.noise, strict=True):
+            light = of.image(share)
             least = self.stored.step_variance(light)
             offset = max(noise.offset - float(np.median(least[self.compared])), 0.0)
             own = PictureNoise(offset, noise.slope, noise.along, noise.down, noise.blocks)
@@ -120,7 +146,7 @@ class RenderedAgain:
         return self.stored.picture(channels)
 
 
-def rendered_share(job: TwinJob) -> Float32[np.ndarray, "h w"]:
+def rendered_share(job: TwinJob) -> PaperShare:
     """Render the sharp share of paper in each pixel of a picture.
 
     Raises
@@ -130,16 +156,17 @@ def rendered_share(job: TwinJob) -> Float32[np.ndarray, "h w"]:
     """
     take = still_take(job.source.view, job.source.camera, job.camera, job.T_world_target)
     scene = twin_scene(job.camera, job.T_world_target, job.known)
-    return paper_share(scene, Case(take, job.seed), job.spp)
+    wanted = EdgeRays(job.spp) if job.rays is None else EdgeRays(job.spp, job.rays, 1 + job.draws)
+    return paper_share(scene, Case(take, job.seed), wanted)
 
 
-def rendered_again(job: TwinJob, sharp: Float32[np.ndarray, "h w"]) -> RenderedAgain:
+def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
     """Return the rendering of a picture with the light, blur and noise of its photograph.
 
     Parameters
     ----------
     job : TwinJob
-    sharp : ndarray, shape (h, w)
+    rendering : PaperShare
         From :func:`rendered_share`.
 
     Raises
@@ -158,7 +185,7 @@ def rendered_again(job: TwinJob, sharp: Float32[np.ndarray, "h w"]) -> RenderedA
     random = generator(job.seed, job.source.view, job.source.camera, "twin light")
     blur, found, fitted_at = FIRST_BLUR_PX, None, 0.0
     for _ in range(_ROUNDS):
-        behind = BlurredShare.of(sharp, blur)
+        behind = BlurredShare.of(rendering.share, blur)
         if not 1.0 / _LIKE < blur / max(fitted_at, 1e-9) < _LIKE:
             margin = 1.0 + _MORE_SIGMAS * blur
             compared = compared_pixels(job.camera, job.T_world_target, target, dots, margin)
@@ -170,10 +197,14 @@ def rendered_again(job: TwinJob, sharp: Float32[np.ndarray, "h w"]) -> RenderedA
             fitted_at = blur
         light, noise = fitted
         around = Windows.around(images.outline[images.ok], blur, compared, not target.is_white_on_black)
-        variance = noise.variance(light.image(behind.share))
+        contrast = light.paper.over(behind.share.shape) - light.ink.over(behind.share.shape)
+        by_rays = contrast**2 * ray_variance(rendering, blur)
+        variance = noise.variance(light.image(behind.share)) + by_rays
         windows = dot_windows(photo[main], variance, behind, light, around)
         step = float(np.clip(windows.typical(BLUR), -0.4 * blur, 1.5))
-        found = RenderedAgain(stored, photo, [light], [noise], blur, behind, compared, windows, around)
+        found = RenderedAgain(
+            stored, photo, [light], [noise], blur, behind, compared, windows, around, rendering
+        )
         if abs(step) < _SETTLED_PX:
             break
         blur = float(np.clip(blur + step, _LEAST_BLUR_PX, _MOST_BLUR_PX))
@@ -188,7 +219,7 @@ def rendered_again(job: TwinJob, sharp: Float32[np.ndarray, "h w"]) -> RenderedA
     pairs[main] = (found.light[0], found.noise[0])
     return RenderedAgain(
         stored, photo, [one for one, _ in pairs], [one for _, one in pairs], found.blur_px, found.behind,
-        found.compared, found.windows, found.around,
+        found.compared, found.windows, found.around, rendering,
     )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """The making of a twin: poses, a first look, every picture rendered again, and what that explains."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,24 @@ from labcal.wording import counted, listed
 
 _INTRINSICS, _POSE = 4, 6
 _LOOKS = 2
+
+
+@dataclass(frozen=True)
+class Photographs:
+    """The pictures that are rendered again.
+
+    Attributes
+    ----------
+    sources : tuple of Source
+    detections : Detections
+        Their dots.
+    rays : int or None
+        Rays a pixel, where they are renderings that say so.
+    """
+
+    sources: tuple[Source, ...]
+    detections: Detections
+    rays: int | None = None
 
 
 def known_print(given: AnyTarget | DotPlaces) -> KnownPrint:
@@ -70,8 +88,7 @@ def chosen_views(names: Sequence[str], views: int | tuple[str, ...] | None) -> t
 
 def made_twin(
     rig: Rig,
-    sources: Sequence[Source],
-    detections: Detections,
+    photographs: Photographs,
     known: KnownPrint,
     how: TwinSettings,
     place: tuple[Path | None, Progress],
@@ -81,10 +98,7 @@ def made_twin(
     Parameters
     ----------
     rig : Rig
-    sources : sequence of Source
-        The photographs.
-    detections : Detections
-        Their dots.
+    photographs : Photographs
     known : KnownPrint
     how : TwinSettings
     place : (Path or None, Progress)
@@ -98,11 +112,12 @@ def made_twin(
         As of writing and rendering.
     """
     folder, progress = place
+    detections = photographs.detections
     if folder is not None:
         for inside in (SHOOT, f"{SHOOT}/images", "pictures", RENDERING, DIFFERENCE):
             (folder / inside).mkdir(exist_ok=True)
     posed = posed_views(rig, detections, known.target, known.dots)
-    jobs = _jobs(sources, posed, known, how, folder)
+    jobs = _jobs(photographs, posed, known, how, folder)
     with open_executor(how.workers) as pool:
         looks: dict[str, FirstLook] = {}
         grown, growth_mm, first = known, 0.0, _first_of_cameras(jobs)
@@ -146,14 +161,14 @@ def made_twin(
 
 
 def _jobs(
-    sources: Sequence[Source],
+    photographs: Photographs,
     posed: PosedViews,
     known: KnownPrint,
     how: TwinSettings,
     folder: Path | None,
 ) -> list[TwinJob]:
     """Return a job for each picture with dots."""
-    by_key = {(source.view, source.camera): source for source in sources}
+    by_key = {(source.view, source.camera): source for source in photographs.sources}
     jobs = []
     for picture in sorted(posed.observations.pictures, key=lambda one: (one.view, one.camera)):
         view, camera = posed.names[picture.view], posed.cameras[picture.camera]
@@ -162,7 +177,7 @@ def _jobs(
                 source=by_key[view, camera], known=known, camera=posed.state.cameras[picture.camera],
                 T_world_target=posed.state.T_world_target[picture.view],
                 dots=posed.observations.dot[picture.rows], curve=ToneCurve.LINEAR,
-                spp=how.spp, draws=how.draws, seed=how.seed, folder=folder, name=f"{view}_{camera}.png",
+                spp=how.spp, draws=how.draws, seed=how.seed, rays=photographs.rays, folder=folder, name=f"{view}_{camera}.png",
             ))  # fmt: skip
     if not jobs:
         raise InputError("None of the pictures is one of which dots are given. Give the shoot of these dots.")

@@ -76,7 +76,7 @@ def twin_picture(job: TwinJob) -> TwinPicture:
     drawn, covariance = [], np.full((len(dots), 2, 2), np.nan)
     for number in range(job.draws):
         random = generator(job.seed, job.source.view, job.source.camera, "twin noise", str(number))
-        noisy = made.noisy(random)
+        noisy = made.noisy(number, random)
         place, stated = _measured(detect_dots(noisy, target), target, dots)
         drawn.append(place)
         if number == 0:

@@ -60,8 +60,8 @@ class PixelFigures:
 def normalised(made: RenderedAgain) -> list[Float32[np.ndarray, "h w"]]:
     """Return photograph minus rendering of each channel, in units of the noise."""
     found = []
-    for photo, light, noise in zip(made.photo, made.clean(), made.noise, strict=True):
-        found.append((photo - light) / np.sqrt(noise.variance(light)))
+    for photo, light, variance in zip(made.photo, made.clean(), made.variances(), strict=True):
+        found.append((photo - light) / np.sqrt(variance))
     return found
 
 

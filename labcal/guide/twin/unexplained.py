@@ -105,11 +105,10 @@ def picture_verdicts(
             )
         if made.pixels.edge_variance > max(_LOUD, _LOUD * made.pixels.flat_variance):
             findings.append(f"edges differ by {np.sqrt(made.pixels.edge_variance):.2g} times the noise")
-        verdicts.append(PictureVerdict(
-            made.view, made.camera, _rms(found.residual[mine]),
-            float(np.sqrt(np.trace(found.covariance[mine], axis1=1, axis2=2).mean())) if mine.any() else np.nan,
-            level, tuple(findings),
-        ))  # fmt: skip
+        noise = np.trace(found.covariance[mine], axis1=1, axis2=2)
+        by_noise = float(np.sqrt(noise.mean())) if mine.any() else float("nan")
+        rms = _rms(found.residual[mine])
+        verdicts.append(PictureVerdict(made.view, made.camera, rms, by_noise, level, tuple(findings)))
     return tuple(verdicts)
 
 
@@ -248,8 +247,8 @@ def _pixels(pictures: Sequence[TwinPicture], names: list[str]) -> list[Unexplain
         size = float(np.sqrt(np.median(flat[loud])))
         found.append(Unexplained(
             "paper",
-            f"the brightness of paper and ink, {size:.2g} times the noise of neighbouring pixels: texture of the "
-            "paper, dust, or light that is less smooth than thought",
+            f"the brightness of paper and ink, {size:.2g} times the noise of neighbouring pixels: texture "
+            "of the paper, dust, or light that is less smooth than thought",
             None, size, "times the noise", _some(names, loud),
         ))  # fmt: skip
     return found
