@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.guide.twin.twin import Twin
+from labcal.guide.twin.twin import DeclaredPrint, Twin
+from labcal.guide.twin.unexplained import Unexplained
 from labcal.paths import AnyPath
 
 
@@ -55,6 +56,15 @@ class UnexplainedResult:
 
 
 @dataclass(frozen=True)
+class DeclaredResult:
+    """A simulation of the print as declared, in the JSON document."""
+
+    rms_px: float
+    """RMS residual of dots, 2-D."""
+    unexplained: list[UnexplainedResult]
+
+
+@dataclass(frozen=True)
 class TwinResult:
     """The JSON document of ``labcal twin``."""
 
@@ -80,8 +90,8 @@ class TwinResult:
     """True if dots were rendered at places that the calibration found."""
     print_rms_um: float
     """RMS displacement of these places in the plane from the declared ones; 0 of a print as declared."""
-    declared_rms_px: float | None
-    """RMS residual of dots had the print been as declared; null where it was rendered so."""
+    declared: DeclaredResult | None
+    """What a simulation of the print as declared would not explain; null where it was rendered so."""
     dot_growth_um: float
     """By how much radii of dots are larger than declared, as pictures show them; it is in the renderings."""
     pictures: list[TwinPictureResult]
@@ -119,17 +129,22 @@ def twin_result(folder: AnyPath | None, found: Twin) -> TwinResult:
         pixel_variance=_number(found.pixel_variance),
         flat_variance=_number(found.flat_variance),
         edge_variance=_number(found.edge_variance),
-        unexplained=[
-            UnexplainedResult(one.kind, one.words, one.share, one.size, one.unit, list(one.pictures))
-            for one in found.unexplained
-        ],
+        unexplained=[_unexplained(one) for one in found.unexplained],
         print_measured=found.known.is_measured,
         print_rms_um=found.known.rms_um,
-        declared_rms_px=found.declared_px,
+        declared=None if found.declared is None else _declared(found.declared),
         dot_growth_um=found.growth_um,
         pictures=pictures,
         warnings=list(found.warnings),
     )
+
+
+def _unexplained(one: Unexplained) -> UnexplainedResult:
+    return UnexplainedResult(one.kind, one.words, one.share, one.size, one.unit, list(one.pictures))
+
+
+def _declared(found: DeclaredPrint) -> DeclaredResult:
+    return DeclaredResult(found.rms_px, [_unexplained(one) for one in found.unexplained])
 
 
 def _number(value: float) -> float | None:

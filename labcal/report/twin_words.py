@@ -32,14 +32,15 @@ def print_words(result: TwinResult) -> str:
     """Return what of the print is in the simulation; nothing where it is as declared."""
     words = []
     if result.print_measured:
-        before = (
-            ""
-            if result.declared_rms_px is None
-            else f", without which it would be {result.declared_rms_px:.3g} px"
-        )
         words.append(
             f"The print is rendered as the calibration measured it: dots are {result.print_rms_um:.2g} um "
-            f"RMS from their declared places{before}."
+            "RMS from their declared places."
+        )
+    if result.declared is not None:
+        causes = "; ".join(f"{share_words(one.share)}{one.words}" for one in result.declared.unexplained)
+        words.append(
+            f"A simulation of the print as declared would leave {result.declared.rms_px:.3g} px RMS, and not "
+            f"explain {causes or 'nothing'}."
         )
     if abs(result.dot_growth_um) >= 1.0:
         larger = "larger" if result.dot_growth_um > 0 else "smaller"

@@ -183,7 +183,9 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
     images = dot_images(job.camera, job.T_world_target, places[job.dots], radii[job.dots])
     dots = job.dots[images.ok]
     random = generator(job.seed, job.source.view, job.source.camera, "twin light")
-    blur, found, fitted_at = FIRST_BLUR_PX, None, 0.0
+    blur, fitted_at, compared = FIRST_BLUR_PX, 0.0, np.zeros(photo[main].shape, dtype=bool)
+    fitted: tuple[PictureLight, PictureNoise] | None = None
+    found: RenderedAgain | None = None
     for _ in range(_ROUNDS):
         behind = BlurredShare.of(rendering.share, blur)
         if not 1.0 / _LIKE < blur / max(fitted_at, 1e-9) < _LIKE:
@@ -192,9 +194,9 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
             if not compared.any():
                 raise _nothing(job)
             fitted = _light_and_noise(photo[main], behind.share, compared, random)
-            if fitted is None:
-                raise _nothing(job)
             fitted_at = blur
+        if fitted is None:
+            raise _nothing(job)
         light, noise = fitted
         around = Windows.around(images.outline[images.ok], blur, compared, not target.is_white_on_black)
         contrast = light.paper.over(behind.share.shape) - light.ink.over(behind.share.shape)

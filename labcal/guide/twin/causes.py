@@ -107,7 +107,7 @@ def explained(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed
         Cause(kind, share, q, p, *_size(kind, fits[kind], found), fits[kind]) for kind, share, q, p in steps
     )
     free = max(1.0, n - start - absorbed)
-    noise = min(1.0, free / base)
+    noise = min(free / base, max(0.0, 1.0 - sum(cause.share for cause in causes)))
     rest = max(0.0, 1.0 - noise - sum(cause.share for cause in causes))
     return Explained(noise, causes, rest, base / free, square / max(1.0, n - rank - absorbed))
 
@@ -156,11 +156,14 @@ class _Model:
         good = size > _RCOND * size.max()
         solved = np.zeros(len(self.gram))
         solved[where] = axes[:, good] @ ((axes[:, good].T @ self.right[where]) / size[good])
-        return {
-            kind: np.einsum("nij,nj->ni", self.root, (self.X[:, at] @ solved[at]).reshape(-1, 2))
-            for kind, at in self.at.items()
-            if kind in kinds
-        }
+        found = {}
+        for kind in kinds:
+            own = self.X[:, self.at[kind]] @ solved[self.at[kind]]
+            # What a pose could take as well is none of the cause's.
+            moved = self.X[:, self.pose]
+            own = own - moved @ np.linalg.lstsq(moved, own, rcond=None)[0]
+            found[kind] = np.einsum("nij,nj->ni", self.root, own.reshape(-1, 2))
+        return found
 
 
 def _best(model: _Model, chosen: list[CauseKind], rank: int) -> tuple[CauseKind, float, int] | None:

@@ -126,7 +126,7 @@ def _field(
         design = _design(x, y, degree)
         coefficients, kept = _robust(design[~held], value[~held])
         off = value[held] - design[held] @ coefficients
-        square = float((off[np.abs(off) <= _CLIP * kept] ** 2).mean())
+        square = float((np.minimum(np.abs(off), _CLIP * kept) ** 2).mean())
         if square < _BETTER * least:
             best, least = degree, square
     coefficients, _ = _robust(_design(x, y, best), value)

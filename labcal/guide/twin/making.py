@@ -16,10 +16,10 @@ from labcal.guide.twin.first_look import FirstLook, first_look, joint_growth
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.picture import DIFFERENCE, RENDERING, SHOOT, TwinPicture, twin_picture
 from labcal.guide.twin.posed import PosedViews, posed_views
-from labcal.guide.twin.residuals import dot_residuals
+from labcal.guide.twin.residuals import dot_residuals, predicted_residuals
 from labcal.guide.twin.settings import TwinSettings
-from labcal.guide.twin.twin import Twin
-from labcal.guide.twin.unexplained import picture_verdicts, unexplained
+from labcal.guide.twin.twin import DeclaredPrint, Twin
+from labcal.guide.twin.unexplained import picture_verdicts, unexplained, unexplained_positions
 from labcal.run.executor import finished, open_executor
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import ToneCurve
@@ -134,9 +134,9 @@ def made_twin(
         progress.start("rendering again", len(jobs))
         made: list[TwinPicture | None] = [None] * len(jobs)
         refused: list[str] = []
-        for number, future in finished(pool, twin_picture, [(job,) for job in jobs]):
+        for number, picture in finished(pool, twin_picture, [(job,) for job in jobs]):
             try:
-                made[number] = future.result()
+                made[number] = picture.result()
             except InputError as error:
                 refused.append(str(error))
             progress.advance()
@@ -152,8 +152,9 @@ def made_twin(
     verdicts = picture_verdicts(pictures, found, freedom)
     declared = None
     if known.is_measured:
-        plain = posed_views(rig, detections, known.target, known.target.points()).residual()
-        declared = float(np.sqrt((plain**2).sum(axis=1).mean()))
+        places = known.target.points()
+        plain = predicted_residuals(posed_views(rig, detections, known.target, places), found.scale)
+        declared = DeclaredPrint(plain.rms_px, unexplained_positions(explained(plain, places), plain))
     return Twin(
         rig, grown, 1e3 * growth_mm, posed, pictures, found, told, verdicts,
         unexplained(pictures, verdicts, told, found), declared, tuple(_warnings(posed, refused)),
@@ -177,7 +178,8 @@ def _jobs(
                 source=by_key[view, camera], known=known, camera=posed.state.cameras[picture.camera],
                 T_world_target=posed.state.T_world_target[picture.view],
                 dots=posed.observations.dot[picture.rows], curve=ToneCurve.LINEAR,
-                spp=how.spp, draws=how.draws, seed=how.seed, rays=photographs.rays, folder=folder, name=f"{view}_{camera}.png",
+                spp=how.spp, draws=how.draws, seed=how.seed, rays=photographs.rays, folder=folder,
+                name=f"{view}_{camera}.png",
             ))  # fmt: skip
     if not jobs:
         raise InputError("None of the pictures is one of which dots are given. Give the shoot of these dots.")

@@ -55,7 +55,7 @@ class PosedViews:
 
     def residual(self) -> Float64[np.ndarray, "n 2"]:
         """Return measured minus predicted centroids, px."""
-        return self.eccentricity * -1.0 - self.state.residuals(self.observations)
+        return np.asarray(-self.eccentricity - self.state.residuals(self.observations))
 
 
 def posed_views(rig: Rig, detections: Detections, target: DotGrid, dots: Vectors3) -> PosedViews:

@@ -7,7 +7,6 @@ A camera has no such noise; a shoot of the rendered laboratory has it where a pi
 import json
 from pathlib import Path
 
-import cv2
 import numpy as np
 from jaxtyping import Float32
 
@@ -32,7 +31,7 @@ def rays_of_shoot(folder: Path) -> int | None:
 
 
 def ray_variance(made: PaperShare, blur_px: float) -> Float32[np.ndarray, "h w"]:
-    """Return the variance of the blurred share by the rays of the photograph; zeros where it has no such noise.
+    """Return the variance of the blurred share by the rays of the photograph; zeros where it was taken.
 
     Parameters
     ----------
@@ -52,4 +51,4 @@ def ray_variance(made: PaperShare, blur_px: float) -> Float32[np.ndarray, "h w"]
     near = blurred(partly.astype(np.float32), max(blur_px / np.sqrt(2.0), 0.1))
     total = float(near.sum())
     level = float((off.astype(np.float64) ** 2).sum()) / total if total > 0.0 else 0.0
-    return cv2.multiply(near, level)
+    return np.asarray(near * np.float32(level))

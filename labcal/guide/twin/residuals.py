@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from labcal.geometry.poses import transform
 from labcal.guide.twin.picture import TwinPicture
@@ -73,32 +73,53 @@ def dot_residuals(posed: PosedViews, pictures: Sequence[TwinPicture]) -> DotResi
     posed : PosedViews
     pictures : sequence of TwinPicture
     """
-    parts: list[tuple[np.ndarray, ...]] = []
-    state, seen = posed.state, posed.observations
+    seen = posed.observations
     numbers = {(posed.cameras[p.camera], posed.names[p.view]): p for p in seen.pictures}
+    rendered, which = np.full((len(seen), 2), np.nan), np.zeros(len(seen), dtype=np.int64)
     for number, made in enumerate(pictures):
-        picture = numbers[made.camera, made.view]
-        rows = np.arange(len(seen))[picture.rows]
-        known = np.isfinite(made.rendered).all(axis=1)
-        rows = rows[known]
+        rows = numbers[made.camera, made.view].rows
+        rendered[rows], which[rows] = made.rendered, number
+    known = np.isfinite(rendered).all(axis=1)
+    return _residuals(posed, known, (seen.q - rendered)[known], which[known], _scale(pictures))
+
+
+def predicted_residuals(posed: PosedViews, scale: float) -> DotResiduals:
+    """Return the residuals of all dots against predicted centroids, without a rendering.
+
+    Parameters
+    ----------
+    posed : PosedViews
+    scale : float
+        Of the variances that the detector states.
+    """
+    seen = posed.observations
+    which = np.zeros(len(seen), dtype=np.int64)
+    for number, picture in enumerate(seen.pictures):
+        which[picture.rows] = number
+    return _residuals(posed, np.ones(len(seen), dtype=bool), posed.residual(), which, scale)
+
+
+def _residuals(
+    posed: PosedViews,
+    known: Bool[np.ndarray, " all"],
+    residual: Float64[np.ndarray, "n 2"],
+    which: Int64[np.ndarray, " n"],
+    scale: float,
+) -> DotResiduals:
+    """Return residuals of known dots, with the derivatives of their images."""
+    state, seen = posed.state, posed.observations
+    by_point = np.zeros((len(seen), 2, 3))
+    for picture in seen.pictures:
         camera, T = state.cameras[picture.camera], state.T_world_target[picture.view]
-        p = state.dots[seen.dot[rows]]
-        columns = []
+        p = state.dots[seen.dot[picture.rows]]
         for axis in range(3):
             step = _STEP_MM * np.eye(3)[axis]
             ahead, back = camera.project(transform(T, p + step)).q, camera.project(transform(T, p - step)).q
-            columns.append((ahead - back) / (2.0 * _STEP_MM))
-        parts.append((
-            seen.camera[rows], seen.view[rows], seen.dot[rows], np.full(len(rows), number), seen.q[rows],
-            seen.q[rows] - made.rendered[known], seen.covariance[rows], np.stack(columns, axis=-1),
-        ))  # fmt: skip
-    camera_of, view, dot, which, q, residual, covariance, by_point = (
-        np.concatenate(column) for column in zip(*parts, strict=True)
-    )
-    scale = _scale(pictures)
+            by_point[picture.rows, :, axis] = (ahead - back) / (2.0 * _STEP_MM)
     return DotResiduals(
-        camera_of, view, dot, which.astype(np.int64), q, residual, scale * covariance, by_point, scale
-    )
+        seen.camera[known], seen.view[known], seen.dot[known], which, seen.q[known], residual,
+        scale * seen.covariance[known], by_point[known], scale,
+    )  # fmt: skip
 
 
 def _scale(pictures: Sequence[TwinPicture]) -> float:

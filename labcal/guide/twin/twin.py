@@ -20,6 +20,22 @@ if TYPE_CHECKING:
     import pandas
 
 
+@dataclass(frozen=True)
+class DeclaredPrint:
+    """What a simulation of the print as it is declared would leave.
+
+    Attributes
+    ----------
+    rms_px : float
+        RMS residual of dots, 2-D.
+    unexplained : tuple of Unexplained
+        What moves dots, by rank.
+    """
+
+    rms_px: float
+    unexplained: tuple[Unexplained, ...]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Twin(PublicObject):
     """A shoot rendered again with its calibrated rig, and compared with the photographs.
@@ -39,8 +55,8 @@ class Twin(PublicObject):
         By picture.
     unexplained : tuple of Unexplained
         What simulation does not explain, by rank.
-    declared_px : float or None
-        RMS residual of a simulation with the print as declared, px; None where the print is not measured.
+    declared : DeclaredPrint or None
+        What a simulation with the print as declared would not explain; None where the print is not measured.
     warnings : tuple of str
 
     Examples
@@ -61,7 +77,7 @@ class Twin(PublicObject):
     explained: Explained
     verdicts: tuple[PictureVerdict, ...]
     unexplained: tuple[Unexplained, ...]
-    declared_px: float | None
+    declared: DeclaredPrint | None
     warnings: tuple[str, ...]
 
     @property

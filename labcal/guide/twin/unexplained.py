@@ -144,21 +144,38 @@ def unexplained(
     found : DotResiduals
     """
     names = [f"{made.view}/{made.camera}" for made in pictures]
+    far = [name for name, one in zip(names, verdicts, strict=True) if one.level > told.level]
+    moving = unexplained_positions(told, found, names, tuple(far[:_SHOWN]))
+    return (*moving, *_blurs(pictures, names), *_pixels(pictures, names))
+
+
+def unexplained_positions(
+    told: Explained, found: DotResiduals, names: Sequence[str] = (), far: tuple[str, ...] = ()
+) -> tuple[Unexplained, ...]:
+    """Return what moves dots beyond noise, by rank.
+
+    Parameters
+    ----------
+    told : Explained
+    found : DotResiduals
+    names : sequence of str
+        Of the pictures.
+    far : tuple of str
+        Pictures with residuals above the mean.
+    """
     moving = [_moving(cause, found, names) for cause in told.causes]
     n = 2.0 * len(found)
     if told.rest > _REST_SHARE and told.left_level > 1.0 + _SIGMAS * np.sqrt(2.0 / n):
-        far = [name for name, one in zip(names, verdicts, strict=True) if one.level > told.level]
         moving.append(Unexplained(
             "positions",
             f"residuals of dots without a pattern that repeats, {np.sqrt(told.left_level):.2g} times the "
             "noise: edges that are not those of round dots, or light and blur that differ from dot to dot",
-            told.rest, np.sqrt(told.rest) * found.rms_px, "px", tuple(far[:_SHOWN]),
+            told.rest, np.sqrt(told.rest) * found.rms_px, "px", far,
         ))  # fmt: skip
-    moving.sort(key=lambda one: -(one.share or 0.0))
-    return (*moving, *_blurs(pictures, names), *_pixels(pictures, names))
+    return tuple(sorted(moving, key=lambda one: -(one.share or 0.0)))
 
 
-def _moving(cause: Cause, found: DotResiduals, names: list[str]) -> Unexplained:
+def _moving(cause: Cause, found: DotResiduals, names: Sequence[str]) -> Unexplained:
     """Return a cause of residuals in words."""
     size, share = cause.size, cause.share
     if cause.kind is CauseKind.PRINT:
