@@ -11,6 +11,9 @@ _SMALLER = 5
 _FEWEST = 20
 """Blocks of each colour."""
 _PLANE = 3
+_ROUNDS = 20
+_BOUNDS = (-0.4, 0.6)
+"""Of correlations; three pixels in a row cannot have more with weights of one sign."""
 _LEVELS = 8
 """Groups of blocks by their light."""
 
@@ -87,7 +90,7 @@ def measured_noise(
         if len(of_paper) < _FEWEST:
             return None
     both = np.concatenate([of_paper, of_ink])
-    along, down = (_correlation(both, axis, side) for axis in (2, 1))
+    along, down = _correlations(both, side)
     freedom = side * side - _PLANE * (1.0 + 2.0 * along) * (1.0 + 2.0 * down)
     groups = [part for some in (of_paper, of_ink) if len(some) for part in _by_light(some)]
     mean, variance, count = np.array([_level(part, freedom) for part in groups]).T
@@ -141,14 +144,23 @@ def _line(
     return max(float(found[0]), 1e-12), float(found[1])
 
 
-def _correlation(blocks: Float64[np.ndarray, "n side side"], axis: int, side: int) -> float:
-    """Return the correlation of neighbours along an axis, the plane that was subtracted allowed for."""
+def _correlations(blocks: Float64[np.ndarray, "n side side"], side: int) -> tuple[float, float]:
+    """Return the correlation of neighbours along rows and columns, the planes allowed for.
+
+    A plane takes ``3 S / side^2`` of the variance, and of the covariance of any two pixels about as much; S
+    is the sum of correlations over all neighbours.
+    """
     flat = _flattened(blocks)
     flat = flat / np.sqrt(np.maximum((flat**2).mean(axis=(1, 2), keepdims=True), 1e-12))
-    count = flat.shape[axis] - 1
-    first, second = np.take(flat, range(count), axis=axis), np.take(flat, range(1, count + 1), axis=axis)
-    found = float((first * second).mean()) * (1.0 - _PLANE / side**2) + _PLANE / side**2
-    return float(np.clip(found, -0.4, 0.6)) if np.isfinite(found) else 0.0
+    seen = (
+        float((flat[:, :, :-1] * flat[:, :, 1:]).mean()),
+        float((flat[:, :-1] * flat[:, 1:]).mean()),
+    )
+    along, down = seen
+    for _ in range(_ROUNDS):
+        taken = _PLANE / side**2 * (1.0 + 2.0 * along) * (1.0 + 2.0 * down)
+        along, down = (float(np.clip(one * (1.0 - taken) + taken, *_BOUNDS)) for one in seen)
+    return along, down
 
 
 def _kernel(correlation: float) -> Float32[np.ndarray, "3"]:
