@@ -75,7 +75,7 @@ class TwinResult:
     rms_px: float
     """RMS residual of dots, photograph minus rendering, 2-D."""
     noise_px: float
-    """What simulated noise makes of it."""
+    """The same by simulated noise alone."""
     explained: float
     """Share of the squares of residuals that simulation predicts; 1 is all."""
     level: float
@@ -91,7 +91,7 @@ class TwinResult:
     print_rms_um: float
     """RMS displacement of these places in the plane from the declared ones; 0 of a print as declared."""
     declared: DeclaredResult | None
-    """What a simulation of the print as declared would not explain; null where it was rendered so."""
+    """A simulation of the print as declared; null where it was rendered so."""
     dot_growth_um: float
     """By how much radii of dots are larger than declared, as pictures show them; it is in the renderings."""
     pictures: list[TwinPictureResult]

@@ -1,4 +1,4 @@
-"""What ``labcal twin`` says to people."""
+"""Words of ``labcal twin`` for people."""
 
 from labcal.report.twin_result import TwinResult
 from labcal.wording import counted

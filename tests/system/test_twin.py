@@ -56,7 +56,9 @@ def _scene() -> Scene:
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
     """Four views, rendered once."""
     folder = tmp_path_factory.mktemp("twin") / "shoot"
-    pipeline.render(_scene(), folder)
+    scene = folder.with_name("small.yaml")
+    scene.write_text(_scene().to_yaml())
+    pipeline.render(scene, folder)
     return Bench(folder, Rig(cameras=read_truth(folder).cameras))
 
 

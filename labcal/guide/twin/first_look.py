@@ -11,14 +11,14 @@ from labcal.guide.twin.dot_windows import DotWindows, dot_windows
 from labcal.shoot.tone_curve import ToneCurve
 
 CURVES = (ToneCurve.LINEAR, ToneCurve.SRGB, ToneCurve.REC709)
-"""Those that are told apart; the power 1 / 2.2 is sRGB's but for the darkest values."""
+"""Those that are tried; the power 1 / 2.2 is sRGB's but for the darkest values."""
 _BETTER = 0.9
 """Of what the straight curve leaves; a picture that hardly tells is taken for light as it is."""
 
 
 @dataclass(frozen=True)
 class FirstLook:
-    """What one picture of a camera tells about all.
+    """Properties of all pictures of a camera, by one of them.
 
     Attributes
     ----------

@@ -147,7 +147,7 @@ def made_twin(
     if len(found) == 0:
         raise InputError("The detector finds no dots in the renderings, so that none can be compared.")
     absorbed = _absorbed(rig, posed, known)
-    told = explained(found, known.dots, absorbed)
+    explanation = explained(found, known.dots, absorbed)
     freedom = max(0.2, 1.0 - (absorbed + _POSE * len(posed.names)) / (2.0 * len(found)))
     verdicts = picture_verdicts(pictures, found, freedom)
     declared = None
@@ -156,8 +156,8 @@ def made_twin(
         plain = predicted_residuals(posed_views(rig, detections, known.target, places), found.scale)
         declared = DeclaredPrint(plain.rms_px, unexplained_positions(explained(plain, places), plain))
     return Twin(
-        rig, grown, 1e3 * growth_mm, posed, pictures, found, told, verdicts,
-        unexplained(pictures, verdicts, told, found), declared, tuple(_warnings(posed, refused)),
+        rig, grown, 1e3 * growth_mm, posed, pictures, found, explanation, verdicts,
+        unexplained(pictures, verdicts, explanation, found), declared, tuple(_warnings(posed, refused)),
     )  # fmt: skip
 
 

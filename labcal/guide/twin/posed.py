@@ -20,7 +20,7 @@ from labcal.geometry.poses import inverse
 from labcal.targets.grid import DotGrid
 
 _GROSS = 8.0
-"""A dot that is this many times as far off as the median one is left out, and told."""
+"""A dot that is this many times as far off as the median one is left out, with a warning."""
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,10 @@ def rays_of_shoot(folder: Path) -> int | None:
     if not path.is_file():
         return None
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    spp = told.get("spp") if isinstance(told, dict) else None
+    spp = record.get("spp") if isinstance(record, dict) else None
     return spp if isinstance(spp, int) and 1 <= spp <= _MOST else None
 
 

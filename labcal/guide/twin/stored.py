@@ -10,7 +10,7 @@ from labcal.shoot.tone_curve import ToneCurve, tone, undone
 
 @dataclass(frozen=True)
 class StoredValues:
-    """How a picture stores light.
+    """The storage of light in a picture.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DeclaredPrint:
-    """What a simulation of the print as it is declared would leave.
+    """Residuals of a simulation of the print as it is declared.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What simulation does not explain of a shoot, in words and by rank."""
+"""Residuals of a shoot that simulation does not explain, in words and by rank."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -131,7 +131,7 @@ def is_unusual(made: TwinPicture, usual: float) -> bool:
 def unexplained(
     pictures: Sequence[TwinPicture],
     verdicts: Sequence[PictureVerdict],
-    told: Explained,
+    explanation: Explained,
     found: DotResiduals,
 ) -> tuple[Unexplained, ...]:
     """Return what simulation does not explain: what moves dots first, then what does not.
@@ -140,37 +140,37 @@ def unexplained(
     ----------
     pictures : sequence of TwinPicture
     verdicts : sequence of PictureVerdict
-    told : Explained
+    explanation : Explained
     found : DotResiduals
     """
     names = [f"{made.view}/{made.camera}" for made in pictures]
-    far = [name for name, one in zip(names, verdicts, strict=True) if one.level > told.level]
-    moving = unexplained_positions(told, found, names, tuple(far[:_SHOWN]))
+    far = [name for name, one in zip(names, verdicts, strict=True) if one.level > explanation.level]
+    moving = unexplained_positions(explanation, found, names, tuple(far[:_SHOWN]))
     return (*moving, *_blurs(pictures, names), *_pixels(pictures, names))
 
 
 def unexplained_positions(
-    told: Explained, found: DotResiduals, names: Sequence[str] = (), far: tuple[str, ...] = ()
+    explanation: Explained, found: DotResiduals, names: Sequence[str] = (), far: tuple[str, ...] = ()
 ) -> tuple[Unexplained, ...]:
     """Return what moves dots beyond noise, by rank.
 
     Parameters
     ----------
-    told : Explained
+    explanation : Explained
     found : DotResiduals
     names : sequence of str
         Of the pictures.
     far : tuple of str
         Pictures with residuals above the mean.
     """
-    moving = [_moving(cause, found, names) for cause in told.causes]
+    moving = [_moving(cause, found, names) for cause in explanation.causes]
     n = 2.0 * len(found)
-    if told.rest > _REST_SHARE and told.left_level > 1.0 + _SIGMAS * np.sqrt(2.0 / n):
+    if explanation.rest > _REST_SHARE and explanation.left_level > 1.0 + _SIGMAS * np.sqrt(2.0 / n):
         moving.append(Unexplained(
             "positions",
-            f"residuals of dots without a pattern that repeats, {np.sqrt(told.left_level):.2g} times the "
-            "noise: edges that are not those of round dots, or light and blur that differ from dot to dot",
-            told.rest, np.sqrt(told.rest) * found.rms_px, "px", far,
+            f"residuals of dots without a pattern that repeats, {np.sqrt(explanation.left_level):.2g} times "
+            "the noise: edges that are not those of round dots, or light and blur that differ from dot to dot",
+            explanation.rest, np.sqrt(explanation.rest) * found.rms_px, "px", far,
         ))  # fmt: skip
     return tuple(sorted(moving, key=lambda one: -(one.share or 0.0)))
 
