@@ -169,7 +169,7 @@ def unexplained_positions(
         moving.append(Unexplained(
             "positions",
             f"residuals of dots without a pattern that repeats, {np.sqrt(explanation.left_level):.2g} times "
-            "the noise: edges that are not those of round dots, or light and blur that differ from dot to dot",
+            "the noise: edges that are not those of round dots, or light and blur that vary from dot to dot",
             explanation.rest, np.sqrt(explanation.rest) * found.rms_px, "px", far,
         ))  # fmt: skip
     return tuple(sorted(moving, key=lambda one: -(one.share or 0.0)))
