@@ -35,6 +35,8 @@ from .guide.rehearsal.catalogue import load_rig_plan as load_rig_plan
 from .guide.rehearsal.rehearsal import Rehearsal as Rehearsal
 from .guide.rehearsal.rig_plan import RigPlan as RigPlan
 from .guide.rig_check import RigCheck as RigCheck
+from .guide.twin.settings import TwinSettings as TwinSettings
+from .guide.twin.twin import Twin as Twin
 from .pipeline.acceptance import certify as certify
 from .pipeline.check import check as check
 from .pipeline.comparison import compare as compare
@@ -43,6 +45,7 @@ from .pipeline.named_points import measure as measure
 from .pipeline.reconstruction import reconstruct as reconstruct
 from .pipeline.rehearsal import rehearse as rehearse
 from .pipeline.target_design import make_target as make_target
+from .pipeline.twin import twin as twin
 from .reconstruct.angle import angle as angle
 from .reconstruct.displacements import Displacements as Displacements
 from .reconstruct.displacements import displacements as displacements

@@ -60,6 +60,7 @@ VERBS = {
     "diagnose": "what is wrong with a shoot, and how to mend it",
     "certify": "an acceptance test by known lengths, with a certificate",
     "compare": "how two calibrations differ, in pixels and in millimetres",
+    "twin": "a shoot rendered again with its calibrated rig: what simulation does not explain",
     "rehearse": "the errors to expect of a planned rig, before anything is bought",
     "convert": "cameras and detections from and to the files of other systems",
     "undistort": "pictures as ideal cameras would have taken them",

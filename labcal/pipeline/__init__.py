@@ -29,6 +29,7 @@ from labcal.pipeline.rehearsal import rehearse
 from labcal.pipeline.rendering import render
 from labcal.pipeline.studies import bench, reproduce
 from labcal.pipeline.target_design import make_target
+from labcal.pipeline.twin import twin
 
 if TYPE_CHECKING:
     from labcal.bench.settings import BenchSettings
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.guide.target_design.question import TargetQuestion
+    from labcal.guide.twin.settings import TwinSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
@@ -78,6 +80,7 @@ __all__ = [
     "ReproduceSettings",
     "SourceSettings",
     "TargetQuestion",
+    "TwinSettings",
     "UndistortSettings",
     "bench",
     "calibrate",
@@ -108,6 +111,7 @@ __all__ = [
     "render",
     "reproduce",
     "training_of",
+    "twin",
     "undistort",
     "write_mark_overlays",
     "write_overlays",
@@ -133,6 +137,7 @@ _HOMES = {
     "ReproduceSettings": "labcal.paper.reproduce",
     "SourceSettings": "labcal.capture.settings",
     "TargetQuestion": "labcal.guide.target_design.question",
+    "TwinSettings": "labcal.guide.twin.settings",
     "UndistortSettings": "labcal.correspond.undistortion",
     "detect_settings": "labcal.detect.settings",
     "detections_of": "labcal.correspond.measure",

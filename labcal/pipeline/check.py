@@ -16,9 +16,10 @@ from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import detect
 from labcal.pipeline.fixed_marks import check_by_marks, is_table
 from labcal.pipeline.pages import claimed_page, page_maker
+from labcal.pipeline.print_places import dots_beside, given_places
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.places import DotPlaces, is_places, read_places
+from labcal.targets.places import DotPlaces
 
 if TYPE_CHECKING:
     from labcal.correspond.named_pixels import NamedPixels
@@ -97,11 +98,11 @@ def check(
         records = read_check_log(log) if log.is_file() and log.stat().st_size else ()
     used = rig if isinstance(rig, Rig) else read_rig(as_path(rig))
     if how.places is None:
-        shown = _places(target)
+        shown = given_places(target)
         named = shown.target if isinstance(shown, DotPlaces) else shown
         dots, board = _dots(source, named, progress_of(progress))
         known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None).target
-        found = checked(used, dots, known if isinstance(known, DotPlaces) else _dots_beside(rig, known))
+        found = checked(used, dots, known if isinstance(known, DotPlaces) else dots_beside(rig, known))
     else:
         found = check_by_marks(used, source, target, how, progress)
     if how.log is not None:
@@ -115,25 +116,6 @@ def check(
         arguments = {"rig": rig, "source": source, "target": target, "page": output.path}
         output.write(check_page(found, records, page_maker(output, "check", arguments)))
     return found
-
-
-def _dots_beside(rig: Rig | AnyPath, target: AnyTarget) -> AnyTarget | DotPlaces:
-    """Return the dots of the print that the rig was calibrated with, where their file is beside the rig's."""
-    if isinstance(rig, Rig):
-        return target
-    path = as_path(rig)
-    beside = path.with_name(f"{path.stem}-dots.json")
-    if not (beside.is_file() and is_places(beside)):
-        return target
-    places = read_places(beside)
-    return places if places.target == target else target
-
-
-def _places(target: AnyTarget | DotPlaces | AnyPath | None) -> AnyTarget | DotPlaces | AnyPath | None:
-    """Return the dots of a print where their file is given; else what is given."""
-    if isinstance(target, str | os.PathLike) and os.fspath(target) and is_places(target):
-        return read_places(target)
-    return target
 
 
 def _dots(

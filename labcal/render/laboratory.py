@@ -158,6 +158,43 @@ class Laboratory:
         band = np.stack(channels, axis=-1).reshape(-1, width, len(channels)) / np.float32(count)
         return band if self.colour else band[..., 0]
 
+    def trace_pixels(self, camera: Rays, pixels: np.ndarray, draw: Draw) -> np.ndarray:
+        """Return the radiance of single pixels, as :meth:`trace` has it.
+
+        Parameters
+        ----------
+        camera : Rays
+        pixels : ndarray of int, shape (n,)
+            Numbers of pixels, row by row.
+        draw : Draw
+
+        Returns
+        -------
+        ndarray, shape (n,) or (n, 3)
+            float32.
+        """
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
+
+        mi, count, step = self.mi, draw.count, max(1, RAYS_AT_ONCE // draw.count)
+        each, across = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, self.size[0])
+        parts = []
+        for first in range(0, len(pixels), step):
+            chosen = mi.UInt32(np.asarray(pixels[first : first + step], dtype=np.uint32))
+            lane = dr.arange(mi.UInt32, dr.width(chosen) * count)
+            pixel = dr.gather(mi.UInt32, chosen, lane // each)
+            index = lane % each + dr.opaque(mi.UInt32, draw.first)
+            samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, draw.seed), draw.total)
+            within = samples.square(PIXEL)
+            u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
+            v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
+            ray, weight = camera.rays(Pixels(u, v, samples))
+            light = radiance(self._placed(), ray, samples) * weight
+            dr.eval(light)
+            channels = [np.array(dr.block_sum(channel, count)) for channel in light]
+            parts.append(np.stack(channels, axis=-1) / np.float32(count))
+        light_of = np.concatenate([np.zeros((0, 3 if self.colour else 1), dtype=np.float32), *parts])
+        return light_of if self.colour else light_of[..., 0]
+
     def _placed(self) -> LitScene:
         """Return the scene with its target in place."""
         if self.lit is None:

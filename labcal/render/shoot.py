@@ -2,7 +2,7 @@
 
 import json
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
@@ -130,7 +130,7 @@ def render_shoot(scene: Scene, folder: AnyPath, settings: RenderSettings, progre
         seconds = _render(jobs, settings.workers, progress)
         write_manifest(working, _manifest(scene, views))
         _write_truth(working, scene, outcome, settings.seed)
-        _write_run(working, seconds, time.time() - began, settings)
+        _write_run(working, seconds, time.time() - began, replace(settings, spp=scene.spp))
     return open_shoot(folder)
 
 
@@ -213,6 +213,7 @@ def _write_run(working: Path, seconds: dict[str, float], total: float, settings:
         "picture_seconds": seconds,
         "workers": settings.workers,
         "seed": settings.seed,
+        "spp": settings.spp,
         "versions": {package: package_version(package) for package in PACKAGES},
     }
     write_file(working / PROVENANCE, provenance_text(run), force=True)

@@ -1,14 +1,17 @@
 """The board of a target, and its defects; each defect is off unless a scene asks for it."""
 
+from collections.abc import Callable
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.bounds import Length
 from labcal.scene.quantities import Colour, Deviation
 
 Factor = Annotated[float, Field(ge=0.5, le=2)]
 Rise = Annotated[float, Field(ge=-500, le=500)]
+Shift = tuple[Rise, Rise]
+_MOST_DOTS = 1_000_000
 
 
 class Bend(BaseModel):
@@ -59,3 +62,9 @@ class Board(BaseModel):
     """Shift of the print along x per millimetre along y, about the middle of the board."""
     misplacement_mm: Deviation = 0.0
     """Standard deviation of each dot's place along x and along y; the same print in all views of a run."""
+    dot_shifts_mm: Annotated[tuple[Shift, ...], Field(max_length=_MOST_DOTS)] = ()
+    """Shift of each dot along x and y, as of a print that was measured; row by row, none where left out."""
+
+    @model_serializer(mode="wrap")
+    def _without_shifts(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if key != "dot_shifts_mm" or value}

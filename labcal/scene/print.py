@@ -48,15 +48,21 @@ class TruePrint:
         Raises
         ------
         InputError
-            A dot would touch its neighbour's place or leave the board, or dots are misplaced of a target that
-            is no grid.
+            A dot would touch its neighbour's place or leave the board, dots are displaced of a target that is
+            no grid, or the board lists shifts of another number of dots.
         """
+        listed = np.array(board.dot_shifts_mm, dtype=np.float64).reshape(-1, 2)
+        if len(listed) not in {0, target.count}:
+            raise InputError(
+                f"board.dot_shifts_mm lists {len(listed)} dots, but the target '{target.name}' has "
+                f"{target.count}. List them all, row by row, or leave it out."
+            )
         draws = generator(seed, "misplaced dots").standard_normal((target.count, 2))
         made = cls(
             target=target,
             surface=Surface.of(target, board.bend),
             A=np.array([[board.print_scale[0], board.print_shear], [0.0, board.print_scale[1]]]),
-            displacement=board.misplacement_mm * draws,
+            displacement=board.misplacement_mm * draws + (listed if len(listed) else 0.0),
             waves=_waves(target, board, seed),
             amplitude=board.unevenness * float(np.sqrt(2.0 / WAVES)),
         )
@@ -116,7 +122,7 @@ class TruePrint:
             if self.is_displaced:
                 raise InputError(
                     f"Single dots can be misplaced on a grid of dots only, and the target '{target.name}' is "
-                    f"of the kind '{kind_of(target).name}'. Leave out board.misplacement_mm."
+                    f"of the kind '{kind_of(target).name}'. Leave out board.misplacement_mm and board.dot_shifts_mm."
                 )
             return
         room = 0.5 * np.array(target.cell_mm)

@@ -78,6 +78,7 @@ VERBS = {
     "target export": Verb(("target", "export", "square.yaml"), ("square.yaml",), ".svg"),
     "capture": Verb(("capture", "folder:held"), ("held/shoot.json",)),
     "rehearse": Verb(("rehearse", "plan.yaml"), ("plan.yaml",)),
+    "twin": Verb(("twin", "held", "rig.json", "--workers", 1, "--views", 1), ("held/shoot.json",)),
     "reproduce": Verb(("reproduce", "13", "--quick", "--workers", 1)),
     "bench render": Verb(("bench", "render", "--quick")),
     "bench detect": Verb(("bench", "detect", "--only", "real", "--quick")),
@@ -231,6 +232,7 @@ LONG = {
     "calibrate --overlay",
     "calibrate --start",
     "rehearse",
+    "twin",
     "reproduce",
 }
 

@@ -1,0 +1,61 @@
+"""Values of a picture and the light that they stand for."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32
+
+from labcal.shoot.tone_curve import ToneCurve, tone, undone
+
+
+@dataclass(frozen=True)
+class StoredValues:
+    """The storage of light in a picture.
+
+    Attributes
+    ----------
+    kind : str
+        ``uint8``, ``uint16``, or ``float32`` for linear light.
+    curve : ToneCurve
+    """
+
+    kind: str
+    curve: ToneCurve
+
+    @classmethod
+    def of(cls, picture: np.ndarray, curve: ToneCurve) -> "StoredValues":
+        """Return that of a picture under a tone curve; what is no whole number is light already."""
+        if picture.dtype in (np.uint8, np.uint16):
+            return cls(str(picture.dtype), curve)
+        return cls("float32", ToneCurve.LINEAR)
+
+    @property
+    def top(self) -> float:
+        """The largest value."""
+        return 1.0 if self.kind == "float32" else float(np.iinfo(self.kind).max)
+
+    def channels(self, picture: np.ndarray) -> list[Float32[np.ndarray, "h w"]]:
+        """Return the light of each channel of a picture, from 0 to the largest value."""
+        light = undone(picture, self.curve).astype(np.float32)
+        return [light] if light.ndim == 2 else [light[..., k] for k in range(light.shape[2])]  # noqa: PLR2004
+
+    def values(self, light: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
+        """Return light as values before they are rounded."""
+        share = np.clip(light / np.float32(self.top), 0.0, 1.0)
+        return np.asarray((self.top * tone(share, self.curve)).astype(np.float32))
+
+    def picture(self, channels: list[Float32[np.ndarray, "h w"]]) -> np.ndarray:
+        """Return a picture of light, as it is stored; linear light in 16 bits."""
+        kind = "uint16" if self.kind == "float32" else self.kind
+        times = np.iinfo(kind).max / self.top
+        stored = [np.rint(times * self.values(light)).astype(kind) for light in channels]
+        return stored[0] if len(stored) == 1 else np.stack(stored, axis=-1)
+
+    def step_variance(self, light: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
+        """Return the variance of light by the rounding of its value."""
+        if self.kind == "float32":
+            return np.zeros_like(light)
+        every = np.arange(int(self.top) + 1, dtype=self.kind)
+        slope = np.gradient(undone(every, self.curve).astype(np.float64))
+        at = np.rint(self.values(light)).astype(np.int64)
+        return np.asarray((slope[at] ** 2 / 12.0).astype(np.float32))

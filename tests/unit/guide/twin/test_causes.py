@@ -1,0 +1,101 @@
+"""Causes of residuals: each is found where it was made, and none in noise."""
+
+import numpy as np
+import pytest
+
+from labcal.guide.twin.cause_designs import CauseKind
+from labcal.guide.twin.causes import explained
+from labcal.guide.twin.residuals import DotResiduals
+from labcal.guide.twin.unexplained import unexplained_positions
+
+SIGMA = 0.01
+PX_PER_MM = 10.0
+VIEWS, COLS, ROWS = 8, 9, 7
+
+
+def residuals(seed: int) -> tuple[DotResiduals, np.ndarray]:
+    """Noise of two cameras that see a board in eight poses, turned in the picture and tilted."""
+    random = np.random.default_rng(seed)
+    x, y = np.meshgrid(np.arange(COLS) * 10.0, np.arange(ROWS) * 10.0)
+    dots = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=-1)
+    lines = []
+    for view in range(VIEWS):
+        for camera in range(2):
+            turn, tilt = random.uniform(-np.pi, np.pi), random.uniform(-0.6, 0.6, 2)
+            R = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            J = PX_PER_MM * R @ np.array([[np.cos(tilt[0]), 0, tilt[0]], [0, np.cos(tilt[1]), tilt[1]]])
+            q = (dots - dots.mean(axis=0)) @ J.T + 500.0 + random.uniform(-80.0, 80.0, 2)
+            lines.append((camera, view, q, J))
+    n = len(dots)
+    covariance = np.tile(SIGMA**2 * np.eye(2), (n * len(lines), 1, 1))
+    noise = SIGMA * random.standard_normal((n * len(lines), 2))
+    made = DotResiduals(
+        camera=np.repeat([camera for camera, *_ in lines], n),
+        view=np.repeat([view for _, view, *_ in lines], n),
+        dot=np.tile(np.arange(n), len(lines)),
+        picture=np.repeat(np.arange(len(lines)), n),
+        q=np.concatenate([q for *_, q, _ in lines]),
+        residual=noise,
+        covariance=covariance,
+        by_point=np.concatenate([np.tile(J, (n, 1, 1)) for *_, J in lines]),
+        scale=1.0,
+    )
+    return made, dots
+
+
+def with_cause(made: DotResiduals, moved: np.ndarray) -> DotResiduals:
+    """Return residuals that something adds to."""
+    return DotResiduals(**{**made.__dict__, "residual": made.residual + moved})
+
+
+def test_noise_has_no_cause() -> None:
+    levels = []
+    for seed in range(20):
+        told = explained(*residuals(seed))
+        assert not told.causes
+        assert told.noise > 0.9
+        levels.append(told.level)
+    freedom = 20 * 2 * COLS * ROWS * 2 * VIEWS
+    assert abs(np.mean(levels) - 1.0) < 4.0 * np.sqrt(2.0 / freedom)
+
+
+def test_a_column_printed_aside_is_the_print() -> None:
+    made, dots = residuals(1)
+    shift = np.where(dots[:, :1] == 30.0, [[0.01, 0.0, 0.0]], 0.0)  # 10 um, a tenth of a pixel
+    found = with_cause(made, np.einsum("nij,nj->ni", made.by_point, shift[made.dot]))
+    told = explained(found, dots)
+    assert told.causes[0].kind is CauseKind.PRINT
+    assert told.causes[0].p_value < 1e-6
+    words = unexplained_positions(told, found)[0]
+    assert words.kind == "print"
+    # One of nine columns; the poses take a little of it.
+    assert words.size == pytest.approx(10.0 / 3.0, rel=0.25)
+    assert told.left_level < 1.1
+
+
+def test_a_smooth_field_of_one_camera_is_the_lens() -> None:
+    made, dots = residuals(2)
+    r = (made.q - 500.0) / 500.0
+    field = np.where(made.camera[:, None] == 1, 0.3 * r * (r**2).sum(axis=1, keepdims=True), 0.0)
+    told = explained(with_cause(made, field), dots)
+    assert told.causes[0].kind is CauseKind.LENS
+    assert told.left_level < 1.2
+
+
+def test_a_shifted_picture_is_one_that_does_not_agree() -> None:
+    made, dots = residuals(3)
+    moved = np.where(made.picture[:, None] == 4, [[0.1, 0.0]], 0.0)
+    found = with_cause(made, moved)
+    told = explained(found, dots)
+    assert told.causes[0].kind is CauseKind.PICTURES
+    names = [f"view-{p // 2}/camera-{p % 2}" for p in range(2 * VIEWS)]
+    assert "view-2/camera-0" in unexplained_positions(told, found, names)[0].pictures
+
+
+def test_shares_add_up() -> None:
+    made, dots = residuals(4)
+    shift = 0.02 * np.random.default_rng(0).standard_normal((len(dots), 3)) * [1.0, 1.0, 0.0]
+    found = with_cause(made, np.einsum("nij,nj->ni", made.by_point, shift[made.dot]))
+    told = explained(found, dots)
+    assert told.noise + sum(cause.share for cause in told.causes) + told.rest == pytest.approx(1.0)
+    assert told.causes[0].share > 0.9
