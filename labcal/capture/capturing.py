@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from labcal.capture.advice import Advice, Advisor
+from labcal.capture.attendant import Attendant
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import FrameSet, Source, opened
@@ -76,6 +77,9 @@ class CaptureRun:
     guides."""
     show: Callable[[Advice], None] | None = None
     """Called with each advice before its set is taken, and with the last one."""
+    attendant: Attendant | None = None
+    """Says when each set is taken and when there are enough, in place of `ask` and the clock; None where nobody
+    watches. A refused set is its matter: none ends the capture."""
 
 
 def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progress) -> Captured:
@@ -127,12 +131,18 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
 def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: Progress) -> list[RefusedSet]:
     """Take the views that are missing, and return the sets that were refused."""
     settings, refused, in_a_row = run.settings, list[RefusedSet](), 0
-    wanted = settings.views or (len(run.stage) or LIVE_VIEWS if source.live or run.stage else None)
+    wanted = settings.views or len(run.stage) or None
+    if wanted is None and source.live and run.attendant is None:
+        wanted = LIVE_VIEWS
     progress.start("capture", wanted or 0, len(recorder.views))
     number, due = 0, time.monotonic()
     while wanted is None or len(recorder.views) < wanted:
         view = _next_view(recorder, run)
-        if run.ask is not None:
+        if run.attendant is not None:
+            done = len(recorder.views)
+            if not run.attendant.wait(_request(view, done, wanted), done):
+                break
+        elif run.ask is not None:
             run.ask(_request(view, len(recorder.views), wanted))
         elif source.live:
             time.sleep(max(0.0, due - time.monotonic()))
@@ -145,12 +155,17 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
         if reasons:
             refused.append(RefusedSet(number, taken.view, reasons))
             in_a_row += 1
-            if source.live and in_a_row == settings.tries:
+            if run.attendant is not None:
+                run.attendant.heard(taken, None, reasons)
+            elif source.live and in_a_row == settings.tries:
                 raise DeviceError(f"{counted(in_a_row, 'set')} in a row were refused. {'; '.join(reasons)}.")
             continue
         in_a_row = 0
         placed = _placed(taken, view)
-        recorder.add(placed, placed.view or f"view-{len(recorder.views) + 1:03d}")
+        name = placed.view or f"view-{len(recorder.views) + 1:03d}"
+        recorder.add(placed, name)
+        if run.attendant is not None:
+            run.attendant.heard(placed, name, ())
         progress.advance()
     return refused
 

@@ -5,12 +5,18 @@ import sys
 from argparse import Namespace
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labcal.cli.options import add_output, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.errors import InputError
 from labcal.wording import counted
+
+if TYPE_CHECKING:
+    from labcal.capture.settings import CaptureSettings
+    from labcal.live.result import CapturedLive
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -98,6 +104,19 @@ def add_parser(commands: CommandGroup) -> None:
         help="of folder: and watch: cameras by the end of the name, '_0=left,_1=right', or by a pattern",
     )
     parser.add_argument(
+        "--page",
+        action="store_true",
+        help="take the views on a page in a browser on this computer, which shows what the cameras see and "
+        "what to do next, and ends in SHOOT-rig.json and SHOOT-rig.html; needs the extra 'page'",
+    )
+    parser.add_argument(
+        "--port",
+        type=int,
+        default=0,
+        metavar="N",
+        help="port of the page on 127.0.0.1 (default: any that is free)",
+    )
+    parser.add_argument(
         "--set",
         action="append",
         default=[],
@@ -127,6 +146,10 @@ class CaptureResult:
     images: int
     refused: list[RefusedEntry]
     notes: list[str]
+    rig: str | None = None
+    """With ``--page``: the calibrated rig; else null."""
+    page: str | None = None
+    """With ``--page``: the page of the calibration; else null."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -159,8 +182,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         force=arguments.force,
     )
     ask = _wait_for_enter if arguments.on_enter else None
-    with session.progress() as progress:
-        captured = capture(arguments.sources, arguments.output, arguments.target, settings, ask, progress)
+    made: CapturedLive | None = None
+    if arguments.page:
+        made = _on_page(arguments, settings, session)
+        captured = made.captured
+    else:
+        with session.progress() as progress:
+            captured = capture(arguments.sources, arguments.output, arguments.target, settings, ask, progress)
     for note in captured.notes:
         session.warn(note)
     shoot = captured.shoot
@@ -169,12 +197,37 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.warn(f"set {one.number} was refused: {'; '.join(one.reasons)}")
     images = sum(len(view.images) for view in shoot.views())
     result = CaptureResult(
-        str(arguments.output), list(shoot.cameras), len(shoot.views()), images, refused, list(captured.notes)
+        str(arguments.output),
+        list(shoot.cameras),
+        len(shoot.views()),
+        images,
+        refused,
+        list(captured.notes),
+        None if made is None else str(made.rig),
+        None if made is None else str(made.page),
     )
-    session.emit(
-        result, f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
-    )
+    text = f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
+    session.emit(result, text if made is None else f"{text} The rig: {made.rig}, its page: {made.page}.")
     return ExitStatus.PARTIAL if refused and captured.replayed else ExitStatus.DONE
+
+
+def _on_page(arguments: Namespace, settings: "CaptureSettings", session: Session) -> "CapturedLive":
+    """Take the pictures on a page."""
+    from labcal.cli.option_words import in_options
+    from labcal.pipeline import LiveSettings, PageOutput, capture_live
+
+    if arguments.on_enter:
+        raise InputError("--on-enter and --page each say when a view is taken. Leave one of them out.")
+
+    def opened(address: str) -> None:
+        sys.stderr.write(f"Open this address in a browser on this computer:\n\n    {address}\n\n")
+        sys.stderr.write("Only this computer can open it, and only with all its letters. Ctrl-C ends.\n")
+        sys.stderr.flush()
+
+    place = arguments.output.with_name(f"{arguments.output.name}-rig.html")
+    page = PageOutput(place, arguments.force, session.command, in_options)
+    live = LiveSettings(port=arguments.port, opened=opened, page=page)
+    return capture_live(arguments.sources, arguments.output, arguments.target, settings, live)
 
 
 def _wait_for_enter(words: str) -> None:

@@ -20,6 +20,7 @@ from labcal.pipeline.check import check
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.held_out import evaluate_held_out
+from labcal.pipeline.live_capture import capture_live
 from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from labcal.evaluate.comparison.compare_settings import CompareSettings
     from labcal.guide.check_settings import CheckSettings
     from labcal.guide.rehearsal.settings import RehearseSettings
+    from labcal.live.settings import LiveSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
@@ -65,6 +67,7 @@ __all__ = [
     "FitSettings",
     "FoundMarks",
     "HandheldSettings",
+    "LiveSettings",
     "MarkSearch",
     "MeasureSettings",
     "PageOutput",
@@ -76,6 +79,7 @@ __all__ = [
     "bench",
     "calibrate",
     "capture",
+    "capture_live",
     "certify",
     "check",
     "compare",
@@ -116,6 +120,7 @@ _HOMES = {
     "FitSettings": "labcal.estimators.fit_settings",
     "FoundMarks": "labcal.reconstruct.found_marks",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "LiveSettings": "labcal.live.settings",
     "MarkSearch": "labcal.correspond.mark_search",
     "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",

@@ -12,7 +12,7 @@ from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget, target_of
 
 if TYPE_CHECKING:
-    from labcal.capture.capturing import Captured
+    from labcal.capture.capturing import Captured, CaptureRun
     from labcal.capture.settings import CaptureSettings
     from labcal.capture.source import Source
 
@@ -64,8 +64,21 @@ def capture(
     >>> pipeline.capture("folder:shoot", "again", shoot.target)
     Captured(folder=again, views=2, refused=0)
     """
+    from labcal.capture.capturing import capture_shoot
+
+    source, run = planned_capture(sources, target, settings, ask)
+    return capture_shoot(source, as_path(folder), run, progress_of(progress))
+
+
+def planned_capture(
+    sources: str | Sequence[str],
+    target: AnyTarget | AnyPath | None,
+    settings: "CaptureSettings | None",
+    ask: Callable[[str], None] | None,
+) -> "tuple[Source, CaptureRun]":
+    """Return the source of a capture, not opened yet, and all else that it needs; as of :func:`capture`."""
     from labcal.capture.addresses import named_addresses, source_at
-    from labcal.capture.capturing import CaptureRun, capture_shoot
+    from labcal.capture.capturing import CaptureRun
     from labcal.capture.settings import CaptureSettings
     from labcal.capture.several import SeveralSources
     from labcal.capture.simulated import SimulatedCameras
@@ -95,4 +108,4 @@ def capture(
         source = videos_together(addresses, shown, how.source_settings)
     else:
         source = SeveralSources(made)
-    return capture_shoot(source, as_path(folder), run, progress_of(progress))
+    return source, run
