@@ -8,8 +8,8 @@ from labcal.capture.source import CameraInfo, FrameSet, Source
 class Previewed:
     """A source that can be looked through before a set is taken.
 
-    A live camera takes pictures for that, and the next set is a new one. A recording shows the set that comes
-    next, which is then taken as it was shown.
+    A source that has a method `peek` shows what that returns; another live one takes pictures for it, and the
+    next set is a new one. A recording shows the set that comes next, which is then taken as it was shown.
 
     Parameters
     ----------
@@ -36,9 +36,11 @@ class Previewed:
         DeviceError
             A camera was unplugged, or gave no picture in time.
         """
-        if self.live:
-            look: Callable[[], FrameSet | None] = getattr(self._source, "peek", self._source.trigger)
+        look: Callable[[], FrameSet | None] | None = getattr(self._source, "peek", None)
+        if look is not None:
             return look()
+        if self.live:
+            return self._source.trigger()
         if self._next is None:
             self._next = self._source.trigger()
         return self._next

@@ -56,7 +56,8 @@ def live_application(board: Board) -> Starlette:
     async def picture(request: Request) -> Response:
         camera = request.path_params["camera"]
         if board.picture(camera) is None:
-            return _absent()
+            known = any(one.name == camera for one in board.shown.cameras)
+            return Response(status_code=204) if known else _absent()
 
         def number() -> int:
             return (board.picture(camera) or (0, b""))[0]

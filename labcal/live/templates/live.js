@@ -12,7 +12,7 @@ const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 
 async function ask(path) {
   const answer = await fetch(path, {cache: "no-store", credentials: "same-origin"});
-  if (!answer.ok && answer.status !== 404) throw new Error(String(answer.status));
+  if (!answer.ok) throw new Error(String(answer.status));
   return answer;
 }
 
@@ -70,7 +70,7 @@ async function pictures(name, one) {
     if (state.phase === "done" || document.hidden) { await sleep(500); continue; }
     try {
       const answer = await ask(`/pictures/${encodeURIComponent(name)}?after=${one.number}`);
-      if (answer.status === 404) { await sleep(200); continue; }
+      if (answer.status === 204) { await sleep(200); continue; }
       const number = Number(answer.headers.get("X-Number"));
       if (number !== one.number) {
         const picture = await createImageBitmap(await answer.blob());
@@ -131,9 +131,11 @@ const millimetres = (value) => `${value < 0.1 ? value.toFixed(3) : value < 10 ? 
 
 function show() {
   const aiming = state.phase === "aim", taking = state.phase === "take", few = state.views < state.least_views;
+  document.body.dataset.phase = state.phase;
+  document.body.dataset.views = state.views;
   byId("request").textContent = state.request;
   byId("hint").textContent = state.hint;
-  byId("step").textContent = {start: "Preparing", aim: `View ${state.views + 1}${state.wanted_views ? ` of ${state.wanted_views}` : ""}`,
+  byId("step").textContent = {start: "Preparing", aim: state.request.startsWith("View") ? "" : `View ${state.views + 1}${state.wanted_views ? ` of ${state.wanted_views}` : ""}`,
     take: `View ${state.views + 1}`, calibrate: "Calibrating", done: "Calibrated", failed: "Stopped"}[state.phase];
   byId("cameras").hidden = state.phase === "done" || state.phase === "calibrate" || state.phase === "failed";
   byId("cameras").classList.toggle("several", state.cameras.length > 1);
@@ -149,6 +151,7 @@ function show() {
     byId("wanted").textContent = state.wanted_mm === null ? "" : `wanted: ${millimetres(state.wanted_mm)}`;
     byId("meter").classList.toggle("reached", state.wanted_mm !== null && state.reached_mm <= state.wanted_mm);
   }
+  if (state.views > 0 && byId("views").textContent === "0") byId("help").open = false;
   byId("views").textContent = state.views;
   byId("views-label").textContent = state.views === 1 ? "view" : "views";
   if (state.views > shownViews && shownViews >= 0) {
