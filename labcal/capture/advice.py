@@ -13,7 +13,7 @@ from labcal.capture.source import FrameSet
 
 @dataclass(frozen=True)
 class Advice:
-    """What to do next, and how far the shoot is."""
+    """The next pose, and how far the shoot is."""
 
     words: str
     """The next pose in words, or why the capture is done."""
@@ -35,7 +35,7 @@ class Advice:
     coverage: Mapping[str, Int[np.ndarray, "row column"]]
     """By camera: dots found so far in each cell of a coarse grid over the picture."""
     lacks: tuple[str, ...]
-    """What the views so far lack, for people: parts of a picture, tilts, distances."""
+    """Parts of a picture, tilts and distances that the views lack so far, for people."""
     views: int
     """Number of usable views so far."""
     done: bool

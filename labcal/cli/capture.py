@@ -110,7 +110,7 @@ def add_parser(commands: CommandGroup) -> None:
         "what to do next, and ends in SHOOT-rig.json and SHOOT-rig.html; needs the extra 'page'",
     )
     parser.add_argument(
-        "--port",
+        "--page-port",
         type=int,
         default=0,
         metavar="N",
@@ -226,7 +226,7 @@ def _on_page(arguments: Namespace, settings: "CaptureSettings", session: Session
 
     place = arguments.output.with_name(f"{arguments.output.name}-rig.html")
     page = PageOutput(place, arguments.force, session.command, in_options)
-    live = LiveSettings(port=arguments.port, opened=opened, page=page)
+    live = LiveSettings(port=arguments.page_port, opened=opened, page=page)
     return capture_live(arguments.sources, arguments.output, arguments.target, settings, live)
 
 

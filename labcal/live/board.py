@@ -14,7 +14,7 @@ MOST_WISHES = 16
 
 
 class Board:
-    """What the page shows now. Only the newest of everything is kept, however slowly it is read.
+    """The state of the page now. Only the newest of everything is kept, however slowly it is read.
 
     The bench writes from its thread, the server reads from its own.
     """
@@ -26,7 +26,7 @@ class Board:
         self._wishes: deque[Command] = deque(maxlen=MOST_WISHES)
         self._page: bytes | None = None
         self.asked_s = time.monotonic()
-        """When a request was last answered, by the monotonic clock."""
+        """Time of the last request, by the monotonic clock, s."""
 
     @property
     def shown(self) -> Shown:

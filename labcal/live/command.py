@@ -1,4 +1,4 @@
-"""What a person can ask for on the live page."""
+"""Wishes that a person can have on the live page."""
 
 from enum import StrEnum
 

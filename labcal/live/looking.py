@@ -25,7 +25,7 @@ itself."""
 
 @dataclass(frozen=True)
 class Look:
-    """What was found in one set of pictures."""
+    """Dots found in one set of pictures."""
 
     dots: Mapping[str, Pixels]
     """Dots found, by camera, px, shape (n, 2)."""

@@ -26,7 +26,7 @@ class Served:
     """A page that is being served."""
 
     address: str
-    """What to open in a browser, with the token."""
+    """Address to open in a browser, with the token."""
     port: int
 
 

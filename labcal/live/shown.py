@@ -1,11 +1,11 @@
-"""What the live page shows, apart from the pictures."""
+"""The state of the live page, apart from the pictures."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 
 class Phase(StrEnum):
-    """What goes on at the bench."""
+    """The work that goes on at the bench."""
 
     START = "start"
     """The cameras are being opened."""
@@ -23,7 +23,7 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True)
 class CameraShown:
-    """What is drawn over the picture of one camera."""
+    """Drawings over the picture of one camera."""
 
     name: str
     size: tuple[int, int]
@@ -43,12 +43,12 @@ class Outcome:
     """A calibrated rig, for the page."""
 
     sentence: str
-    """How good it is, in words."""
+    """Its quality, in words."""
     figures: tuple[tuple[str, str], ...]
     """Names and values to be read at once."""
     warnings: tuple[str, ...]
     files: tuple[tuple[str, str], ...]
-    """What is in each file, and where it is."""
+    """Contents and place of each file."""
     next_step: str
     """The command that goes on from here."""
 
@@ -59,7 +59,7 @@ class Shown:
 
     phase: Phase = Phase.START
     request: str = "Opening the cameras …"
-    """What a person is to do now, in one sentence."""
+    """Request to the person, one sentence."""
     hint: str = ""
     """A word of help beside it."""
     cameras: tuple[CameraShown, ...] = ()
@@ -79,9 +79,9 @@ class Shown:
     faults: tuple[str, ...] = ()
     """Of the last view, in plain words; a refused one begins with why it was refused."""
     findings: tuple[str, ...] = ()
-    """What the diagnosis of the shoot has found, the most harmful first."""
+    """Findings of the diagnosis of the shoot, the most harmful first."""
     lacks: tuple[str, ...] = ()
-    """What the views so far lack: parts of a picture, tilts, distances."""
+    """Parts of a picture, tilts and distances that the views lack so far."""
     enough: bool = False
     """True if the wanted error is reached, or the recording has no more."""
     ended: bool = False
@@ -90,4 +90,4 @@ class Shown:
     """Long work: its name, steps done, steps in all (0 if unknown)."""
     outcome: Outcome | None = None
     error: str = ""
-    """Why the last piece of work failed."""
+    """The failure of the last piece of work."""

@@ -51,7 +51,7 @@ def capture_live(  # noqa: PLR0913 -- those of `capture`, and the page
     settings : CaptureSettings, optional
         With `views`, the capture ends after so many; else when the person says so.
     live : LiveSettings, optional
-        The port, who is told the address, and where the rig goes.
+        The port, a function that receives the address, and the place of the rig.
     progress : Progress, optional
 
     Returns
