@@ -1,0 +1,1 @@
+"""Guided capture: what the views so far lack, the error reached, and the next pose that lowers it most."""

@@ -1,0 +1,106 @@
+"""The first poses, before there is a calibration: facing the cameras, then tilted where the target was."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+from scipy.spatial.transform import Rotation
+
+from labcal.arrays import Pixels, Pose
+from labcal.correspond.detections import Detections
+from labcal.geometry.poses import pose
+from labcal.guide.next_pose.findable import Findable
+from labcal.targets.catalogue import AnyTarget
+
+_WIDTH = 0.5
+"""Of the first outline, as a share of the picture's smaller side over that of the target."""
+_FOCAL = 1.1
+"""Guess of a focal length over the picture's width: 49 degrees. It only draws outlines."""
+_FEWEST = 6
+
+
+@dataclass(frozen=True)
+class FirstPose:
+    """A pose in terms of pictures: the target as it was seen first, with an edge tilted away, and words."""
+
+    edge: tuple[float, float]
+    """Direction from the middle of the target to what goes away, to the right and down in the picture."""
+    tilt_deg: float
+    words: str
+
+
+FIRST_POSES: Sequence[FirstPose] = (
+    FirstPose(
+        (0.0, -1.0), 0.0,
+        "Hold the target where you will measure, upright, facing the cameras, so that every camera sees all "
+        "of it, as large as possible",
+    ),
+    FirstPose((0.0, -1.0), 35.0, "Stay there, and tilt the top away from the cameras by about 35 degrees"),
+    FirstPose((1.0, 0.0), 35.0, "Stay there, and turn the right side away by about 35 degrees"),
+    FirstPose((-0.8, -0.6), 30.0, "Stay there, and tilt the upper left corner away by about 30 degrees"),
+    FirstPose((0.0, 1.0), 30.0, "Stay there, and tilt the bottom away by about 30 degrees"),
+    FirstPose((-1.0, 0.0), 30.0, "Stay there, and turn the left side away by about 30 degrees"),
+)  # fmt: skip
+"""In their order; begun again where they do not suffice."""
+
+
+def first_outlines(
+    number: int, sizes: Mapping[str, tuple[int, int]], dots: Detections | None, target: AnyTarget
+) -> dict[str, Pixels]:
+    """Return the outline of a first pose by camera, px.
+
+    Parameters
+    ----------
+    number : int
+        Of the pose, from 0.
+    sizes : mapping of str to (int, int)
+        Width and height of the pictures by camera, px.
+    dots : Detections or None
+        Of the first view; None before there is one: then the first camera alone has an outline.
+    target : AnyTarget
+    """
+    findable = Findable.of(target)
+    if dots is None or number == 0:
+        name, size = next(iter(sizes.items()))
+        return {name: _in_the_middle(size, findable)}
+    found = {}
+    for name, size in sizes.items():
+        own = dots.where((dots.camera == name) & dots.has_id & (dots.flag == "ok"))
+        if len(own) >= _FEWEST:
+            found[name] = _tilted(own, size, FIRST_POSES[number % len(FIRST_POSES)], (target, findable))
+    return found
+
+
+def _in_the_middle(size: tuple[int, int], target: Findable) -> Pixels:
+    flat = (target.outline() - target.middle)[:, :2] * [1.0, -1.0]
+    extent = target.extent_mm[1] - target.extent_mm[0]
+    scale = _WIDTH * float(np.min(np.array(size) / extent))
+    return np.asarray(scale * flat + 0.5 * (np.array(size) - 1.0))
+
+
+def _tilted(
+    own: Detections, size: tuple[int, int], first: FirstPose, of: tuple[AnyTarget, Findable]
+) -> Pixels:
+    """Return the outline of the target as it was seen in the first view, tilted about its middle."""
+    target, findable = of
+    focal = _FOCAL * size[0]
+    K = np.array([[focal, 0.0, 0.5 * (size[0] - 1)], [0.0, focal, 0.5 * (size[1] - 1)], [0.0, 0.0, 1.0]])
+    T = pose_by_pixels(target.points(own.index), own.position, K)
+    R, t = T[:3, :3], T[:3, 3]
+    right, down = first.edge
+    turn = np.radians(first.tilt_deg) * np.array([down, -right, 0.0]) / np.hypot(right, down)
+    held = Rotation.from_rotvec(turn).as_matrix() @ R
+    p = (findable.outline() - findable.middle) @ held.T + R @ findable.middle + t
+    q = p @ K.T
+    return np.asarray(q[:, :2] / q[:, 2:])
+
+
+def pose_by_pixels(
+    points: Float64[np.ndarray, "n 3"], q: Pixels, K: Float64[np.ndarray, "3 3"]
+) -> Pose:
+    """Return ``T_cam_target`` (mm) of flat points, (n, 3), by their pixels without distortion, (n, 2)."""
+    given = (np.ascontiguousarray(one, dtype=np.float64) for one in (points, q, K))
+    _, turn, shift = cv2.solvePnP(*given, None, flags=cv2.SOLVEPNP_IPPE)
+    return pose(Rotation.from_rotvec(turn.ravel()).as_matrix(), shift.ravel())

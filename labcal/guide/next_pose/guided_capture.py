@@ -1,0 +1,191 @@
+"""The advisor of a guided capture: detects, calibrates on the way, and asks for the pose that helps most."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Int
+
+from labcal.arrays import Pixels, Pose
+from labcal.capture.advice import Advice
+from labcal.capture.source import FrameSet
+from labcal.correspond.detections import Detections
+from labcal.correspond.gathering import gather, joined
+from labcal.correspond.sources import Source
+from labcal.detect.detector import detect_dots
+from labcal.geometry.poses import transform
+from labcal.guide.next_pose.choice import next_pose
+from labcal.guide.next_pose.findable import Findable
+from labcal.guide.next_pose.first_poses import FIRST_POSES, first_outlines
+from labcal.guide.next_pose.picture_faults import picture_faults, repeated
+from labcal.guide.next_pose.settings import GuideSettings
+from labcal.guide.next_pose.standing import Standing
+from labcal.guide.next_pose.words import lacks_words, pose_words
+from labcal.rng import generator
+from labcal.run.threads import one_blas_thread
+from labcal.targets.catalogue import AnyTarget
+
+CELLS = (6, 8)
+"""Rows and columns of the grid of a picture in which found dots are counted."""
+FEWEST_VIEWS = 3
+"""Views from which on a calibration is tried."""
+_FEWEST_DOTS = 12
+"""Of a picture that counts."""
+
+
+class GuidedCapture:
+    """An :class:`~labcal.capture.advice.Advisor` that calibrates after each view.
+
+    Parameters
+    ----------
+    target : AnyTarget
+    sizes : mapping of str to (int, int)
+        Width and height of the pictures by camera, px; the first camera is the world.
+    settings : GuideSettings
+    """
+
+    def __init__(
+        self, target: AnyTarget, sizes: Mapping[str, tuple[int, int]], settings: GuideSettings
+    ) -> None:
+        self._target, self._sizes, self._settings = target, dict(sizes), settings
+        self._findable = Findable.of(target)
+        self._tables: list[Detections] = []
+        self._faults: tuple[str, ...] = ()
+        self._sharpest: dict[str, float] = {}
+        self._standing: Standing | None = None
+        self._last: Pose | None = None
+        self._judged = 0
+
+    @property
+    def standing(self) -> Standing | None:
+        """The calibration so far; None before there is one."""
+        return self._standing
+
+    @property
+    def dots(self) -> Detections | None:
+        """The dots of all usable views; None before there is one."""
+        return joined(self._tables) if self._tables else None
+
+    def judge(self, taken: FrameSet, view: str) -> tuple[str, ...]:
+        """Detect the target in a set that entered the shoot, and return its faults, for people."""
+        found = {name: detect_dots(frame.picture, self._target) for name, frame in taken.frames.items()}
+        sources = [Source(view, name, f"{view}_{name}.png", found[name].size) for name in found]
+        faults = picture_faults(taken.frames, found, self._sharpest)
+        self.enter(gather(sources, found.values()), view)
+        self._faults = (*faults, *self._faults)
+        return self._faults
+
+    @one_blas_thread()
+    def enter(self, dots: Detections, view: str) -> None:
+        """Take in the dots of a view, and calibrate with them.
+
+        Parameters
+        ----------
+        dots : Detections
+            Of this view, in all cameras.
+        view : str
+        """
+        self._judged += 1
+        self._faults = ()
+        usable = dots.where(dots.has_id & (dots.flag == "ok"))
+        for name in dict.fromkeys(usable.camera.tolist()):
+            if (usable.camera == name).sum() < _FEWEST_DOTS:
+                usable = usable.where(usable.camera != name)
+        if len(usable) == 0:
+            return
+        self._tables.append(usable)
+        if len(self._tables) < FEWEST_VIEWS:
+            return
+        settings = self._settings
+        self._standing = Standing.of(
+            joined(self._tables), self._target, settings.lens, settings.volume_mm, self._standing
+        )
+        if self._standing is None:
+            return
+        poses = self._standing.poses
+        self._last = poses.get(view, self._last)
+        before = repeated(poses, view, self._findable.middle)
+        if before is not None:
+            self._faults = (f"the pose is nearly that of {before}, and adds little",)
+
+    @one_blas_thread()
+    def advise(self) -> Advice:
+        """Return what to do next, and the error that is reached."""
+        standing, wanted = self._standing, self._settings.wanted_mm
+        coverage = self._coverage()
+        base = Advice(
+            words="",
+            outlines={},
+            T_world_target=None,
+            reached_mm=None if standing is None else _finite(standing.reached_mm),
+            calibration_mm=None if standing is None else _finite(standing.calibration_mm),
+            wanted_mm=wanted,
+            faults=self._faults,
+            coverage=coverage,
+            lacks=tuple(lacks_words(list(coverage.items()))) if standing else (),
+            views=len(self._tables),
+            done=False,
+        )
+        if standing is None:
+            number = len(self._tables)
+            first = self._tables[0] if self._tables else None
+            outlines = first_outlines(number, self._sizes, first, self._target)
+            return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
+        if wanted is not None and base.reached_mm is not None and base.reached_mm <= wanted:
+            words = (
+                f"Done: the expected error is {base.reached_mm:.3g} mm, and {wanted:.3g} mm was asked for"
+            )
+            return replace(base, words=words, done=True)
+        asked = self._next(standing)
+        if asked is None:
+            return replace(base, words="Hold the target anywhere that no view shows it yet, tilted another way")
+        return replace(base, words=self._words(standing, asked), outlines=asked[2], T_world_target=asked[0])
+
+    def _next(self, standing: Standing) -> tuple[Pose, np.ndarray, dict[str, Pixels]] | None:
+        """Return the pose to ask for, the cameras that will find the target, and outlines."""
+        turned = self._target.symmetric_indices(self._target.indices()[:1])
+        random = generator(self._settings.seed, "poses of a guided capture", self._judged)
+        found = next_pose(
+            standing.volume,
+            standing.covariance,
+            self._findable,
+            standing.variance,
+            (standing.centre, 1 if turned else 4),
+            random,
+        )
+        if found is None:
+            return None
+        T, sees = found
+        outline = transform(T, self._findable.outline())
+        outlines = {
+            name: camera.project(outline).q
+            for name, camera, sure in zip(standing.calibration.rig.cameras, standing.cameras, sees, strict=True)
+            if sure
+        }
+        return T, sees, outlines
+
+    def _words(self, standing: Standing, asked: tuple[Pose, np.ndarray, dict[str, Pixels]]) -> str:
+        T, sees, _ = asked
+        names = [name for name, sure in zip(standing.calibration.rig.cameras, sees, strict=True) if sure]
+        cameras = [camera for camera, sure in zip(standing.cameras, sees, strict=True) if sure]
+        words = pose_words(names, cameras, T, self._findable.middle, self._last)
+        wanted = self._settings.wanted_mm
+        if wanted is not None and standing.noise_mm > wanted:
+            words += (
+                f". The {wanted:.3g} mm asked for cannot be reached: the noise of a point's own pixels alone "
+                f"is {standing.noise_mm:.3g} mm"
+            )
+        return words
+
+    def _coverage(self) -> dict[str, Int[np.ndarray, "rows columns"]]:
+        counts = {name: np.zeros(CELLS, dtype=np.int64) for name in self._sizes}
+        for table in self._tables:
+            for name, cells in counts.items():
+                q = table.position[table.camera == name]
+                col, row = (((q + 0.5) / self._sizes[name]) * CELLS[::-1]).astype(int).T
+                np.add.at(cells, (np.clip(row, 0, CELLS[0] - 1), np.clip(col, 0, CELLS[1] - 1)), 1)
+        return counts
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
