@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from labcal.arrays import Pose
-from labcal.capture.source import FrameSet
+from labcal.capture.source import CameraInfo, FrameSet
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,16 @@ class Advice:
     """Number of usable views so far."""
     done: bool
     """True where the error asked for is reached."""
+    sizes: Mapping[str, tuple[int, int]]
+    """Width and height of the pictures by camera, px."""
 
 
 @runtime_checkable  # so that tests can check annotations
 class Advisor(Protocol):
     """Looks at each set of pictures, and says what to take next."""
+
+    def begin(self, cameras: tuple[CameraInfo, ...]) -> None:
+        """Learn which cameras there are; called once, before anything else."""
 
     def judge(self, taken: FrameSet, view: str) -> tuple[str, ...]:
         """Look at a set that entered the shoot.

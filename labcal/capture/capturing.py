@@ -2,11 +2,13 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from labcal.capture.advice import Advice, Advisor
 from labcal.capture.attendant import Attendant
+from labcal.capture.advice_text import advice_text
+from labcal.capture.guide_settings import MOST_VIEWS
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import FrameSet, Source, opened
@@ -76,7 +78,7 @@ class CaptureRun:
     """Judges each set that entered, and ends the capture when it says that it is done; None where nobody
     guides."""
     show: Callable[[Advice], None] | None = None
-    """Called with each advice before its set is taken, and with the last one."""
+    """Called with each advice before its set is taken, and with the one that says that it is done."""
     attendant: Attendant | None = None
     """Says when each set is taken and when there are enough, in place of `ask` and the clock; None where nobody
     watches. A refused set is its matter: none ends the capture."""
@@ -116,8 +118,12 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
         infos = cameras.describe()
         recorder = Recorder(growing, run.target, infos)
         cameras.skip(recorder.views)
+        if run.advisor is not None:
+            run.advisor.begin(infos)
+            for view, before in recorder.recorded():
+                run.advisor.judge(before, view)
         try:
-            refused = _take_views(cameras, recorder, run, progress)
+            refused = _take_views(cameras, recorder, _attended(run), progress)
         except DeviceError as error:
             done = len(recorder.views)
             kept = f"{counted(done, 'view')} taken before {'is' if done == 1 else 'are'} in {folder}."
@@ -125,25 +131,38 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
         if not recorder.views:
             raise InputError(_nothing(refused))
     notes = tuple(note for one in infos for note in one.notes)
-    return Captured(open_shoot(folder), tuple(refused), notes, not source.live)
+    advice = None if run.advisor is None else run.advisor.advise()
+    return Captured(open_shoot(folder), tuple(refused), notes, not source.live, advice)
+
+
+def _attended(run: CaptureRun) -> CaptureRun:
+    """Return a run whose sets are judged by its attendant, where it has one."""
+    return run if run.attendant is None else replace(run, advisor=None, show=None)
 
 
 def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: Progress) -> list[RefusedSet]:
     """Take the views that are missing, and return the sets that were refused."""
     settings, refused, in_a_row = run.settings, list[RefusedSet](), 0
-    wanted = settings.views or len(run.stage) or None
-    if wanted is None and source.live and run.attendant is None:
-        wanted = LIVE_VIEWS
+    usual = LIVE_VIEWS if run.advisor is None else MOST_VIEWS
+    wanted = settings.views or (len(run.stage) or usual if source.live or run.stage or run.advisor else None)
+    if run.attendant is not None:
+        wanted = settings.views or len(run.stage) or None
     progress.start("capture", wanted or 0, len(recorder.views))
     number, due = 0, time.monotonic()
     while wanted is None or len(recorder.views) < wanted:
         view = _next_view(recorder, run)
+        advice = None if run.advisor is None else run.advisor.advise()
+        if advice is not None and run.show is not None:
+            run.show(advice)
+        if advice is not None and advice.done:
+            break
         if run.attendant is not None:
             done = len(recorder.views)
             if not run.attendant.wait(_request(view, done, wanted), done):
                 break
         elif run.ask is not None:
-            run.ask(_request(view, len(recorder.views), wanted))
+            words = _request(view, len(recorder.views), wanted) if advice is None else advice_text(advice)
+            run.ask(words)
         elif source.live:
             time.sleep(max(0.0, due - time.monotonic()))
             due = time.monotonic() + settings.interval_s
@@ -166,6 +185,8 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
         recorder.add(placed, name)
         if run.attendant is not None:
             run.attendant.heard(placed, name, ())
+        if run.advisor is not None:
+            run.advisor.judge(placed, name)
         progress.advance()
     return refused
 

@@ -1,6 +1,6 @@
 """Pictures into a shoot, view after view; what is there is a whole shoot at every moment."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,7 +15,7 @@ from labcal.run.names import Name
 from labcal.run.outputs import write_file
 from labcal.shoot.dataset import MANIFEST, write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, ViewEntry
-from labcal.shoot.pictures import encoded_picture
+from labcal.shoot.pictures import encoded_picture, read_picture
 from labcal.targets.catalogue import AnyTarget
 
 RECORD = "capture.json"
@@ -91,6 +91,14 @@ class Recorder:
     def views(self) -> tuple[str, ...]:
         """Names of the views that are in the shoot."""
         return tuple(view.name for view in self._views)
+
+    def recorded(self) -> Iterator[tuple[str, FrameSet]]:
+        """Read the views that an interrupted run has recorded, one after another, with their names."""
+        for view in self._views:
+            frames = {
+                name: Frame(read_picture(self.folder.path / image)) for name, image in view.images.items()
+            }
+            yield view.name, FrameSet(frames, view.name, role=view.role)
 
     def refusal(self, frames: FrameSet) -> str | None:
         """Return why a set does not fit the shoot: a camera is missing, or its pictures have another size."""

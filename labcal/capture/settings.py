@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from labcal.arguments import set_checked, whole_number
+from labcal.capture.guide_settings import GuideSettings
 from labcal.errors import InputError
 from labcal.paths import AnyPath
 
@@ -63,6 +64,9 @@ class CaptureSettings:
     """Sets that may be refused in a row before the capture ends with an error."""
     force: bool = False
     """Replace a shoot that is there already."""
+    guide: GuideSettings | None = None
+    """Settings of a guided capture: after each view the error reached and the pose to take next; a plain
+    capture where left out."""
 
     def __post_init__(self) -> None:
         """Check the numbers.

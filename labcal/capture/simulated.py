@@ -148,6 +148,7 @@ class SimulatedCameras:
     def skip(self, views: Collection[str]) -> None:
         """Leave planned views out."""
         self._views = [view for view in self._views if view.name not in views]
+        self._taken = len(views)
 
     def close(self) -> None:
         """Forget the plan."""

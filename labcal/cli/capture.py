@@ -3,10 +3,13 @@
 import os
 import sys
 from argparse import Namespace
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.guide_options import add_guide, guide_settings
 from labcal.cli.options import add_output, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
@@ -17,6 +20,10 @@ from labcal.wording import counted
 if TYPE_CHECKING:
     from labcal.capture.settings import CaptureSettings
     from labcal.live.result import CapturedLive
+
+
+_LIVE = ("uvc:", "genicam:")
+"""Beginnings of addresses of cameras before which a person holds a target."""
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -124,6 +131,7 @@ def add_parser(commands: CommandGroup) -> None:
         dest="overrides",
         help="of sim: change a value of the scene, such as spp=16",
     )
+    add_guide(parser)
     add_seed(parser)
 
 
@@ -137,6 +145,21 @@ class RefusedEntry:
 
 
 @dataclass(frozen=True)
+class GuidedEntry:
+    """The end of a guided capture, in the JSON document of ``labcal capture``."""
+
+    done: bool
+    """True if the error asked for is reached."""
+    words: str
+    reached_mm: float | None
+    """Expected RMS 3-D error over the volume."""
+    calibration_mm: float | None
+    """The calibration's share of it."""
+    wanted_mm: float | None
+    usable_views: int
+
+
+@dataclass(frozen=True)
 class CaptureResult:
     """The JSON document of ``labcal capture``."""
 
@@ -146,6 +169,7 @@ class CaptureResult:
     images: int
     refused: list[RefusedEntry]
     notes: list[str]
+    guided: GuidedEntry | None
     rig: str | None = None
     """With ``--page``: the calibrated rig; else null."""
     page: str | None = None
@@ -154,6 +178,7 @@ class CaptureResult:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Take the pictures."""
+    from labcal.capture.advice_text import summary
     from labcal.pipeline import CaptureSettings, SourceSettings, capture
     from labcal.run.begun import COMMAND
     from labcal.run.claims import FolderOutput, claim_outputs
@@ -180,14 +205,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         source_settings=sources,
         tries=arguments.tries,
         force=arguments.force,
+        guide=guide_settings(arguments),
     )
-    ask = _wait_for_enter if arguments.on_enter else None
+    ask = _asks(arguments, session)
     made: CapturedLive | None = None
     if arguments.page:
         made = _on_page(arguments, settings, session)
         captured = made.captured
     else:
-        with session.progress() as progress:
+        with nullcontext() if arguments.guided else session.progress() as progress:
             captured = capture(arguments.sources, arguments.output, arguments.target, settings, ask, progress)
     for note in captured.notes:
         session.warn(note)
@@ -196,6 +222,10 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     for one in refused:
         session.warn(f"set {one.number} was refused: {'; '.join(one.reasons)}")
     images = sum(len(view.images) for view in shoot.views())
+    advice = captured.advice
+    guided = None if advice is None else GuidedEntry(
+        advice.done, advice.words, advice.reached_mm, advice.calibration_mm, advice.wanted_mm, advice.views
+    )  # fmt: skip
     result = CaptureResult(
         str(arguments.output),
         list(shoot.cameras),
@@ -203,12 +233,24 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         images,
         refused,
         list(captured.notes),
+        guided,
         None if made is None else str(made.rig),
         None if made is None else str(made.page),
     )
-    text = f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
-    session.emit(result, text if made is None else f"{text} The rig: {made.rig}, its page: {made.page}.")
+    words = f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
+    words += "" if advice is None else f"\n{summary(advice)}"
+    session.emit(result, words if made is None else f"{words}\nThe rig: {made.rig}, its page: {made.page}.")
+    if advice is not None and advice.wanted_mm is not None and not advice.done:
+        return ExitStatus.PARTIAL
     return ExitStatus.PARTIAL if refused and captured.replayed else ExitStatus.DONE
+
+
+def _asks(arguments: Namespace, session: Session) -> Callable[[str], None] | None:
+    """Return what is called before each set: a wait for a person, or the advice that is shown alone."""
+    live = any(address.rpartition("=")[2].startswith(_LIVE) for address in arguments.sources)
+    if arguments.on_enter or (arguments.guided and live):
+        return _wait_for_enter
+    return session.say if arguments.guided else None
 
 
 def _on_page(arguments: Namespace, settings: "CaptureSettings", session: Session) -> "CapturedLive":
@@ -232,7 +274,8 @@ def _on_page(arguments: Namespace, settings: "CaptureSettings", session: Session
 
 def _wait_for_enter(words: str) -> None:
     """Ask a person for the next view."""
-    sys.stderr.write(f"{words}, then press Enter. ")
+    many = "\n" in words
+    sys.stderr.write(f"{words}\nTake the pose, then press Enter. " if many else f"{words}, then press Enter. ")
     sys.stderr.flush()
     if not sys.stdin.readline():
         raise EOFError

@@ -23,6 +23,7 @@ OPTIONS = {
     "scale_bars": "--scale-bar", "scale_sigma_ppm": "--scale-sigma-ppm",
     "limit_mm": "--limit-mm", "limit_ppm": "--limit-ppm", "confidence": "--confidence",
     "volume_mm": "--volume-mm", "longest_mm": "--longest-mm", "operator": "--operator",
+    "hand_error": "--hand-error", "wanted_mm": "--wanted-mm",
     "distances_mm": "--distances-mm", "pictures": "--pictures",
     "mark_diameter": "--mark-diameter", "markers": "--markers",
 }  # fmt: skip

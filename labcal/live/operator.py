@@ -9,6 +9,7 @@ from labcal.arrays import Pixels
 from labcal.capture.advice import Advice, Advisor
 from labcal.capture.preview import Previewed
 from labcal.capture.source import FrameSet
+from labcal.evaluate.verdict.of_calibration import GOOD_VIEWS
 from labcal.live.board import Board
 from labcal.live.command import Command
 from labcal.live.looking import Look, Looker
@@ -87,9 +88,9 @@ class Operator:
         """Tell the page what became of a set, and have it judged."""
         self._show(taken)
         if view is None:
-            self._board.show(faults=tuple(f"Not taken: {reason}" for reason in reasons))
+            self._board.show(faults=tuple(f"Not taken: {reason}." for reason in reasons))
             return
-        self._board.show(faults=())
+        self._board.show(views=self._board.shown.views + 1, faults=())
         if self._looker is not None:
             self._looker.took()
         if self._advisor is not None:
@@ -139,10 +140,11 @@ class Operator:
         self._judging = None
         if self._follow is not None:
             self._follow(advice)
+        asks = self._source.live or self._follow is not None  # a recording does as it likes
         cameras = tuple(
             replace(
                 one,
-                outline=_places(advice.outlines.get(one.name)),
+                outline=_places(advice.outlines.get(one.name)) if asks else (),
                 coverage=tuple(
                     tuple(int(count) for count in row) for row in advice.coverage.get(one.name, ())
                 ),
@@ -151,13 +153,13 @@ class Operator:
         )
         self._board.show(
             phase=Phase.AIM,
-            request=advice.words,
+            request=_sentence(advice.words) if asks or advice.done else request,
             cameras=cameras,
             reached_mm=advice.reached_mm,
             wanted_mm=advice.wanted_mm,
-            faults=advice.faults,
+            faults=tuple(_sentence(fault) for fault in advice.faults),
             lacks=advice.lacks,
-            enough=advice.done,
+            enough=advice.done or (advice.wanted_mm is None and advice.views >= GOOD_VIEWS),
             error="",
         )
 
@@ -180,6 +182,10 @@ class Operator:
             )
         )
         self._board.show(still=look.still)
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 def _judged(advisor: Advisor, taken: FrameSet, view: str) -> Advice:

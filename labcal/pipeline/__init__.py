@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.epipolar_residual import epipolar_rms
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.cameras.interop.conversion import ConvertSettings
+    from labcal.capture.guide_settings import GuideSettings
     from labcal.capture.settings import CaptureSettings, SourceSettings
     from labcal.correspond.mark_search import MarkSearch
     from labcal.correspond.measure import detections_of
@@ -66,6 +67,7 @@ __all__ = [
     "DetectSettings",
     "FitSettings",
     "FoundMarks",
+    "GuideSettings",
     "HandheldSettings",
     "LiveSettings",
     "MarkSearch",
@@ -119,6 +121,7 @@ _HOMES = {
     "DetectSettings": "labcal.detect.settings",
     "FitSettings": "labcal.estimators.fit_settings",
     "FoundMarks": "labcal.reconstruct.found_marks",
+    "GuideSettings": "labcal.capture.guide_settings",
     "HandheldSettings": "labcal.calibrate.handheld",
     "LiveSettings": "labcal.live.settings",
     "MarkSearch": "labcal.correspond.mark_search",

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from labcal.arguments import settings_of, texts
@@ -12,8 +12,11 @@ from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget, target_of
 
 if TYPE_CHECKING:
+    from labcal.capture.advice import Advice
     from labcal.capture.capturing import Captured, CaptureRun
+    from labcal.capture.guide_settings import GuideSettings
     from labcal.capture.settings import CaptureSettings
+    from labcal.capture.simulated import SimulatedCameras
     from labcal.capture.source import Source
 
 
@@ -38,9 +41,11 @@ def capture(
         The target that the pictures show, which a scene brings with it. Without it the shoot names none, and
         motion during a set is not noticed.
     settings : CaptureSettings, optional
-        How many views, how often, which sets are refused, a stage's readings, and the sources' own settings.
+        How many views, how often, which sets are refused, a stage's readings, the sources' own settings, and
+        those of a guided capture.
     ask : callable, optional
-        Called with words before each set; returns when a person has done what they say.
+        Called with words before each set, of a guided capture with the advice; returns when a person has
+        done what they say.
     progress : Progress, optional
 
     Returns
@@ -99,9 +104,12 @@ def planned_capture(
         "cameras": [one.camera for one in addresses],
         "target": None if shown is None else shown.model_dump(mode="json"),
         "settings": {**asdict(how.source_settings), "views": how.views},
+        **({} if how.guide is None else {"guide": asdict(how.guide)}),
         "stage": [one.view for one in readings],
     }
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
+    if how.guide is not None:
+        run = _guided(run, how.guide, simulated[0] if simulated else None)
     if len(made) == 1:
         source: Source = made[0]
     elif all(address.kind == "video" for address in addresses):
@@ -109,3 +117,33 @@ def planned_capture(
     else:
         source = SeveralSources(made)
     return source, run
+
+
+def _guided(run: "CaptureRun", guide: "GuideSettings", simulated: "SimulatedCameras | None") -> "CaptureRun":
+    """Return a run with an advisor, and with a hand that follows it where the cameras are simulated."""
+    from labcal.calibrate.lens_start import require_adjustable
+    from labcal.guide.next_pose.guided_capture import GuidedCapture
+    from labcal.guide.next_pose.hand import parsed_hand_error
+    from labcal.guide.next_pose.simulated_hand import SimulatedHand, start_of
+
+    if run.target is None:
+        raise InputError("A guided capture must know the target. Give its name: `target`.")
+    if run.stage:
+        raise InputError(
+            "A guided capture asks for poses itself, and a stage has a list of them. Leave out `stage`, or "
+            "the guide."
+        )
+    require_adjustable(guide.lens)
+    seed = run.settings.source_settings.seed
+    advisor = GuidedCapture(run.target, guide, seed)
+    error = parsed_hand_error(guide.hand_error)
+    if simulated is None:
+        return replace(run, advisor=advisor)
+    scene = simulated.scene
+    hand = SimulatedHand(scene.true_cameras(), run.target, start_of(scene, seed), error, seed)
+
+    def follow(advice: "Advice") -> None:
+        if not advice.done:
+            simulated.hold(hand.pose_for(advice))
+
+    return replace(run, advisor=advisor, show=follow)

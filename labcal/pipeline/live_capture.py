@@ -78,7 +78,9 @@ def capture_live(  # noqa: PLR0913 -- those of `capture`, and the page
     http://127.0.0.1:43117/?token=...
     """
     from labcal.capture.capturing import capture_shoot
+    from labcal.capture.guide_settings import GuideSettings
     from labcal.capture.preview import Previewed
+    from labcal.capture.settings import CaptureSettings
     from labcal.live.board import Board
     from labcal.live.operator import Operator
     from labcal.live.result import CapturedLive
@@ -89,12 +91,17 @@ def capture_live(  # noqa: PLR0913 -- those of `capture`, and the page
 
     how = settings_of(live, LiveSettings)
     require_server()
-    source, run = planned_capture(sources, target, settings, None)
+    given = settings_of(settings, CaptureSettings)
+    if given.guide is None and given.stage is None:
+        given = replace(given, guide=GuideSettings())
+    source, run = planned_capture(sources, target, given, None)
     if run.target is None:
         raise InputError("The live page looks for the target, but none is known. Name it: `target=NAME`.")
     ending = _Ending(as_path(folder), how, Board(), force=run.settings.force)
     previewed = Previewed(source)
     operator = Operator(ending.board, previewed, run.target, ending.finish)
+    if run.advisor is not None:
+        operator.guide_by(run.advisor, run.show)
     with served(ending.board, how.port) as page:
         how.opened(page.address)
         try:

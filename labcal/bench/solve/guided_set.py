@@ -11,9 +11,9 @@ from jaxtyping import Float64
 from pydantic import BaseModel, ConfigDict
 
 from labcal.arrays import Pose, Vectors3
-from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
-from labcal.capture.advice import Advice
+from labcal.capture.guide_settings import GuideSettings
+from labcal.capture.source import CameraInfo
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather
 from labcal.correspond.sources import Source
@@ -24,7 +24,6 @@ from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.guided_capture import GuidedCapture
 from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.information import view_information
-from labcal.guide.next_pose.settings import GuideSettings
 from labcal.guide.next_pose.simulated_hand import SimulatedHand
 from labcal.guide.next_pose.standing import DotVariance, Standing
 from labcal.guide.next_pose.volume import MeasuredVolume
@@ -129,9 +128,10 @@ def measured_guided(case: GuidedSet) -> GuidedFigures:
     cameras = dict(zip(names, planned.cameras, strict=True))
     v = plan.volume
     settings = GuideSettings(
-        volume_mm=(v.width_mm, v.height_mm, v.far_mm - v.near_mm), lens=planned.cameras[0].lens, seed=case.seed
+        volume_mm=(v.width_mm, v.height_mm, v.far_mm - v.near_mm), lens=planned.cameras[0].lens
     )
-    guide = GuidedCapture(plan.target, {name: one.size for name, one in cameras.items()}, settings)
+    guide = GuidedCapture(plan.target, settings, case.seed)
+    guide.begin(tuple(CameraInfo(name, "drawn", one.size) for name, one in cameras.items()))
     hand = SimulatedHand(cameras, plan.target, _centre(planned), HandError(), case.seed)
     taken, asked, found = list[Pose](), 0, 0
     while len(taken) < MOST_GUIDED:

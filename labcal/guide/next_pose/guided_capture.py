@@ -1,6 +1,5 @@
 """The advisor of a guided capture: detects, calibrates on the way, and asks for the pose that helps most."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,8 @@ from jaxtyping import Int
 
 from labcal.arrays import Pixels, Pose
 from labcal.capture.advice import Advice
-from labcal.capture.source import FrameSet
+from labcal.capture.guide_settings import GuideSettings
+from labcal.capture.source import CameraInfo, FrameSet
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather, joined
 from labcal.correspond.sources import Source
@@ -18,7 +18,6 @@ from labcal.guide.next_pose.choice import next_pose
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.first_poses import FIRST_POSES, first_outlines
 from labcal.guide.next_pose.picture_faults import picture_faults, repeated
-from labcal.guide.next_pose.settings import GuideSettings
 from labcal.guide.next_pose.standing import Standing
 from labcal.guide.next_pose.words import lacks_words, pose_words
 from labcal.rng import generator
@@ -39,15 +38,14 @@ class GuidedCapture:
     Parameters
     ----------
     target : AnyTarget
-    sizes : mapping of str to (int, int)
-        Width and height of the pictures by camera, px; the first camera is the world.
     settings : GuideSettings
+    seed : int
+        Of the poses to choose from.
     """
 
-    def __init__(
-        self, target: AnyTarget, sizes: Mapping[str, tuple[int, int]], settings: GuideSettings
-    ) -> None:
-        self._target, self._sizes, self._settings = target, dict(sizes), settings
+    def __init__(self, target: AnyTarget, settings: GuideSettings, seed: int) -> None:
+        self._target, self._settings, self._seed = target, settings, seed
+        self._sizes: dict[str, tuple[int, int]] = {}
         self._findable = Findable.of(target)
         self._tables: list[Detections] = []
         self._faults: tuple[str, ...] = ()
@@ -65,6 +63,10 @@ class GuidedCapture:
     def dots(self) -> Detections | None:
         """The dots of all usable views; None before there is one."""
         return joined(self._tables) if self._tables else None
+
+    def begin(self, cameras: tuple[CameraInfo, ...]) -> None:
+        """Learn the cameras and the sizes of their pictures; the first one is the world."""
+        self._sizes = {one.name: one.size for one in cameras}
 
     def judge(self, taken: FrameSet, view: str) -> tuple[str, ...]:
         """Detect the target in a set that entered the shoot, and return its faults, for people."""
@@ -125,6 +127,7 @@ class GuidedCapture:
             lacks=tuple(lacks_words(list(coverage.items()))) if standing else (),
             views=len(self._tables),
             done=False,
+            sizes=self._sizes,
         )
         if standing is None:
             number = len(self._tables)
@@ -144,7 +147,7 @@ class GuidedCapture:
     def _next(self, standing: Standing) -> tuple[Pose, np.ndarray, dict[str, Pixels]] | None:
         """Return the pose to ask for, the cameras that will find the target, and outlines."""
         turned = self._target.symmetric_indices(self._target.indices()[:1])
-        random = generator(self._settings.seed, "poses of a guided capture", self._judged)
+        random = generator(self._seed, "poses of a guided capture", str(self._judged))
         found = next_pose(
             standing.volume,
             standing.covariance,

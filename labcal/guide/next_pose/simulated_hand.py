@@ -13,6 +13,9 @@ from labcal.guide.next_pose.first_poses import pose_by_pixels
 from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.volume import middle_of_eyes
 from labcal.rng import generator
+from labcal.scene.model import Scene
+from labcal.scene.placement import Handheld
+from labcal.scene.views import planned_views
 from labcal.targets.catalogue import AnyTarget
 
 
@@ -69,3 +72,12 @@ class SimulatedHand:
             self._findable.outline()[corners], direction[:, :2] / direction[:, 2:], np.eye(3)
         )
         return self._T_first_world @ inverse(camera.T_cam_world) @ T_cam_target
+
+
+def start_of(scene: Scene, seed: int) -> Vectors3:
+    """Return the middle of where a scene puts its target, mm: of the hand's box, or of the stage's places."""
+    if isinstance(scene.placement, Handheld):
+        return np.array(scene.placement.centre_mm)
+    middle = Findable.of(scene.target).middle
+    poses = [view.T_world_target for view in planned_views(scene, seed)]
+    return np.asarray(np.mean([T[:3, :3] @ middle + T[:3, 3] for T in poses], axis=0))

@@ -16,7 +16,7 @@ from labcal.targets.places import DotPlaces
 
 SETTINGS: dict[str, tuple[type, ...]] = {
     "render": (pipeline.RenderSettings,),
-    "capture": (pipeline.CaptureSettings, pipeline.SourceSettings),
+    "capture": (pipeline.CaptureSettings, pipeline.SourceSettings, pipeline.GuideSettings),
     "inspect": (),
     "detect": (),
     "calibrate": (pipeline.HandheldSettings,),
@@ -46,6 +46,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "capture": {
         "output": "folder",
         "on_enter": "ask",
+        "guided": "guide",
         "page": (pipeline.capture_live, "live"),
         "page_port": (pipeline.LiveSettings, "port"),
     },

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.arguments import set_checked, whole_number
 from labcal.errors import InputError
 
 MOST_VIEWS = 40
@@ -30,24 +29,24 @@ class GuideSettings:
     of the target in the first view. What all cameras see at that distance, where left out."""
     lens: str = "brown5"
     """Lens model of the calibrations on the way."""
-    seed: int = 0
-    """Of the poses to choose from."""
+    hand_error: str = "5deg,5%"
+    """Of `sim`: errors of the simulated hand that takes the poses asked for, an angle and a share of the
+    distance."""
 
     def __post_init__(self) -> None:
         """Check the settings.
 
         Raises
         ------
-        InputError, InputTypeError
-            A length is not positive, or the seed is no whole number.
+        InputError
+            A length is not positive.
         """
-        set_checked(self, {"seed": whole_number(self.seed, "seed", 0)})
         if self.wanted_mm is not None and not (np.isfinite(self.wanted_mm) and self.wanted_mm > 0.0):
-            raise InputError(f"The error to reach must be more than 0 mm, but {self.wanted_mm} was given.")
+            raise InputError(f"`wanted_mm`, the error to reach, must be more than 0 mm, but {self.wanted_mm} was given.")
         if self.volume_mm is not None:
             sides = np.array(self.volume_mm, dtype=np.float64)
             if sides.shape != (3,) or not (np.isfinite(sides).all() and (sides > 0.0).all()):
                 raise InputError(
-                    "A volume has three sides of more than 0 mm: across, upright and in depth, as in "
+                    "`volume_mm` has three sides of more than 0 mm: across, upright and in depth, as in "
                     f"300,200,100, but {','.join(f'{side:g}' for side in np.ravel(sides))} was given."
                 )
