@@ -1,4 +1,4 @@
-"""The interface of an attendant, who says when the next set of a capture is taken and when there are enough."""
+"""The interface of an attendant, who says when the next set is taken and when there are enough."""
 
 from typing import Protocol, runtime_checkable
 

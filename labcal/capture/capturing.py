@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from labcal.capture.advice import Advice, Advisor
-from labcal.capture.attendant import Attendant
 from labcal.capture.advice_text import advice_text
+from labcal.capture.attendant import Attendant
 from labcal.capture.guide_settings import MOST_VIEWS
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
@@ -80,8 +80,8 @@ class CaptureRun:
     show: Callable[[Advice], None] | None = None
     """Called with each advice before its set is taken, and with the one that says that it is done."""
     attendant: Attendant | None = None
-    """Says when each set is taken and when there are enough, in place of `ask` and the clock; None where nobody
-    watches. A refused set is its matter: none ends the capture."""
+    """Says when each set is taken and when there are enough, in place of `ask` and the clock, and has sets
+    judged itself; None where nobody watches. A refused set is its matter: none ends the capture."""
 
 
 def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progress) -> Captured:

@@ -11,8 +11,8 @@ from labcal.capture.addresses import Address
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
 from labcal.errors import InputError
-from labcal.render.irradiance import Case
 from labcal.render.delivery import sensor_picture
+from labcal.render.irradiance import Case
 from labcal.render.picture import exposed
 from labcal.render.sensor_response import Exposure, Shot, exposure_for
 from labcal.scene.catalogue import load_scene
@@ -25,7 +25,7 @@ from labcal.scene.views import PlannedView, planned_views
 from labcal.shoot.manifest import Role
 from labcal.shoot.pictures import encoded_picture
 
-LOOKS = 4
+LOOKS = 3
 """Different pictures of what is seen before a view is taken."""
 _Exposed = tuple[np.ndarray, Photometry, Exposure, Shot | None]
 
@@ -89,8 +89,8 @@ class SimulatedCameras:
     def peek(self) -> FrameSet | None:
         """Return what the cameras see before the next view is taken.
 
-        :data:`LOOKS` pictures have noise of their own, and then come again: to develop one takes longer than a
-        camera takes to deliver it.
+        :data:`LOOKS` pictures have noise of their own, and then come again: to develop one takes longer than
+        a camera takes to deliver it.
         """
         view = self._coming()
         if not self._seen or self._seen[0].view != getattr(view, "name", None):

@@ -54,6 +54,7 @@ class Looker:
         self._stopped = False
         self._before: tuple[float, dict[str, Pixels]] | None = None
         self._still_since: float | None = None
+        self._epoch = 0
         self._taken: dict[str, Pixels] = {}
         self._newest: dict[str, Pixels] = {}
         self._thread = threading.Thread(target=self._run, name="live-looker", daemon=True)
@@ -77,6 +78,7 @@ class Looker:
     def took(self) -> None:
         """Remember where the target is: a view of it was taken there."""
         self._taken, self._still_since = dict(self._newest), None
+        self._epoch += 1
 
     def _run(self) -> None:
         while True:
@@ -90,7 +92,7 @@ class Looker:
                 self._report(self._look(pictures))
 
     def _look(self, pictures: FrameSet) -> Look:
-        now = time.monotonic()
+        now, epoch = time.monotonic(), self._epoch
         dots = {name: detect_dots(frame.picture, self._target) for name, frame in pictures.frames.items()}
         found = {name: one.indexed for name, one in dots.items()}
         numbered = {name: _numbered(one, self._target) for name, one in dots.items() if one.indexed}
@@ -105,6 +107,7 @@ class Looker:
         elif self._still_since is None:
             self._still_since = now
         still = self._still_since is not None and now - self._still_since >= STILL_S
+        still = still and epoch == self._epoch  # a view was taken meanwhile
         widths = {name: frame.picture.shape[1] for name, frame in pictures.frames.items()}
         away = not self._taken or any(
             _step(self._taken.get(name), places) > AWAY * widths[name] for name, places in numbered.items()

@@ -1,4 +1,4 @@
-"""The person at the live page, as the capture knows one: waits for a wish, and shows what is seen meanwhile."""
+"""The attendant of a capture on the live page: waits for wishes, and shows what is seen meanwhile."""
 
 import time
 from collections.abc import Callable
@@ -93,6 +93,7 @@ class Operator:
         self._board.show(views=self._board.shown.views + 1, faults=())
         if self._looker is not None:
             self._looker.took()
+            self._look = None
         if self._advisor is not None:
             self._judging = self._pool.submit(_judged, self._advisor, taken, view)
 
@@ -140,6 +141,7 @@ class Operator:
         self._judging = None
         if self._follow is not None:
             self._follow(advice)
+        words, _, hint = _sentence(advice.words).partition(". ")
         asks = self._source.live or self._follow is not None  # a recording does as it likes
         cameras = tuple(
             replace(
@@ -153,7 +155,8 @@ class Operator:
         )
         self._board.show(
             phase=Phase.AIM,
-            request=_sentence(advice.words) if asks or advice.done else request,
+            request=words if asks or advice.done else request,
+            hint=hint if asks else "",
             cameras=cameras,
             reached_mm=advice.reached_mm,
             wanted_mm=advice.wanted_mm,

@@ -23,4 +23,5 @@ class CapturedLive(PublicObject):
     """The page of the calibration."""
 
     def _summary(self) -> Mapping[str, object]:
-        return {**self.captured._summary(), "rig": self.rig.as_posix()}
+        shoot = self.captured.shoot
+        return {"folder": shoot.folder.as_posix(), "views": len(shoot.views()), "rig": self.rig.as_posix()}

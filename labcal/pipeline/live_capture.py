@@ -19,14 +19,13 @@ if TYPE_CHECKING:
     from labcal.live.board import Board
     from labcal.live.result import CapturedLive
     from labcal.live.settings import LiveSettings
-    from labcal.report.page.output import PageOutput
 
 LAST_LOOK_S = 3.0
 """After a failure the page is served so long, that it can tell of it."""
 _LOOK_S = 0.2
 
 
-def capture_live(  # noqa: PLR0913 -- those of `capture`, and the page
+def capture_live(
     sources: str | Sequence[str],
     folder: AnyPath,
     target: AnyTarget | AnyPath | None = None,
@@ -111,7 +110,8 @@ def capture_live(  # noqa: PLR0913 -- those of `capture`, and the page
             )
             made = ending.made = ending.made or ending.calibrated()
         except LabcalError as error:
-            ending.board.show(phase=Phase.FAILED, request="The capture has stopped", error=ending.phrase(error))
+            reason = ending.phrase(error)
+            ending.board.show(phase=Phase.FAILED, request="The capture has stopped", error=reason)
             time.sleep(LAST_LOOK_S)
             raise
         finally:

@@ -57,7 +57,7 @@ def picture_of(scene: Scene, case: Case, exposure: Exposure) -> np.ndarray:
 def exposed(
     scene: Scene, case: Case, exposure: Exposure
 ) -> tuple[np.ndarray, Photometry, Exposure, Shot | None]:
-    """Return the light of a picture, and all that :func:`~labcal.render.delivery.sensor_picture` makes one of.
+    """Return the light of a picture, and what :func:`~labcal.render.delivery.sensor_picture` takes with it.
 
     Raises
     ------

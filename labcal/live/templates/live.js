@@ -56,6 +56,11 @@ function figure(camera) {
   one.name.textContent = camera.name;
   const caption = document.createElement("figcaption");
   caption.append(one.name, one.status);
+  one.map = document.createElementNS(SVG, "svg");
+  one.map.setAttribute("class", "map");
+  one.map.setAttribute("role", "img");
+  one.map.setAttribute("aria-label", `Parts of the picture of ${camera.name} in which dots were found so far`);
+  caption.append(one.map);
   one.frame.append(one.canvas, one.svg);
   one.root.append(one.frame, caption);
   byId("cameras").append(one.root);
@@ -95,25 +100,33 @@ function overlay(camera) {
   one.frame.style.aspectRatio = `${width} / ${height}`;
   one.svg.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
   one.svg.replaceChildren();
-  const unit = width / 400, rows = camera.coverage.length, aiming = state.phase === "aim" || state.phase === "take";
-  camera.coverage.forEach((row, j) => row.forEach((count, i) => {
-    if (!count) return;
-    const cell = made("rect", "cell", one.svg);
-    for (const [key, value] of Object.entries({x: i * width / row.length, y: j * height / rows, width: width / row.length, height: height / rows}))
-      cell.setAttribute(key, value);
-    cell.setAttribute("opacity", Math.min(.32, .1 + .05 * count));
-  }));
+  const unit = width / 400, aiming = state.phase === "aim" || state.phase === "take";
+  coverage(one, camera.coverage, width / height);
   if (!aiming) return;
   camera.dots.forEach(([x, y]) => {
     const dot = made("circle", "dot", one.svg);
     dot.setAttribute("cx", x); dot.setAttribute("cy", y); dot.setAttribute("r", 1.6 * unit); dot.setAttribute("stroke-width", .9 * unit);
   });
-  if (camera.outline.length) for (const [name, breadth] of [["outline-under", 3.6], ["outline", 1.8]]) {
+  if (camera.outline.length) for (const name of ["outline-under", "outline"]) {
     const line = made("polygon", name, one.svg);
     line.setAttribute("points", camera.outline.map((q) => q.join(",")).join(" "));
-    line.setAttribute("stroke-width", breadth * unit);
-    line.setAttribute("stroke-dasharray", `${7 * unit} ${4 * unit}`);
+    line.setAttribute("vector-effect", "non-scaling-stroke");
   }
+}
+
+function coverage(one, rows, ratio) {
+  const key = JSON.stringify(rows), columns = rows.length ? rows[0].length : 0;
+  if (key === one.covered) return;
+  one.covered = key;
+  one.map.replaceChildren();
+  one.map.toggleAttribute("hidden", columns === 0);
+  if (!columns) return;
+  const high = 10 * columns / ratio / rows.length;
+  one.map.setAttribute("viewBox", `0 0 ${10 * columns} ${high * rows.length}`);
+  rows.forEach((row, j) => row.forEach((count, i) => {
+    const cell = made("rect", count ? "cell full" : "cell", one.map);
+    for (const [name, value] of Object.entries({x: 10 * i + .5, y: high * j + .5, width: 9, height: high - 1})) cell.setAttribute(name, value);
+  }));
 }
 
 function list(id, texts) {
@@ -161,7 +174,7 @@ function show() {
   shownViews = state.views;
   byId("take").disabled = !aiming || state.ended;
   byId("take").textContent = taking ? "Looking …" : "Take";
-  byId("finish").disabled = !aiming || few;
+  byId("finish").disabled = !(aiming || taking) || few;
   byId("finish").title = few ? `At least ${state.least_views} views are needed` : "";
   byId("finish").classList.toggle("primary", state.enough && !few);
   byId("take").classList.toggle("primary", !(state.enough && !few));
