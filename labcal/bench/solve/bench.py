@@ -14,6 +14,7 @@ from labcal.bench.solve.budget import budget_findings
 from labcal.bench.solve.certify import certify_findings
 from labcal.bench.solve.check import check_findings
 from labcal.bench.solve.compare import compare_findings
+from labcal.bench.solve.guided import guided_findings
 from labcal.bench.solve.limits import limit_findings
 from labcal.bench.solve.mistakes import mistake_findings
 from labcal.bench.solve.mrcal import mrcal_findings
@@ -27,7 +28,7 @@ from labcal.run.progress import Progress
 from labcal.wording import listed
 
 _OF_METHODS = "limits"
-_OF_CASES = frozenset((_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse"))
+_OF_CASES = frozenset((_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "guided"))
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,
@@ -39,6 +40,7 @@ GROUPS: Groups = {
     "check": check_findings,
     "compare": compare_findings,
     "rehearse": rehearsal_findings,
+    "guided": guided_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }

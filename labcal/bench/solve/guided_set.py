@@ -19,7 +19,7 @@ from labcal.correspond.gathering import gather
 from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
 from labcal.geometry.poses import rigid_alignment, transform
-from labcal.guide.next_pose.candidates import drawn_poses
+from labcal.guide.next_pose.candidates import HandReach, drawn_poses
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.guided_capture import GuidedCapture
 from labcal.guide.next_pose.hand import HandError
@@ -40,7 +40,6 @@ RANDOM_VIEWS = 20
 """The error that so many random views reach, in the median, is asked for."""
 MOST_RANDOM, MOST_GUIDED = 60, 40
 _DRAWS = 10
-_POOL = 4000
 
 
 @dataclass(frozen=True)
@@ -94,9 +93,9 @@ def random_errors(
     """
     random = generator(seed, "bench solve", "guided", "random views")
     target = Findable.of(planned.plan.target)
-    taken = np.zeros((0, 4, 4))
+    taken, reach = np.zeros((0, 4, 4)), HandReach(_centre(planned), 4)
     while len(taken) < MOST_RANDOM:
-        drawn = drawn_poses(planned.cameras, _centre(planned), target.middle, 4, 200, random)
+        drawn = drawn_poses(planned.cameras, reach, target.middle, 200, random)
         found = np.all([target.seen(camera, drawn)[0] for camera in planned.cameras], axis=0)
         taken = np.concatenate([taken, drawn[found]])
     return expected_errors(planned, noise, taken[:MOST_RANDOM])

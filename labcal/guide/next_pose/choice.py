@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int
 
-from labcal.arrays import Mask, Pose, Vectors3
+from labcal.arrays import Mask, Pose
 from labcal.cameras.camera import Camera
-from labcal.guide.next_pose.candidates import drawn_poses, nearby_poses
+from labcal.guide.next_pose.candidates import HandReach, drawn_poses, nearby_poses
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.information import Variance, view_information
 from labcal.guide.next_pose.volume import MeasuredVolume
 
-CANDIDATES = 400
+CANDIDATES = 1000
 BEST, NEARBY = 5, 12
 """Of the best poses so many go on, and so many near each of them are tried."""
 SPREADS = (0.15, 0.07)
@@ -26,7 +26,7 @@ def next_pose(
     covariance: Float64[np.ndarray, "parameters parameters"],
     target: Findable,
     variance: Variance,
-    where: tuple[Vectors3, int],
+    reach: HandReach,
     random: np.random.Generator,
 ) -> tuple[Pose, Mask] | None:
     """Return the pose to take next, and a mask of the cameras that will find the target there.
@@ -42,8 +42,7 @@ def next_pose(
         Of the rig's parameters so far.
     target : Findable
     variance : callable
-    where : (ndarray of shape (3,), int)
-        Where the target was held first, mm, and the quarter turns to draw from.
+    reach : HandReach
     random : Generator
 
     Returns
@@ -51,13 +50,12 @@ def next_pose(
     (ndarray of shape (4, 4), ndarray of bool) or None
         None where no pose was found.
     """
-    cameras, (centre, quarters) = volume.cameras, where
-    pool = _Pool.of(drawn_poses(cameras, centre, target.middle, quarters, CANDIDATES, random), cameras, target)
+    cameras = volume.cameras
+    pool = _Pool.of(drawn_poses(cameras, reach, target.middle, CANDIDATES, random), cameras, target)
     for spread in (None, *SPREADS):
         if spread is not None:
             near = [nearby_poses(T, target.middle, spread, NEARBY, random) for T in pool.T_world_target[:BEST]]
-            more = _Pool.of(np.concatenate([pool.T_world_target[:BEST], *near]), cameras, target)
-            pool = more
+            pool = _Pool.of(np.concatenate([pool.T_world_target[:BEST], *near]), cameras, target)
         if len(pool.T_world_target) == 0:
             return None
         added = view_information(cameras, pool.T_world_target, target, pool.seen, variance)

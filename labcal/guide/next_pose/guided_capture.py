@@ -14,6 +14,7 @@ from labcal.correspond.gathering import gather, joined
 from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
 from labcal.geometry.poses import transform
+from labcal.guide.next_pose.candidates import HandReach
 from labcal.guide.next_pose.choice import next_pose
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.first_poses import FIRST_POSES, first_outlines
@@ -52,6 +53,8 @@ class GuidedCapture:
         self._sharpest: dict[str, float] = {}
         self._standing: Standing | None = None
         self._last: Pose | None = None
+        self._reach: HandReach | None = None
+        self._asked: tuple[Pose, int] | None = None
         self._judged = 0
 
     @property
@@ -93,6 +96,7 @@ class GuidedCapture:
         for name in dict.fromkeys(usable.camera.tolist()):
             if (usable.camera == name).sum() < _FEWEST_DOTS:
                 usable = usable.where(usable.camera != name)
+        self._narrow(len(set(usable.camera.tolist())))
         if len(usable) == 0:
             return
         self._tables.append(usable)
@@ -146,19 +150,23 @@ class GuidedCapture:
 
     def _next(self, standing: Standing) -> tuple[Pose, np.ndarray, dict[str, Pixels]] | None:
         """Return the pose to ask for, the cameras that will find the target, and outlines."""
-        turned = self._target.symmetric_indices(self._target.indices()[:1])
+        if self._reach is None:
+            turned = self._target.symmetric_indices(self._target.indices()[:1])
+            self._reach = HandReach(standing.centre, 1 if turned else 4)
+        self._reach = replace(self._reach, centre=standing.centre)
         random = generator(self._seed, "poses of a guided capture", str(self._judged))
         found = next_pose(
             standing.volume,
             standing.covariance,
             self._findable,
             standing.variance,
-            (standing.centre, 1 if turned else 4),
+            self._reach,
             random,
         )
         if found is None:
             return None
         T, sees = found
+        self._asked = T, int(sees.sum())
         outline = transform(T, self._findable.outline())
         outlines = {
             name: camera.project(outline).q
@@ -166,6 +174,16 @@ class GuidedCapture:
             if sure
         }
         return T, sees, outlines
+
+    def _narrow(self, found: int) -> None:
+        """Ask no more for distances at which fewer cameras than thought found the target."""
+        if self._asked is not None and self._reach is not None and self._standing is not None:
+            T, expected = self._asked
+            if found < expected:
+                place = T[:3, :3] @ self._findable.middle + T[:3, 3]
+                share = self._reach.share(self._standing.cameras, place)
+                self._reach = self._reach.without(share)
+        self._asked = None
 
     def _words(self, standing: Standing, asked: tuple[Pose, np.ndarray, dict[str, Pixels]]) -> str:
         T, sees, _ = asked
