@@ -31,7 +31,8 @@ class LiveCameras:
 
     def describe(self) -> tuple[CameraInfo, ...]:
         return tuple(
-            CameraInfo(name, f"stand-in {name}", pictures[0].shape[1::-1]) for name, pictures in self.scenes.items()
+            CameraInfo(name, f"stand-in {name}", pictures[0].shape[1::-1])
+            for name, pictures in self.scenes.items()
         )
 
     def trigger(self) -> FrameSet:

@@ -11,7 +11,7 @@ from live_stand_ins import LiveCameras
 from moving_board import TARGET, frame
 
 from labcal.capture.advice import Advice
-from labcal.capture.capturing import CaptureRun, Captured, capture_shoot
+from labcal.capture.capturing import Captured, CaptureRun, capture_shoot
 from labcal.capture.preview import Previewed
 from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import CameraInfo, FrameSet
@@ -55,7 +55,9 @@ class Bench:
         source = Previewed(cameras)
         target = load_target(TARGET)
         self.operator = Operator(self.board, source, target, self._finish)
-        run = CaptureRun("capture test", target, (), CaptureSettings(views=views), None, attendant=self.operator)
+        run = CaptureRun(
+            "capture test", target, (), CaptureSettings(views=views), None, attendant=self.operator
+        )
         self.outcome: Captured | Exception | None = None
 
         def work() -> None:
@@ -226,6 +228,7 @@ class Adviser:
         pass
 
     def judge(self, taken: FrameSet, view: str) -> tuple[str, ...]:
+        assert set(taken.frames) == {"left", "right"}
         self.judged.append(view)
         return ()
 
