@@ -136,7 +136,7 @@ async def _body(scope: Scope, receive: Receive) -> bytes:
     stated = _values(list(scope["headers"]), b"content-length")
     if any(not one.isdigit() or int(one) > MOST_BODY_BYTES for one in stated):
         raise Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {MOST_BODY_BYTES} bytes were sent")
-    body = b""
+    body = bytearray()
     try:
         async with asyncio.timeout(BODY_S):
             while True:
@@ -149,7 +149,7 @@ async def _body(scope: Scope, receive: Receive) -> bytes:
                         HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {MOST_BODY_BYTES} bytes were sent"
                     )
                 if not message.get("more_body", False):
-                    return body
+                    return bytes(body)
     except TimeoutError as error:
         raise Refused(HTTPStatus.REQUEST_TIMEOUT, "the rest of the request did not come") from error
 
