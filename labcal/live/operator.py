@@ -19,6 +19,7 @@ from labcal.targets.catalogue import AnyTarget
 
 PERIOD_S = 0.09
 """Least time between two live pictures."""
+FINISH = "Press Finish and calibrate; more views do no harm"
 NO_MORE = "The recording has no more pictures: press Finish and calibrate"
 
 
@@ -156,7 +157,7 @@ class Operator:
         self._board.show(
             phase=Phase.AIM,
             request=words if asks or advice.done else request,
-            hint=hint if asks else "",
+            hint=FINISH if advice.done else hint if asks else "",
             cameras=cameras,
             reached_mm=advice.reached_mm,
             wanted_mm=advice.wanted_mm,

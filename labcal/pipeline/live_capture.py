@@ -166,7 +166,22 @@ class _Ending:
         self.board.show(phase=Phase.CALIBRATE, request=words, hint="", error="", work=("", 0, 0))
         made = calibrate(self.folder, progress=BoardProgress(self.board), page=self.page)
         write_rig(self.rig, made.rig, force=self._force)
+        self.board.show(findings=self._findings(made))
         return made
+
+    def _findings(self, made: "Calibration") -> tuple[str, ...]:
+        """Return what the diagnosis finds wrong with the shoot, and how to mend it, the most harmful first."""
+        from labcal import pipeline
+
+        diagnose = getattr(pipeline, "diagnose", None)
+        if diagnose is None:
+            return ()
+        self.board.show(request="Looking for mistakes in the shoot", work=("", 0, 0))
+        try:
+            found = diagnose(self.folder, rig=made.rig).findings
+        except InputError:  # no picture shows enough to judge
+            return ()
+        return tuple(self.page.phrase(f"{one.words} {one.mend}") for one in found if one.explained_by is None)
 
     def show(self) -> None:
         """Show the calibrated rig."""
