@@ -1,4 +1,4 @@
-"""The advice of a guided capture as text: what was wrong, the error reached, the next pose, small pictures."""
+"""The advice of a guided capture as text: faults, the error reached, the next pose, small pictures."""
 
 import textwrap
 from collections.abc import Mapping

@@ -24,7 +24,7 @@ class GuideSettings:
     wanted_mm: float | None = None
     """RMS 3-D error over the volume at which the capture ends; without it, it goes on to the number of
     views."""
-    volume_mm: tuple[float, float, float] | None = None
+    volume_mm: tuple[float, ...] | None = None
     """Sides of the volume in which points will be measured: across, upright and in depth, mm, about the place
     of the target in the first view. What all cameras see at that distance, where left out."""
     lens: str = "brown5"
@@ -42,7 +42,9 @@ class GuideSettings:
             A length is not positive.
         """
         if self.wanted_mm is not None and not (np.isfinite(self.wanted_mm) and self.wanted_mm > 0.0):
-            raise InputError(f"`wanted_mm`, the error to reach, must be more than 0 mm, but {self.wanted_mm} was given.")
+            raise InputError(
+                f"`wanted_mm`, the error to reach, must be more than 0 mm, but {self.wanted_mm} was given."
+            )
         if self.volume_mm is not None:
             sides = np.array(self.volume_mm, dtype=np.float64)
             if sides.shape != (3,) or not (np.isfinite(sides).all() and (sides > 0.0).all()):

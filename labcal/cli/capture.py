@@ -275,9 +275,8 @@ def _on_page(arguments: Namespace, settings: "CaptureSettings", session: Session
 def _wait_for_enter(words: str) -> None:
     """Ask a person for the next view."""
     many = "\n" in words
-    sys.stderr.write(
-        f"{words}\nTake the pose, then press Enter. " if many else f"{words}, then press Enter. "
-    )
+    sys.stderr.write(f"{words}\nTake the pose" if many else words)
+    sys.stderr.write(", then press Enter. ")
     sys.stderr.flush()
     if not sys.stdin.readline():
         raise EOFError

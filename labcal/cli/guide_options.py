@@ -59,13 +59,12 @@ def guide_settings(arguments: Namespace) -> "GuideSettings | None":
 
     page = arguments.page and arguments.stage is None
     if not (arguments.guided or page):
-        given = [
-            f"--{name.replace('_', '-')}"
-            for name, usual in (("wanted_mm", None), ("volume_mm", None), ("lens", _LENS), ("hand_error", _HAND))
-            if getattr(arguments, name) != usual
-        ]
+        usual = {"wanted_mm": None, "volume_mm": None, "lens": _LENS, "hand_error": _HAND}
+        given = [f"--{name.replace('_', '-')}" for name in usual if getattr(arguments, name) != usual[name]]
         if given:
-            raise InputError(f"{' and '.join(given)} are for guided captures. Add --guided, or leave them out.")
+            raise InputError(
+                f"Only guided captures have {' and '.join(given)}. Add --guided, or leave it out."
+            )
         return None
     sides = numbers(arguments.volume_mm, "volume_mm") or None
     return GuideSettings(arguments.wanted_mm, sides, arguments.lens, arguments.hand_error)

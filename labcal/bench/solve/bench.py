@@ -28,7 +28,9 @@ from labcal.run.progress import Progress
 from labcal.wording import listed
 
 _OF_METHODS = "limits"
-_OF_CASES = frozenset((_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "guided"))
+_OF_CASES = frozenset(
+    (_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "guided")
+)
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
     _OF_METHODS: limit_findings,

@@ -33,8 +33,8 @@ from labcal.guide.rehearsal.dot_noise import DotNoise
 from labcal.guide.rehearsal.drawn_view import drawn_view
 from labcal.guide.rehearsal.planned_rig import PlannedRig
 from labcal.render.sensor_response import Shot
-from labcal.rng import generator
 from labcal.report.values import Measured
+from labcal.rng import generator
 
 RANDOM_VIEWS = 20
 """The error that so many random views reach, in the median, is asked for."""
@@ -83,9 +83,7 @@ class GuidedFigures(BaseModel):
     stated_calibration_mm: Measured
 
 
-def random_errors(
-    planned: PlannedRig, noise: DotNoise, seed: int
-) -> Float64[np.ndarray, " views"]:
+def random_errors(planned: PlannedRig, noise: DotNoise, seed: int) -> Float64[np.ndarray, " views"]:
     """Return the RMS error over the volume, mm, by the calibration from the first n random views, n from 1.
 
     Views are drawn as the advisor draws its candidates, anywhere in the pictures and tilted every way, and
@@ -201,7 +199,7 @@ def _drawn(planned: PlannedRig, T: Pose, view: str, seed: int) -> tuple[Detectio
 def _centre(planned: PlannedRig) -> Vectors3:
     v = planned.plan.volume
     middle = np.array([[*v.centre_mm, 0.5 * (v.near_mm + v.far_mm)]])
-    return transform(planned.T_first_plan, middle)[0]
+    return np.asarray(transform(planned.T_first_plan, middle)[0])
 
 
 def _volume(planned: PlannedRig) -> MeasuredVolume:

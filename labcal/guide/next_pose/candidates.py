@@ -22,7 +22,7 @@ _ROLL_DEG = 20.0
 def nearby_poses(
     T_world_target: Pose, middle: Vectors3, spread: float, count: int, random: np.random.Generator
 ) -> Float64[np.ndarray, "count 4 4"]:
-    """Return poses about one: turned by `spread` rad, and moved by that share of the distance, normal both."""
+    """Return poses about one: turned by about `spread` rad and moved by that share of its distance."""
     R, t = T_world_target[:3, :3], T_world_target[:3, 3]
     held = R @ middle + t
     turns = Rotation.from_rotvec(spread * random.standard_normal((count, 3))).as_matrix() @ R

@@ -13,10 +13,11 @@ from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.information import Variance, view_information
 from labcal.guide.next_pose.volume import MeasuredVolume
 
-CANDIDATES = 1000
-BEST, NEARBY = 5, 12
+CANDIDATES, LOOKED_AT = 3000, 500
+"""Poses that are drawn, and those of them, where the target is found, that are compared at most."""
+BEST, NEARBY = 8, 20
 """Of the best poses so many go on, and so many near each of them are tried."""
-SPREADS = (0.15, 0.07)
+SPREADS = (0.15, 0.07, 0.03)
 """Of poses nearby: rad, and shares of the distance."""
 _PAIR = 2
 
@@ -51,11 +52,13 @@ def next_pose(
         None where no pose was found.
     """
     cameras = volume.cameras
-    pool = _Pool.of(drawn_poses(cameras, reach, target.middle, CANDIDATES, random), cameras, target)
+    drawn = drawn_poses(cameras, reach, target.middle, CANDIDATES, random)
+    pool = _Pool.of(drawn, cameras, target)
     for spread in (None, *SPREADS):
         if spread is not None:
-            near = [nearby_poses(T, target.middle, spread, NEARBY, random) for T in pool.T_world_target[:BEST]]
-            pool = _Pool.of(np.concatenate([pool.T_world_target[:BEST], *near]), cameras, target)
+            best = pool.T_world_target[:BEST]
+            near = [nearby_poses(T, target.middle, spread, NEARBY, random) for T in best]
+            pool = _Pool.of(np.concatenate([best, *near]), cameras, target)
         if len(pool.T_world_target) == 0:
             return None
         added = view_information(cameras, pool.T_world_target, target, pool.seen, variance)
@@ -81,12 +84,10 @@ class _Pool:
         found, seen = (
             np.array(part) for part in zip(*(target.seen(one, drawn) for one in cameras), strict=True)
         )
-        enough = found.sum(axis=0) >= min(_PAIR, len(cameras))
+        enough = np.flatnonzero(found.sum(axis=0) >= min(_PAIR, len(cameras)))[:LOOKED_AT]
         return cls(drawn[enough], found[:, enough], (seen & found[..., None])[:, enough])
 
-    def sure(
-        self, order: Int[np.ndarray, " n"], cameras: tuple[Camera, ...], target: Findable
-    ) -> "_Pool":
+    def sure(self, order: Int[np.ndarray, " n"], cameras: tuple[Camera, ...], target: Findable) -> "_Pool":
         """Return the first poses of an order at which a hand with its errors is found, too."""
         good: list[int] = []
         for number in order:

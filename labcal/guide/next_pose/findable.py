@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from labcal.arrays import Mask, Pixels, Pose, Vectors3
+from labcal.arrays import Mask, Pose, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.derivatives import point_derivatives
 from labcal.geometry.poses import inverse, transform
@@ -79,9 +79,7 @@ class Findable:
         edge = (index == 0).any(axis=1) | (index == [target.cols - 1, target.rows - 1]).any(axis=1)
         some = even | (needed if not needed.all() else edge)
         low, high = dots[:, :2].min(axis=0) - radius, dots[:, :2].max(axis=0) + radius
-        return cls(
-            dots[some], every, even[some], np.array([low, high]), radius, least, needed[some]
-        )
+        return cls(dots[some], every, even[some], np.array([low, high]), radius, least, needed[some])
 
     @property
     def middle(self) -> Vectors3:
@@ -89,7 +87,7 @@ class Findable:
         return np.append(self.extent_mm.mean(axis=0), 0.0)
 
     def outline(self) -> Vectors3:
-        """Return points along the outline of the dots, from that of dot (0, 0) along x, mm, (4 * steps, 3)."""
+        """Return points along the outline of the dots, from dot (0, 0) along x, mm, (4 * steps, 3)."""
         (x0, y0), (x1, y1) = self.extent_mm
         corners = np.array([[x0, y0, 0.0], [x1, y0, 0.0], [x1, y1, 0.0], [x0, y1, 0.0]])
         along = np.arange(OUTLINE_STEPS)[:, None] / OUTLINE_STEPS
@@ -99,7 +97,7 @@ class Findable:
     def seen(
         self, camera: Camera, T_world_target: Float64[np.ndarray, "n 4 4"]
     ) -> tuple[Bool[np.ndarray, " n"], Bool[np.ndarray, "n dots"]]:
-        """Return masks of the poses at which a camera finds the target, and of the dots that it sees whole."""
+        """Return masks of the poses at which a camera finds the target, and of the dots in full view."""
         q, size, slant = images(camera, T_world_target, self.dots, self.radius_mm)
         rim = _RIM * size.major_px
         width, height = camera.size
@@ -127,8 +125,11 @@ class ImageSizes:
 
 
 def images(
-    camera: Camera, T_world_target: Float64[np.ndarray, "n 4 4"], dots: Vectors3, radius_mm: float
-) -> tuple[Pixels, ImageSizes, Float64[np.ndarray, " n"]]:
+    camera: Camera,
+    T_world_target: Float64[np.ndarray, "n 4 4"],
+    dots: Float64[np.ndarray, "dots 3"],
+    radius_mm: float,
+) -> tuple[Float64[np.ndarray, "n dots 2"], ImageSizes, Float64[np.ndarray, " n"]]:
     """Return the images (n, dots, 2) of dots at poses, NaN where there is none, their sizes, and tilts, deg.
 
     The tilt is the angle of the target's normal to the line from its middle to the camera; it is beyond 90

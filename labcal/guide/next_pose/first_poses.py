@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pixels, Pose
 from labcal.correspond.detections import Detections
-from labcal.geometry.poses import pose
+from labcal.geometry.poses import from_rotation_vector
 from labcal.guide.next_pose.findable import Findable
 from labcal.targets.catalogue import AnyTarget
 
@@ -97,10 +97,8 @@ def _tilted(
     return np.asarray(q[:, :2] / q[:, 2:])
 
 
-def pose_by_pixels(
-    points: Float64[np.ndarray, "n 3"], q: Pixels, K: Float64[np.ndarray, "3 3"]
-) -> Pose:
+def pose_by_pixels(points: Float64[np.ndarray, "n 3"], q: Pixels, K: Float64[np.ndarray, "3 3"]) -> Pose:
     """Return ``T_cam_target`` (mm) of flat points, (n, 3), by their pixels without distortion, (n, 2)."""
-    given = (np.ascontiguousarray(one, dtype=np.float64) for one in (points, q, K))
-    _, turn, shift = cv2.solvePnP(*given, None, flags=cv2.SOLVEPNP_IPPE)
-    return pose(Rotation.from_rotvec(turn.ravel()).as_matrix(), shift.ravel())
+    p, pixels = np.ascontiguousarray(points), np.ascontiguousarray(q)
+    _, turn, shift = cv2.solvePnP(p, pixels, K, None, flags=cv2.SOLVEPNP_IPPE)
+    return from_rotation_vector(np.ravel(turn), np.ravel(shift))

@@ -139,13 +139,12 @@ class GuidedCapture:
             outlines = first_outlines(number, self._sizes, first, self._target)
             return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
         if wanted is not None and base.reached_mm is not None and base.reached_mm <= wanted:
-            words = (
-                f"Done: the expected error is {base.reached_mm:.3g} mm, and {wanted:.3g} mm was asked for"
-            )
+            words = f"Done: the expected error is {base.reached_mm:.3g} mm, and {wanted:.3g} mm was asked for"
             return replace(base, words=words, done=True)
         asked = self._next(standing)
         if asked is None:
-            return replace(base, words="Hold the target anywhere that no view shows it yet, tilted another way")
+            words = "Hold the target anywhere that no view shows it yet, tilted another way"
+            return replace(base, words=words)
         return replace(base, words=self._words(standing, asked), outlines=asked[2], T_world_target=asked[0])
 
     def _next(self, standing: Standing) -> tuple[Pose, np.ndarray, dict[str, Pixels]] | None:
@@ -168,9 +167,10 @@ class GuidedCapture:
         T, sees = found
         self._asked = T, int(sees.sum())
         outline = transform(T, self._findable.outline())
+        names = standing.calibration.rig.cameras
         outlines = {
             name: camera.project(outline).q
-            for name, camera, sure in zip(standing.calibration.rig.cameras, standing.cameras, sees, strict=True)
+            for name, camera, sure in zip(names, standing.cameras, sees, strict=True)
             if sure
         }
         return T, sees, outlines

@@ -1,5 +1,6 @@
 """Errors of a hand that holds a target at a pose."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,10 @@ from labcal.arrays import Pose, Vectors3
 from labcal.errors import InputError
 from labcal.geometry.poses import pose
 from labcal.rng import generator
+from labcal.wording import clipped
 
+_FORM = re.compile(r"(\d+(?:\.\d+)?)deg,(\d+(?:\.\d+)?)%")
+_MOST_TURN_DEG, _MOST_SHARE = 90.0, 0.5
 _TRIED = 24
 """Errors of the hand for which a pose is tried."""
 
@@ -50,7 +54,8 @@ class HandError:
     def tried(self, T_first_target: Pose, middle: Vectors3) -> np.ndarray:
         """Return poses (n, 4, 4) that the hand may take; the first one is the one that is asked for."""
         random = generator(0, "errors of a hand that are tried")
-        return np.array([T_first_target, *(self.taken(T_first_target, middle, random) for _ in range(_TRIED))])
+        tried = [self.taken(T_first_target, middle, random) for _ in range(_TRIED)]
+        return np.array([T_first_target, *tried])
 
 
 def parsed_hand_error(text: str) -> HandError:
@@ -61,17 +66,12 @@ def parsed_hand_error(text: str) -> HandError:
     InputError
         The text is not of that form.
     """
-    turn, _, share = text.replace(" ", "").partition(",")
-    try:
-        if not (turn.endswith("deg") and share.endswith("%")):
-            raise ValueError
-        error = HandError(float(turn[:-3]), 0.01 * float(share[:-1]))
-    except ValueError:
-        error = HandError(-1.0, -1.0)
-    if not (0.0 <= error.turn_deg <= 90.0 and 0.0 <= error.distance_share <= 0.5):  # noqa: PLR2004
+    found = _FORM.fullmatch(text.replace(" ", ""))
+    error = None if found is None else HandError(float(found[1]), 0.01 * float(found[2]))
+    if error is None or error.turn_deg > _MOST_TURN_DEG or error.distance_share > _MOST_SHARE:
         raise InputError(
-            "The errors of a simulated hand are an angle and a share of the distance, as in 5deg,5%, but "
-            f"'{text}' was given."
+            "`hand_error`, the errors of a simulated hand, is an angle of at most 90 degrees and a share of "
+            f"at most half the distance, as in 5deg,5%, but '{clipped(text)}' was given."
         )
     return error
 

@@ -8,6 +8,7 @@ from labcal.arrays import Pose, Vectors3
 from labcal.capture.source import Frame
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, advice
+from labcal.geometry.poses import inverse, rotation_vector
 from labcal.shoot.quality import picture_quality
 
 BURNT_OUT = 0.02
@@ -48,8 +49,8 @@ def picture_faults(
             sharpest[name] = max(sharp, sharpest.get(name, 0.0))
             if sharp < _SOFT * sharpest[name]:
                 faults.append(
-                    f"camera {name}: less sharp than its sharpest picture. Hold the target still, or nearer to "
-                    "where the camera is in focus."
+                    f"camera {name}: less sharp than its sharpest picture. Hold the target still, or nearer "
+                    "to where the camera is in focus."
                 )
         if quality.saturated_share > BURNT_OUT:
             faults.append(
@@ -84,7 +85,7 @@ def repeated(poses: Mapping[str, Pose], view: str, middle: Vectors3) -> str | No
     for name, other in poses.items():
         if name == view:
             break
-        turned = np.degrees(np.arccos(np.clip(0.5 * (np.trace(other[:3, :3].T @ T[:3, :3]) - 1.0), -1.0, 1.0)))
+        turned = np.degrees(np.linalg.norm(rotation_vector(inverse(other) @ T)))
         moved = np.linalg.norm(other[:3, :3] @ middle + other[:3, 3] - place) / np.linalg.norm(place)
         if turned < REPEATED_DEG and moved < REPEATED_SHARE:
             return name

@@ -47,7 +47,7 @@ class SimulatedHand:
         if asked is None:
             asked = self._by_outline(advice.outlines) if advice.views else self._facing()
         taken = self._error.taken(asked, self._findable.middle, self._random)
-        return inverse(self._T_first_world) @ taken
+        return np.asarray(inverse(self._T_first_world) @ taken)
 
     def _facing(self) -> Pose:
         """Return the pose at the start that faces the cameras, upright, in the frame of the first one."""
@@ -71,7 +71,7 @@ class SimulatedHand:
         T_cam_target = pose_by_pixels(
             self._findable.outline()[corners], direction[:, :2] / direction[:, 2:], np.eye(3)
         )
-        return self._T_first_world @ inverse(camera.T_cam_world) @ T_cam_target
+        return np.asarray(self._T_first_world @ inverse(camera.T_cam_world) @ T_cam_target)
 
 
 def start_of(scene: Scene, seed: int) -> Vectors3:

@@ -82,7 +82,7 @@ class Standing:
         dots: Detections,
         target: AnyTarget,
         lens: str,
-        sides_mm: tuple[float, float, float] | None,
+        sides_mm: tuple[float, ...] | None,
         before: "Standing | None",
     ) -> "Standing | None":
         """Calibrate; None where the views do not suffice yet.
@@ -92,7 +92,7 @@ class Standing:
         dots : Detections
         target : AnyTarget
         lens : str
-        sides_mm : (float, float, float) or None
+        sides_mm : tuple of three floats, or None
             Of the volume.
         before : Standing or None
             From the views but the last one, to start from.
@@ -113,7 +113,11 @@ class Standing:
         cameras = tuple(found.rig.camera(name) for name in found.rig.cameras)
         if covariance is None or not np.isfinite(covariance.matrix).all():
             return None
-        if max(fit.sigma.intrinsics[0] / camera.K[0, 0] for fit, camera in zip(found.fits.values(), cameras, strict=True)) > _OPEN:
+        of_focal = [
+            fit.sigma.intrinsics[0] / camera.K[0, 0]
+            for fit, camera in zip(found.fits.values(), cameras, strict=True)
+        ]
+        if not max(of_focal) <= _OPEN:
             return None
         findable = Findable.of(target)
         centre = transform(found.T_world_target[0], findable.middle[None])[0]

@@ -35,7 +35,7 @@ class MeasuredVolume:
 
     @classmethod
     def of(
-        cls, cameras: tuple[Camera, ...], centre: Vectors3, sides_mm: tuple[float, float, float] | None
+        cls, cameras: tuple[Camera, ...], centre: Vectors3, sides_mm: tuple[float, ...] | None
     ) -> "MeasuredVolume":
         """Return a box about a place: depth runs away from the middle of the cameras.
 
@@ -44,7 +44,7 @@ class MeasuredVolume:
         cameras : tuple of Camera
         centre : ndarray, shape (3,)
             Mm.
-        sides_mm : (float, float, float) or None
+        sides_mm : tuple of three floats, or None
             Across, upright and in depth; what all cameras see at that distance, and as deep as the smaller
             of both, where None.
         """

@@ -128,10 +128,10 @@ def lacks_words(coverage: Sequence[tuple[str, np.ndarray]]) -> list[str]:
     """
     found = []
     for name, cells in coverage:
-        rows, columns = cells.shape
+        half, third = cells.shape[0] // 2, cells.shape[1] // 3
         parts = {
-            "upper left": cells[: rows // 2, : columns // 3], "upper right": cells[: rows // 2, -(columns // 3) :],
-            "lower left": cells[-(rows // 2) :, : columns // 3], "lower right": cells[-(rows // 2) :, -(columns // 3) :],
+            "upper left": cells[:half, :third], "upper right": cells[:half, -third:],
+            "lower left": cells[-half:, :third], "lower right": cells[-half:, -third:],
         }  # fmt: skip
         empty = [part for part, cell in parts.items() if not cell.any()]
         if empty:
