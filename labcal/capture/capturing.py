@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from labcal.capture.advice import Advice, Advisor
@@ -123,7 +123,7 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
             for view, before in recorder.recorded():
                 run.advisor.judge(before, view)
         try:
-            refused = _take_views(cameras, recorder, _attended(run), progress)
+            refused = _take_views(cameras, recorder, run, progress)
         except DeviceError as error:
             done = len(recorder.views)
             kept = f"{counted(done, 'view')} taken before {'is' if done == 1 else 'are'} in {folder}."
@@ -135,35 +135,17 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
     return Captured(open_shoot(folder), tuple(refused), notes, not source.live, advice)
 
 
-def _attended(run: CaptureRun) -> CaptureRun:
-    """Return a run whose sets are judged by its attendant, where it has one."""
-    return run if run.attendant is None else replace(run, advisor=None, show=None)
-
-
 def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: Progress) -> list[RefusedSet]:
     """Take the views that are missing, and return the sets that were refused."""
     settings, refused, in_a_row = run.settings, list[RefusedSet](), 0
-    usual = LIVE_VIEWS if run.advisor is None else MOST_VIEWS
-    wanted = settings.views or (len(run.stage) or usual if source.live or run.stage or run.advisor else None)
-    if run.attendant is not None:
-        wanted = settings.views or len(run.stage) or None
+    wanted, by_clock = _wanted(source, run), source.live and run.attendant is None and run.ask is None
     progress.start("capture", wanted or 0, len(recorder.views))
     number, due = 0, time.monotonic()
     while wanted is None or len(recorder.views) < wanted:
         view = _next_view(recorder, run)
-        advice = None if run.advisor is None else run.advisor.advise()
-        if advice is not None and run.show is not None:
-            run.show(advice)
-        if advice is not None and advice.done:
+        if not _is_to_be_taken(view, recorder, run, wanted):
             break
-        if run.attendant is not None:
-            done = len(recorder.views)
-            if not run.attendant.wait(_request(view, done, wanted), done):
-                break
-        elif run.ask is not None:
-            words = _request(view, len(recorder.views), wanted) if advice is None else advice_text(advice)
-            run.ask(words)
-        elif source.live:
+        if by_clock:
             time.sleep(max(0.0, due - time.monotonic()))
             due = time.monotonic() + settings.interval_s
         taken = source.trigger()
@@ -174,21 +156,50 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
         if reasons:
             refused.append(RefusedSet(number, taken.view, reasons))
             in_a_row += 1
-            if run.attendant is not None:
-                run.attendant.heard(taken, None, reasons)
-            elif source.live and in_a_row == settings.tries:
+            _tell(run, taken, None, reasons)
+            if source.live and run.attendant is None and in_a_row == settings.tries:
                 raise DeviceError(f"{counted(in_a_row, 'set')} in a row were refused. {'; '.join(reasons)}.")
             continue
         in_a_row = 0
         placed = _placed(taken, view)
         name = placed.view or f"view-{len(recorder.views) + 1:03d}"
         recorder.add(placed, name)
-        if run.attendant is not None:
-            run.attendant.heard(placed, name, ())
-        if run.advisor is not None:
-            run.advisor.judge(placed, name)
+        _tell(run, placed, name, ())
         progress.advance()
     return refused
+
+
+def _wanted(source: Source, run: CaptureRun) -> int | None:
+    """Return the number of views to take; None for all that there are, or as many as the attendant wants."""
+    given = run.settings.views or len(run.stage) or None
+    if given is not None or run.attendant is not None:
+        return given
+    if run.advisor is not None:
+        return MOST_VIEWS
+    return LIVE_VIEWS if source.live else None
+
+
+def _is_to_be_taken(view: StageView | None, recorder: Recorder, run: CaptureRun, wanted: int | None) -> bool:
+    """Ask for the next set, and return when it is to be taken; False where no more is."""
+    done = len(recorder.views)
+    if run.attendant is not None:
+        return run.attendant.wait(_request(view, done, wanted), done)
+    advice = None if run.advisor is None else run.advisor.advise()
+    if advice is not None and run.show is not None:
+        run.show(advice)
+    if advice is not None and advice.done:
+        return False
+    if run.ask is not None:
+        run.ask(_request(view, done, wanted) if advice is None else advice_text(advice))
+    return True
+
+
+def _tell(run: CaptureRun, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:
+    """Tell who stands beside what became of a set: its name in the shoot, or why it was refused."""
+    if run.attendant is not None:
+        run.attendant.heard(taken, view, reasons)
+    elif run.advisor is not None and view is not None:
+        run.advisor.judge(taken, view)
 
 
 def _reasons(taken: FrameSet, source: Source, recorder: Recorder, run: CaptureRun) -> tuple[str, ...]:

@@ -170,7 +170,7 @@ class _Ending:
         return made
 
     def _findings(self, made: "Calibration") -> tuple[str, ...]:
-        """Return what the diagnosis finds wrong with the shoot, and how to mend it, the most harmful first."""
+        """Return what the diagnosis finds wrong with the shoot and how to mend it, the most harmful first."""
         from labcal import pipeline
 
         diagnose = getattr(pipeline, "diagnose", None)
