@@ -7,6 +7,7 @@ from pathlib import Path
 
 from labcal.capture.advice import Advice, Advisor
 from labcal.capture.advice_text import advice_text
+from labcal.capture.attendant import Attendant
 from labcal.capture.guide_settings import MOST_VIEWS
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
@@ -79,6 +80,9 @@ class CaptureRun:
     guides."""
     show: Callable[[Advice], None] | None = None
     """Called with each advice before its set is taken, and with the one that says that it is done."""
+    attendant: Attendant | None = None
+    """Says when each set is taken and when there are enough, in place of `ask` and the clock, and has sets
+    judged itself; None where nobody watches. A refused set is its matter: none ends the capture."""
 
 
 def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progress) -> Captured:
@@ -137,21 +141,14 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
 def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: Progress) -> list[RefusedSet]:
     """Take the views that are missing, and return the sets that were refused."""
     settings, refused, in_a_row = run.settings, list[RefusedSet](), 0
-    usual = LIVE_VIEWS if run.advisor is None else MOST_VIEWS
-    wanted = settings.views or (len(run.stage) or usual if source.live or run.stage or run.advisor else None)
+    wanted, by_clock = _wanted(source, run), source.live and run.attendant is None and run.ask is None
     progress.start("capture", wanted or 0, len(recorder.views))
     number, due = 0, time.monotonic()
     while wanted is None or len(recorder.views) < wanted:
         view = _next_view(recorder, run)
-        advice = None if run.advisor is None else run.advisor.advise()
-        if advice is not None and run.show is not None:
-            run.show(advice)
-        if advice is not None and advice.done:
+        if not _is_to_be_taken(view, recorder, run, wanted):
             break
-        if run.ask is not None:
-            words = _request(view, len(recorder.views), wanted) if advice is None else advice_text(advice)
-            run.ask(words)
-        elif source.live:
+        if by_clock:
             time.sleep(max(0.0, due - time.monotonic()))
             due = time.monotonic() + settings.interval_s
         taken = source.trigger()
@@ -162,22 +159,51 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
         if reasons:
             refused.append(RefusedSet(number, taken.view, reasons))
             in_a_row += 1
-            if source.live and in_a_row == settings.tries:
+            _tell(run, taken, None, reasons)
+            if source.live and run.attendant is None and in_a_row == settings.tries:
                 raise DeviceError(f"{counted(in_a_row, 'set')} in a row were refused. {'; '.join(reasons)}.")
             continue
         in_a_row = 0
         placed = _placed(taken, view)
-<<<<<<< HEAD
         recorder.read_target(placed)
-        recorder.add(placed, placed.view or f"view-{len(recorder.views) + 1:03d}")
-=======
         name = placed.view or f"view-{len(recorder.views) + 1:03d}"
         recorder.add(placed, name)
-        if run.advisor is not None:
-            run.advisor.judge(placed, name)
->>>>>>> wt10-E
+        _tell(run, placed, name, ())
         progress.advance()
     return refused
+
+
+def _wanted(source: Source, run: CaptureRun) -> int | None:
+    """Return the number of views to take; None for all that there are, or as many as the attendant wants."""
+    given = run.settings.views or len(run.stage) or None
+    if given is not None or run.attendant is not None:
+        return given
+    if run.advisor is not None:
+        return MOST_VIEWS
+    return LIVE_VIEWS if source.live else None
+
+
+def _is_to_be_taken(view: StageView | None, recorder: Recorder, run: CaptureRun, wanted: int | None) -> bool:
+    """Ask for the next set, and return when it is to be taken; False where no more is."""
+    done = len(recorder.views)
+    if run.attendant is not None:
+        return run.attendant.wait(_request(view, done, wanted), done)
+    advice = None if run.advisor is None else run.advisor.advise()
+    if advice is not None and run.show is not None:
+        run.show(advice)
+    if advice is not None and advice.done:
+        return False
+    if run.ask is not None:
+        run.ask(_request(view, done, wanted) if advice is None else advice_text(advice))
+    return True
+
+
+def _tell(run: CaptureRun, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:
+    """Tell who stands beside what became of a set: its name in the shoot, or why it was refused."""
+    if run.attendant is not None:
+        run.attendant.heard(taken, view, reasons)
+    elif run.advisor is not None and view is not None:
+        run.advisor.judge(taken, view)
 
 
 def _reasons(taken: FrameSet, source: Source, recorder: Recorder, run: CaptureRun) -> tuple[str, ...]:

@@ -2,24 +2,32 @@
 
 import time
 from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
 
 from labcal.arrays import Pose
 from labcal.capture.addresses import Address
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
 from labcal.errors import InputError
+from labcal.render.delivery import sensor_picture
 from labcal.render.irradiance import Case
-from labcal.render.picture import picture_of
-from labcal.render.sensor_response import Exposure, exposure_for
+from labcal.render.picture import exposed
+from labcal.render.sensor_response import Exposure, Shot, exposure_for
 from labcal.scene.catalogue import load_scene
 from labcal.scene.check import check_scene
 from labcal.scene.lighting import brightest_board
 from labcal.scene.model import Scene
-from labcal.scene.photometry import PictureFormat
+from labcal.scene.photometry import Photometry, PictureFormat
 from labcal.scene.plan import built_scene, planned_takes
 from labcal.scene.views import PlannedView, planned_views
 from labcal.shoot.manifest import Role
 from labcal.shoot.pictures import encoded_picture
+
+LOOKS = 3
+"""Different pictures of what is seen before a view is taken."""
+_Exposed = tuple[np.ndarray, Photometry, Exposure, Shot | None]
 
 
 class SimulatedCameras:
@@ -42,7 +50,9 @@ class SimulatedCameras:
     def __init__(self, scene: Scene, name: str, seed: int) -> None:
         self.scene, self._name, self._seed = scene, name, seed
         self._views: list[PlannedView] = []
-        self._held: Pose | None = None
+        self._held: PlannedView | None = None
+        self._light: tuple[PlannedView, dict[str, _Exposed]] | None = None
+        self._seen: list[FrameSet] = []
         self._exposure: Exposure | None = None
         self._taken = 0
 
@@ -73,29 +83,63 @@ class SimulatedCameras:
 
     def hold(self, T_world_target: Pose) -> None:
         """Hold the target at a pose (4, 4), mm, for the next picture, in place of the next planned view."""
-        self._held = T_world_target
+        self._seen = []
+        self._held = PlannedView(f"hand-{self._taken + 1:02d}", Role.TRAIN, T_world_target, None)
+
+    def peek(self) -> FrameSet | None:
+        """Return what the cameras see before the next view is taken.
+
+        :data:`LOOKS` pictures have noise of their own, and then come again: to develop one takes longer than
+        a camera takes to deliver it.
+        """
+        view = self._coming()
+        if not self._seen or self._seen[0].view != getattr(view, "name", None):
+            self._seen = []
+        if len(self._seen) < LOOKS:
+            look = self._pictures(f"look {len(self._seen) + 1}")
+            if look is None:
+                return None
+            self._seen.append(look)
+            return look
+        self._seen = [*self._seen[1:], self._seen[0]]
+        return self._seen[-1]
 
     def trigger(self) -> FrameSet | None:
         """Render the next view; None where the plan has no more and the hand holds nothing."""
+        taken = self._pictures("")
+        if taken is None:
+            return None
         if self._held is not None:
-            view = PlannedView(f"hand-{self._taken + 1:02d}", Role.TRAIN, self._held, None)
             self._held = None
-        elif self._views:
-            view = self._views.pop(0)
         else:
+            self._views.pop(0)
+        self._taken += 1
+        return taken
+
+    def _coming(self) -> PlannedView | None:
+        """Return the view that is taken next."""
+        return self._held or next(iter(self._views), None)
+
+    def _pictures(self, look: str) -> FrameSet | None:
+        """Return the pictures of the next view, or of a look at it, whose noise is another one."""
+        view = self._coming()
+        if view is None:
             return None
         if self._exposure is None:
             raise RuntimeError("Call open() before trigger().")
-        self._taken += 1
-        built, suffix = built_scene(self.scene), f".{self.scene.photometry.format.value}"
-        quality, now = self.scene.photometry.jpeg_quality, time.time()
+        if self._light is None or self._light[0] is not view:
+            built = built_scene(self.scene)
+            takes = planned_takes(self.scene, (view,), self._seed).takes
+            lights = {one.camera: exposed(built, Case(one, self._seed), self._exposure) for one in takes}
+            self._light = (view, lights)
+        suffix, now = f".{self.scene.photometry.format.value}", time.time()
         frames = {}
-        for take in planned_takes(self.scene, (view,), self._seed).takes:
-            picture = picture_of(built, Case(take, self._seed), self._exposure)
-            data = Encoded(bytes(encoded_picture(f"picture{suffix}", picture, quality)), suffix)
-            frames[take.camera] = Frame(
-                picture, now, 1000.0 * self.scene.photometry.exposure_ms, encoded=data
-            )
+        for name, (light, photometry, exposure, shot) in self._light[1].items():
+            drawn = replace(shot, view=f"{shot.view} {look}") if shot is not None and look else shot
+            picture = sensor_picture(light, photometry, exposure, drawn)
+            quality = self.scene.photometry.jpeg_quality
+            data = None if look else Encoded(bytes(encoded_picture(f"p{suffix}", picture, quality)), suffix)
+            frames[name] = Frame(picture, now, 1000.0 * self.scene.photometry.exposure_ms, encoded=data)
         return FrameSet(frames, view.name, view.T_world_target_nominal, view.role)
 
     def follow(self) -> None:
@@ -108,7 +152,7 @@ class SimulatedCameras:
 
     def close(self) -> None:
         """Forget the plan."""
-        self._views = []
+        self._views, self._light, self._seen = [], None, []
 
 
 def source_of(address: Address, settings: SourceSettings) -> SimulatedCameras:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labcal.cli.guide_options import add_guide, guide_settings
 from labcal.cli.options import add_output, add_seed, positive_number
@@ -14,7 +15,13 @@ from labcal.cli.parser import CommandGroup
 from labcal.cli.print_scale import add_print_scale
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.errors import InputError
 from labcal.wording import counted
+
+if TYPE_CHECKING:
+    from labcal.capture.settings import CaptureSettings
+    from labcal.live.result import CapturedLive
+
 
 _LIVE = ("uvc:", "genicam:")
 """Beginnings of addresses of cameras before which a person holds a target."""
@@ -108,6 +115,19 @@ def add_parser(commands: CommandGroup) -> None:
         help="of folder: and watch: cameras by the end of the name, '_0=left,_1=right', or by a pattern",
     )
     parser.add_argument(
+        "--page",
+        action="store_true",
+        help="take the views on a page in a browser on this computer, which shows what the cameras see and "
+        "what to do next, and ends in SHOOT-rig.json and SHOOT-rig.html; needs the extra 'page'",
+    )
+    parser.add_argument(
+        "--page-port",
+        type=int,
+        default=0,
+        metavar="N",
+        help="port of the page on 127.0.0.1 (default: any that is free)",
+    )
+    parser.add_argument(
         "--set",
         action="append",
         default=[],
@@ -154,6 +174,10 @@ class CaptureResult:
     refused: list[RefusedEntry]
     notes: list[str]
     guided: GuidedEntry | None
+    rig: str | None = None
+    """With ``--page``: the calibrated rig; else null."""
+    page: str | None = None
+    """With ``--page``: the page of the calibration; else null."""
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
@@ -189,8 +213,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         guide=guide_settings(arguments),
     )
     ask = _asks(arguments, session)
-    with nullcontext() if arguments.guided else session.progress() as progress:
-        captured = capture(arguments.sources, arguments.output, arguments.target, settings, ask, progress)
+    made: CapturedLive | None = None
+    if arguments.page:
+        made = _on_page(arguments, settings, session)
+        captured = made.captured
+    else:
+        with nullcontext() if arguments.guided else session.progress() as progress:
+            captured = capture(arguments.sources, arguments.output, arguments.target, settings, ask, progress)
     for note in captured.notes:
         session.warn(note)
     shoot = captured.shoot
@@ -210,9 +239,12 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         refused,
         list(captured.notes),
         guided,
+        None if made is None else str(made.rig),
+        None if made is None else str(made.page),
     )
     words = f"{arguments.output}: {counted(result.images, 'picture')} of {counted(result.views, 'view')}."
-    session.emit(result, words if advice is None else f"{words}\n{summary(advice)}")
+    words += "" if advice is None else f"\n{summary(advice)}"
+    session.emit(result, words if made is None else f"{words}\nThe rig: {made.rig}, its page: {made.page}.")
     if advice is not None and advice.wanted_mm is not None and not advice.done:
         return ExitStatus.PARTIAL
     return ExitStatus.PARTIAL if refused and captured.replayed else ExitStatus.DONE
@@ -224,6 +256,25 @@ def _asks(arguments: Namespace, session: Session) -> Callable[[str], None] | Non
     if arguments.on_enter or (arguments.guided and live):
         return _wait_for_enter
     return session.say if arguments.guided else None
+
+
+def _on_page(arguments: Namespace, settings: "CaptureSettings", session: Session) -> "CapturedLive":
+    """Take the pictures on a page."""
+    from labcal.cli.option_words import in_options
+    from labcal.pipeline import LiveSettings, PageOutput, capture_live
+
+    if arguments.on_enter:
+        raise InputError("--on-enter and --page each say when a view is taken. Leave one of them out.")
+
+    def opened(address: str) -> None:
+        sys.stderr.write(f"Open this address in a browser on this computer:\n\n    {address}\n\n")
+        sys.stderr.write("Only this computer can open it, and only with all its letters. Ctrl-C ends.\n")
+        sys.stderr.flush()
+
+    place = arguments.output.with_name(f"{arguments.output.name}-rig.html")
+    page = PageOutput(place, arguments.force, session.command, in_options)
+    live = LiveSettings(port=arguments.page_port, opened=opened, page=page)
+    return capture_live(arguments.sources, arguments.output, arguments.target, settings, live)
 
 
 def _wait_for_enter(words: str) -> None:

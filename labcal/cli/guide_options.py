@@ -57,7 +57,8 @@ def guide_settings(arguments: Namespace) -> "GuideSettings | None":
     """
     from labcal.pipeline import GuideSettings
 
-    if not arguments.guided:
+    page = arguments.page and arguments.stage is None
+    if not (arguments.guided or page):
         usual = {"wanted_mm": None, "volume_mm": None, "lens": _LENS, "hand_error": _HAND}
         given = [f"--{name.replace('_', '-')}" for name in usual if getattr(arguments, name) != usual[name]]
         if given:

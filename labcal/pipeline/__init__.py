@@ -21,6 +21,7 @@ from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.diagnosis import diagnose
 from labcal.pipeline.held_out import evaluate_held_out
+from labcal.pipeline.live_capture import capture_live
 from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from labcal.guide.rehearsal.settings import RehearseSettings
     from labcal.guide.target_design.question import TargetQuestion
     from labcal.guide.twin.settings import TwinSettings
+    from labcal.live.settings import LiveSettings
     from labcal.paper.reproduce import ReproduceSettings
     from labcal.reconstruct.found_marks import FoundMarks
     from labcal.reconstruct.measure_settings import MeasureSettings
@@ -72,6 +74,7 @@ __all__ = [
     "FoundMarks",
     "GuideSettings",
     "HandheldSettings",
+    "LiveSettings",
     "MarkSearch",
     "MeasureSettings",
     "PageOutput",
@@ -85,6 +88,7 @@ __all__ = [
     "bench",
     "calibrate",
     "capture",
+    "capture_live",
     "certify",
     "check",
     "compare",
@@ -129,6 +133,7 @@ _HOMES = {
     "FoundMarks": "labcal.reconstruct.found_marks",
     "GuideSettings": "labcal.capture.guide_settings",
     "HandheldSettings": "labcal.calibrate.handheld",
+    "LiveSettings": "labcal.live.settings",
     "MarkSearch": "labcal.correspond.mark_search",
     "MeasureSettings": "labcal.reconstruct.measure_settings",
     "PageOutput": "labcal.report.page.output",

@@ -69,8 +69,21 @@ def capture(
     >>> pipeline.capture("folder:shoot", "again", shoot.target)
     Captured(folder=again, views=2, refused=0)
     """
+    from labcal.capture.capturing import capture_shoot
+
+    source, run = planned_capture(sources, target, settings, ask)
+    return capture_shoot(source, as_path(folder), run, progress_of(progress))
+
+
+def planned_capture(
+    sources: str | Sequence[str],
+    target: AnyTarget | AnyPath | None,
+    settings: "CaptureSettings | None",
+    ask: Callable[[str], None] | None,
+) -> "tuple[Source, CaptureRun]":
+    """Return the source of a capture, not opened yet, and all else that it needs; as of :func:`capture`."""
     from labcal.capture.addresses import named_addresses, source_at
-    from labcal.capture.capturing import CaptureRun, capture_shoot
+    from labcal.capture.capturing import CaptureRun
     from labcal.capture.settings import CaptureSettings
     from labcal.capture.several import SeveralSources
     from labcal.capture.simulated import SimulatedCameras
@@ -106,7 +119,7 @@ def capture(
         source = videos_together(addresses, shown, how.source_settings)
     else:
         source = SeveralSources(made)
-    return capture_shoot(source, as_path(folder), run, progress_of(progress))
+    return source, run
 
 
 def _guided(run: "CaptureRun", guide: "GuideSettings", simulated: "SimulatedCameras | None") -> "CaptureRun":

@@ -39,7 +39,7 @@ def render_picture(job: Job) -> float:
         The file cannot be written.
     """
     began = time.perf_counter()
-    deliver(*_exposed(job.scene, job.case, job.exposure), Destination(job.path, _texts(job)))
+    deliver(*exposed(job.scene, job.case, job.exposure), Destination(job.path, _texts(job)))
     return time.perf_counter() - began
 
 
@@ -51,13 +51,19 @@ def picture_of(scene: Scene, case: Case, exposure: Exposure) -> np.ndarray:
     DeviceError
         Dr.Jit has no LLVM library to compile with.
     """
-    return sensor_picture(*_exposed(scene, case, exposure))
+    return sensor_picture(*exposed(scene, case, exposure))
 
 
-def _exposed(
+def exposed(
     scene: Scene, case: Case, exposure: Exposure
 ) -> tuple[np.ndarray, Photometry, Exposure, Shot | None]:
-    """Return the light of a picture, and all that makes a picture of it."""
+    """Return the light of a picture, and what :func:`~labcal.render.delivery.sensor_picture` takes with it.
+
+    Raises
+    ------
+    DeviceError
+        Dr.Jit has no LLVM library to compile with.
+    """
     photometry = case.take.photometry(scene.photometry)
     with renderer(COLOUR if photometry.bayer else MONO) as mi:
         light = render_light(Laboratories(mi, scene, case.seed), case)

@@ -22,6 +22,8 @@ PAGES = sorted(
 OPTIONS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 RENDERS = {"labcal.pipeline.bench", "labcal.pipeline.render", "labcal.pipeline.reproduce"}
 """Functions whose examples are shown and not run, since they render for minutes; other tests run them."""
+WAITS = {"labcal.pipeline.capture_live"}
+"""The same, since they wait for a person."""
 
 
 def _public() -> dict[str, object]:
@@ -92,14 +94,14 @@ def _sections(text: str) -> dict[str, str]:
     return dict(zip(parts[1::2], parts[2::2], strict=True))
 
 
-def test_only_functions_that_render_have_an_example_that_is_not_run() -> None:
+def test_only_functions_that_render_or_wait_have_an_example_that_is_not_run() -> None:
     skipping = {
         name
         for name, one in PUBLIC.items()
         for test in _examples(one)
         if any(example.options.get(doctest.SKIP) for example in test.examples)
     }
-    assert skipping == RENDERS
+    assert skipping == RENDERS | WAITS
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

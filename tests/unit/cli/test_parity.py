@@ -44,7 +44,13 @@ TARGET: Place = (labcal.Shoot.showing, "target")
 PLY: dict[str, Place | str] = {"ply": (labcal.write_ply, "path"), "encoding": (labcal.write_ply, "encoding")}
 ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "render": {"output": "folder"},
-    "capture": {"output": "folder", "on_enter": "ask", "guided": "guide"},
+    "capture": {
+        "output": "folder",
+        "on_enter": "ask",
+        "guided": "guide",
+        "page": (pipeline.capture_live, "live"),
+        "page_port": (pipeline.LiveSettings, "port"),
+    },
     "inspect": {
         "cameras": CAMERAS,
         "changes": CHANGES,

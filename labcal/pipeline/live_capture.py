@@ -1,0 +1,209 @@
+"""Shoots taken on a page in a browser, which ends in the calibrated rig."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from labcal.arguments import settings_of
+from labcal.errors import InputError, LabcalError
+from labcal.paths import AnyPath, as_path
+from labcal.run.progress import Progress, progress_of
+from labcal.targets.catalogue import AnyTarget
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from labcal.calibrate.calibration import Calibration
+    from labcal.capture.settings import CaptureSettings
+    from labcal.live.board import Board
+    from labcal.live.result import CapturedLive
+    from labcal.live.settings import LiveSettings
+
+LAST_LOOK_S = 3.0
+"""After a failure the page is served so long, that it can tell of it."""
+_LOOK_S = 0.2
+
+
+def capture_live(
+    sources: str | Sequence[str],
+    folder: AnyPath,
+    target: AnyTarget | AnyPath | None = None,
+    settings: "CaptureSettings | None" = None,
+    live: "LiveSettings | None" = None,
+    progress: Progress | None = None,
+) -> "CapturedLive":
+    """Take a shoot on a page in a browser on this computer, and calibrate its cameras.
+
+    The page shows what the cameras see, the dots that are found, the pose to take next and the 3-D error
+    that is reached. A person takes each view there, or lets it be taken when the target is still, and ends
+    with the calibrated rig and its page. It is served on 127.0.0.1 only, to whoever has its token.
+
+    Parameters
+    ----------
+    sources : str or sequence of str
+        As of :func:`capture`.
+    folder : path
+        The shoot to appear.
+    target : str or AnyTarget, optional
+        The target that the pictures show; a scene brings its own.
+    settings : CaptureSettings, optional
+        With `views`, the capture ends after so many; else when the person says so.
+    live : LiveSettings, optional
+        The port, a function that receives the address, and the place of the rig.
+    progress : Progress, optional
+
+    Returns
+    -------
+    CapturedLive
+        The shoot, and the calibration from it.
+
+    Raises
+    ------
+    DeviceError
+        A camera is missing or fails, the port is in use, or the extra ``page`` is not installed; the views
+        taken before are whole.
+    InputError
+        No target is known, an address or a setting cannot be used, or nothing can be calibrated from the
+        views.
+    OutputError
+        The shoot, the rig or its page exists already, or may not be written.
+
+    Examples
+    --------
+    >>> from labcal import pipeline
+    >>> live = pipeline.LiveSettings(opened=print)
+    >>> made = pipeline.capture_live("sim:webcam-handheld", "shoot", live=live)  # doctest: +SKIP
+    http://127.0.0.1:43117/?token=...
+    """
+    from labcal.capture.capturing import capture_shoot
+    from labcal.capture.guide_settings import GuideSettings
+    from labcal.capture.preview import Previewed
+    from labcal.capture.settings import CaptureSettings
+    from labcal.live.board import Board
+    from labcal.live.operator import Operator
+    from labcal.live.result import CapturedLive
+    from labcal.live.server import require_server, served
+    from labcal.live.settings import LiveSettings
+    from labcal.live.shown import Phase
+    from labcal.pipeline.capturing import planned_capture
+
+    how = settings_of(live, LiveSettings)
+    require_server()
+    given = settings_of(settings, CaptureSettings)
+    if given.guide is None and given.stage is None:
+        given = replace(given, guide=GuideSettings())
+    source, run = planned_capture(sources, target, given, None)
+    if run.target is None:
+        raise InputError("The live page looks for the target, but none is known. Name it: `target=NAME`.")
+    ending = _Ending(as_path(folder), how, Board(), force=run.settings.force)
+    previewed = Previewed(source)
+    operator = Operator(ending.board, previewed, run.target, ending.finish)
+    if run.advisor is not None:
+        operator.guide_by(run.advisor, run.show)
+    with served(ending.board, how.port) as page:
+        how.opened(page.address)
+        try:
+            ending.board.show(wanted_views=run.settings.views or len(run.stage) or None)
+            captured = capture_shoot(
+                previewed, ending.folder, replace(run, attendant=operator), progress_of(progress)
+            )
+            made = ending.made = ending.made or ending.calibrated()
+        except LabcalError as error:
+            reason = ending.phrase(error)
+            ending.board.show(phase=Phase.FAILED, request="The capture has stopped", error=reason)
+            time.sleep(LAST_LOOK_S)
+            raise
+        finally:
+            operator.close()
+        ending.show()
+        ending.linger()
+    return CapturedLive(captured, made, ending.rig, as_path(ending.page.path))
+
+
+class _Ending:
+    """The end of a capture: the calibration, its files, and what the page shows of them."""
+
+    def __init__(self, folder: "Path", how: "LiveSettings", board: "Board", *, force: bool) -> None:
+        from labcal.cameras.rig_file import KIND
+        from labcal.report.page.output import PageOutput
+        from labcal.run.claims import FileOutput, claim_outputs
+
+        self.folder, self.board, self._how, self._force = folder, board, how, force
+        beside = folder.with_name(f"{folder.name}-rig")
+        self.rig = beside.with_suffix(".json") if how.rig is None else as_path(how.rig)
+        given = beside.with_suffix(".html") if how.page is None else how.page
+        self.page: PageOutput = replace(PageOutput.of(given), force=force or PageOutput.of(given).force)
+        self.made: Calibration | None = None
+        claim_outputs([FileOutput(self.rig, KIND), self.page.file], [], force=force)
+
+    def phrase(self, error: Exception) -> str:
+        """Return a message in the reader's words."""
+        return self.page.phrase(str(error))
+
+    def finish(self) -> bool:
+        """Calibrate; False, with the reason on the page, where these views do not do."""
+        from labcal.errors import OutputError
+
+        try:
+            self.made = self.calibrated()
+        except OutputError:
+            raise
+        except LabcalError as error:
+            words = f"These views could not be calibrated yet: {self.phrase(error)} Take more, and try again."
+            self.board.show(error=words)
+            return False
+        return True
+
+    def calibrated(self) -> "Calibration":
+        """Calibrate from the views that are in the shoot, and write the rig and its page."""
+        from labcal.cameras.rig_file import write_rig
+        from labcal.live.board_progress import BoardProgress
+        from labcal.live.shown import Phase
+        from labcal.pipeline.calibration import calibrate
+
+        words = "Calibrating. This takes a minute or so; the target can rest"
+        self.board.show(phase=Phase.CALIBRATE, request=words, hint="", error="", work=("", 0, 0))
+        made = calibrate(self.folder, progress=BoardProgress(self.board), page=self.page)
+        write_rig(self.rig, made.rig, force=self._force)
+        self.board.show(findings=self._findings(made))
+        return made
+
+    def _findings(self, made: "Calibration") -> tuple[str, ...]:
+        """Return what the diagnosis finds wrong with the shoot and how to mend it, the most harmful first."""
+        from labcal import pipeline
+
+        diagnose = getattr(pipeline, "diagnose", None)
+        if diagnose is None:
+            return ()
+        self.board.show(request="Looking for mistakes in the shoot", work=("", 0, 0))
+        try:
+            found = diagnose(self.folder, rig=made.rig).findings
+        except InputError:  # no picture shows enough to judge
+            return ()
+        return tuple(self.page.phrase(f"{one.words} {one.mend}") for one in found if one.explained_by is None)
+
+    def show(self) -> None:
+        """Show the calibrated rig."""
+        from labcal.live.outcome import outcome_of
+        from labcal.live.shown import Phase
+
+        if self.made is None:
+            return
+        page = as_path(self.page.path)
+        self.board.put_page(page.read_bytes())
+        files = {"shoot": self.folder, "rig": self.rig, "page": page}
+        outcome = outcome_of(self.made, files, self.page.phrase)
+        request = "The calibration is done. Leave the cameras as they are"
+        self.board.show(phase=Phase.DONE, request=request, hint="", outcome=outcome, work=None, error="")
+
+    def linger(self) -> None:
+        """Serve until the page is closed, or nobody looks at it any more, or a person presses Ctrl-C."""
+        from labcal.live.command import Command
+
+        try:
+            while time.monotonic() - self.board.asked_s < self._how.linger_s:
+                if self.board.next_wish(_LOOK_S) is Command.CLOSE:
+                    return
+        except KeyboardInterrupt:
+            return
