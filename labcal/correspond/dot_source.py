@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.measure import Measurement, detections_of, measure_pictures, refusals
@@ -45,15 +46,25 @@ class DotSource:
             raise InputError("A table of dots has no pictures. Its dots are in `table`.")
         return open_pictures(self.shoot)
 
-    def target(self, given: AnyPath | AnyTarget | None = None) -> AnyTarget:
-        """Return the target that is given, by itself or by name, or else that of the shoot.
+    def target(self, given: AnyPath | AnyTarget | None = None, rig: Rig | None = None) -> AnyTarget:
+        """Return the target that is given, by itself or by name, or else that of the shoot or of a rig.
 
         Raises
         ------
         UnknownNameError, InputError
             As of :func:`~labcal.correspond.picture_set.target_shown`.
         """
-        return target_shown(given, self.shoot)
+        return target_shown(given, self.shoot, rig)
+
+    def states_target(self, rig: Rig | None = None) -> bool:
+        """Tell whether the shoot or a rig states the target of the dots."""
+        by_shoot = self.shoot is not None and self.shoot.manifest.target is not None
+        return by_shoot or (rig is not None and rig.target is not None)
+
+    def in_pictures(self, taken: AnyTarget | None) -> AnyTarget | None:
+        """Return the target by which dots are found: the shoot's own or, if it states none, `taken`."""
+        stated = None if self.shoot is None else self.shoot.manifest.target
+        return taken if stated is None else stated
 
     def showing(self, target: AnyTarget) -> Shoot | AnyTarget:
         """Return the shoot, where there is one, with the target that it is said to show; else the target."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from labcal.arguments import wrong_type
+from labcal.cameras.rig import Rig
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
 from labcal.errors import InputError
@@ -15,6 +16,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.public_object import PublicObject
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.kept_target import kept_target
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,17 +52,17 @@ class PictureSet(PublicObject):
         """``train`` or ``test`` of each view of a shoot; empty for loose pictures."""
         return {} if self.shoot is None else {view.name: view.role.value for view in self.shoot.views()}
 
-    def target(self, given: "AnyTarget | AnyPath | None" = None) -> AnyTarget:
-        """Return the target that is given, by itself or by name, or else that of the shoot.
+    def target(self, given: "AnyTarget | AnyPath | None" = None, rig: Rig | None = None) -> AnyTarget:
+        """Return the target that is given, by itself or by name, or else that of the shoot or of a rig.
 
         Raises
         ------
         UnknownNameError
             There is no target of that name.
         InputError
-            None is given, and the pictures are no shoot.
+            None is given, and neither a shoot nor a rig states one.
         """
-        return target_shown(given, self.shoot)
+        return target_shown(given, self.shoot, rig)
 
 
 AnyPictures = PictureSet | Shoot | AnyPath | Sequence[AnyPath]
@@ -118,18 +120,33 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     return PictureSet(tuple(find_sources(paths, endings)), None, _name(paths[0]), tuple(paths), left_out)
 
 
-def target_shown(given: "AnyTarget | AnyPath | None", shoot: Shoot | None) -> AnyTarget:
-    """Return the target that is given, by itself or by name, or else that of the shoot.
+def target_shown(
+    given: "AnyTarget | AnyPath | None", shoot: Shoot | None, rig: Rig | None = None
+) -> AnyTarget:
+    """Return the target that is given, by itself or by name, or else that of the shoot or of a rig.
+
+    Parameters
+    ----------
+    given : AnyTarget, str, path or None
+    shoot : Shoot or None
+        The shoot that the pictures are of; where it states a target, that of the rig is not looked at.
+    rig : Rig, optional
+        The cameras that dots are of, which may keep the target of their calibration.
 
     Raises
     ------
     UnknownNameError
         There is no target of that name.
     InputError
-        None is given, and there is no shoot.
+        None is given, and neither a shoot nor a rig states one; or that of the rig is damaged.
     """
     if given is not None:
         return target_of(given)
+    kept = None
+    if rig is not None and (shoot is None or shoot.manifest.target is None):
+        kept = kept_target(rig)
+    if kept is not None:
+        return kept
     if shoot is None:
         raise InputError(
             "Name the target that the pictures show: `target='NAME'` ('labcal target list' shows the names)."

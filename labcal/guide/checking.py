@@ -1,6 +1,7 @@
 """Check a rig by new views of a target, or of marks that stay in place: verdict, cost, power, warnings."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from labcal.guide.rig_check import FEWEST_VIEWS, ChangeCost, CheckVerdict, RigCh
 from labcal.guide.smallest_change import SmallestChange
 from labcal.guide.volume_cost import Volume
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.kept_target import other_target_note
 from labcal.targets.places import DotPlaces
 from labcal.wording import counted
 
@@ -39,7 +41,9 @@ def checked(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> 
     InputError
         As of :func:`~labcal.calibrate.validity.tested.tested`.
     """
-    return _judged(rig, tested(rig, detections, target))
+    found = _judged(rig, tested(rig, detections, target))
+    other = other_target_note(rig, target)
+    return found if other is None else replace(found, warnings=(*found.warnings, other))
 
 
 def checked_by_marks(rig: Rig, pixels: NamedPixels, places: NamedPoints) -> RigCheck:

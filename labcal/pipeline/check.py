@@ -15,6 +15,7 @@ from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import detect
 from labcal.pipeline.fixed_marks import check_by_marks, is_table
+from labcal.pipeline.given import dots_beside
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
@@ -48,9 +49,10 @@ def check(
         Dots or the table of them, a shoot, or pictures, in which dots are found: three views or more. Of
         fixed marks their pixels, the table of them, or pictures with `markers`; one view is enough.
     target : AnyTarget, DotPlaces, path or str, optional
-        What the pictures show; a shoot brings its own. Of a print that a calibration with free dots measured,
-        its dots, or the file of them, which finds smaller changes; the file beside that of the rig,
-        ``RIG-dots.json``, is taken by itself where it is of this target.
+        What the pictures show; if left out, the target of the shoot, or else the one that the rig was
+        calibrated with. Of a print that a calibration with free dots measured, its dots, or the file of them,
+        which finds smaller changes; the file beside that of the rig, ``RIG-dots.json``, is taken by itself
+        where it is of this target.
     settings : CheckSettings, optional
         The log that the check is added to; places and kinds of fixed marks.
     progress : Progress, optional
@@ -99,9 +101,9 @@ def check(
     if how.places is None:
         shown = _places(target)
         named = shown.target if isinstance(shown, DotPlaces) else shown
-        dots, board = _dots(source, named, progress_of(progress))
-        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None)
-        found = checked(used, dots, known if isinstance(known, DotPlaces) else _dots_beside(rig, known))
+        dots, board = _dots(source, named, used, progress_of(progress))
+        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None, used)
+        found = checked(used, dots, known if isinstance(known, DotPlaces) else dots_beside(rig, known))
     else:
         found = check_by_marks(used, source, target, how, progress)
     if how.log is not None:
@@ -117,18 +119,6 @@ def check(
     return found
 
 
-def _dots_beside(rig: Rig | AnyPath, target: AnyTarget) -> AnyTarget | DotPlaces:
-    """Return the dots of the print that the rig was calibrated with, where their file is beside the rig's."""
-    if isinstance(rig, Rig):
-        return target
-    path = as_path(rig)
-    beside = path.with_name(f"{path.stem}-dots.json")
-    if not (beside.is_file() and is_places(beside)):
-        return target
-    places = read_places(beside)
-    return places if places.target == target else target
-
-
 def _places(target: AnyTarget | DotPlaces | AnyPath | None) -> AnyTarget | DotPlaces | AnyPath | None:
     """Return the dots of a print where their file is given; else what is given."""
     if isinstance(target, str | os.PathLike) and os.fspath(target) and is_places(target):
@@ -139,6 +129,7 @@ def _places(target: AnyTarget | DotPlaces | AnyPath | None) -> AnyTarget | DotPl
 def _dots(
     source: "Detections | NamedPixels | FoundMarks | AnyPictures",
     target: AnyTarget | AnyPath | None,
+    rig: Rig,
     progress: Progress,
 ) -> tuple[Detections, AnyTarget | None]:
     """Return the dots, and the target of a shoot."""
@@ -160,7 +151,7 @@ def _dots(
         if path.is_file() and path.suffix.lower() not in SUFFIXES:
             return read_detections(path), None
     opened = open_pictures(source)
-    shown = opened.target(target)
+    shown = opened.target(target, rig)
     if not opened.sources:
         raise InputError("No picture is given. Give a shoot, pictures, or the table of their dots.")
     return detect(opened, shown, progress=progress), shown

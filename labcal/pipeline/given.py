@@ -2,6 +2,7 @@
 
 import os
 
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.errors import InputError
@@ -10,6 +11,7 @@ from labcal.pipeline.detection import detect
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.places import DotPlaces, is_places, read_places
 
 
 def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
@@ -19,6 +21,18 @@ def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
     if isinstance(source, str | os.PathLike) and os.fspath(source) and is_shoot(source):
         return open_shoot(source)
     return target_of(source)
+
+
+def dots_beside(rig: Rig | AnyPath, target: AnyTarget) -> AnyTarget | DotPlaces:
+    """Return the dots of the print that the rig was calibrated with, where their file is beside the rig's."""
+    if isinstance(rig, Rig):
+        return target
+    path = as_path(rig)
+    beside = path.with_name(f"{path.stem}-dots.json")
+    if not (beside.is_file() and is_places(beside)):
+        return target
+    places = read_places(beside)
+    return places if places.target == target else target
 
 
 def dots_of(

@@ -15,14 +15,15 @@ from labcal.correspond.points import Points
 from labcal.errors import InputError, UnknownNameError
 from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
-from labcal.pipeline.given import dots_of, shown_by
+from labcal.pipeline.given import dots_beside, dots_of, shown_by
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.kept_target import kept_target
 from labcal.targets.places import DotPlaces, is_places, read_places
-from labcal.targets.target import Target
+from labcal.targets.target import PrintableTarget, Target
 
 if TYPE_CHECKING:
     from labcal.evaluate.against_truth import Alignment, TruthErrors
@@ -90,8 +91,8 @@ def reconstruct(
         Dots, or the table of them; or a shoot or its folder, in whose pictures they are found. Named pixels,
         or the table of them, are reconstructed as by :func:`measure`.
     target : Target or str, optional
-        What the dots are of, so that centroids give centres; a shoot brings its own. With named pixels, the
-        target that lies in the frame.
+        What the dots are of, so that centroids give centres. If left out, that of the shoot, or else the one
+        that the rig was calibrated with. With named pixels, the target that lies in the frame.
     progress : Progress, optional
         Of the detection.
     settings : MeasureSettings, optional
@@ -148,20 +149,41 @@ def _of_dots(
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     receiver = progress_of(progress)
     given = DotSource(None, detections) if isinstance(detections, Detections) else open_dots(detections)
-    shown = None if target is None and given.shoot is None else _reconstructed_target(given, target)
-    dots = dots_of(given.table, given.shoot, receiver)
+    rig = used if isinstance(used, Rig) else None
+    shown = _reconstructed_target(given, target, rig)
+    shoot = given.shoot
+    if shoot is not None and shoot.manifest.target is None and isinstance(shown, PrintableTarget):
+        shoot = shoot.showing(shown)
+    dots = dots_of(given.table, shoot, receiver)
     found = reconstruct_centres(used, dots, shown, wanted)
-    known = None if shown is None else shown.name
-    return replace(found, warnings=reconstruction_warnings(used, dots, found, known))
+    return replace(found, warnings=reconstruction_warnings(used, dots, found, shown))
 
 
-def _reconstructed_target(given: DotSource, target: Target | AnyPath | None) -> Target:
-    """Return the target of dots: places that were found are one, too."""
-    return target if isinstance(target, Target) else given.target(target)
+def _reconstructed_target(
+    given: DotSource, target: Target | AnyPath | None, rig: Rig | None
+) -> Target | None:
+    """Return the target of dots, if it is known: places that were found are one, too."""
+    if isinstance(target, Target):
+        return target
+    return given.target(target, rig) if target is not None or given.states_target(rig) else None
 
 
-def _scored_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget | DotPlaces:
+def _kept_by(rig: Rig | Model | Collection[str] | AnyPath | None) -> AnyTarget | DotPlaces:
+    """Return the target that a rig was calibrated with, or the places of its dots."""
+    origin = _origin_of(rig)
+    target = None if origin is None else kept_target(origin.rig)
+    if target is None:
+        raise InputError(
+            "It is not known what the points are of. Give `source`: the shoot, the target or the places of "
+            "its dots; or `rig`, of a calibration that keeps its target (those of older versions do not)."
+        )
+    return dots_beside(rig, target) if isinstance(rig, str | os.PathLike) else target
+
+
+def _scored_by(source: Shoot | AnyTarget | DotPlaces | AnyPath) -> Shoot | AnyTarget | DotPlaces:
     """Return what points are of: a shoot, a target or the places of its dots, by their path, too."""
+    if isinstance(source, DotPlaces):
+        return source
     if isinstance(source, str | os.PathLike) and os.fspath(source) and is_places(source):
         return read_places(source)
     return shown_by(source)
@@ -198,7 +220,7 @@ def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -
 
 def evaluate(
     points: Points | AnyPath,
-    source: Shoot | AnyTarget | DotPlaces | AnyPath,
+    source: Shoot | AnyTarget | DotPlaces | AnyPath | None = None,
     detections: Detections | AnyPath | None = None,
     alignment: "Alignment | None" = None,
     rig: Rig | Model | Collection[str] | AnyPath | None = None,
@@ -210,9 +232,10 @@ def evaluate(
     Parameters
     ----------
     points : Points or path
-    source : Shoot, AnyTarget, DotPlaces, path or str
+    source : Shoot, AnyTarget, DotPlaces, path or str, optional
         The shoot that the points are of, or its folder; or, to compare with the target's own lengths, the
-        target or its name, or the places of its dots or their file (``RIG-dots.json``).
+        target or its name, or the places of its dots or their file (``RIG-dots.json``). If left out, the
+        target that the rig was calibrated with, with the file beside that of the rig.
     detections : Detections or path, optional
         What the points came from; gives the limit of triangulation.
     alignment : {"none", "rigid"}, optional
@@ -248,7 +271,7 @@ def evaluate(
     output = claimed_page(page, [points, source, detections, rig])
     if alignment is not None and alignment not in ALIGNMENTS:
         raise UnknownNameError("alignment", alignment, ALIGNMENTS)
-    shown = source if isinstance(source, DotPlaces) else _scored_by(source)
+    shown = _kept_by(rig) if source is None else _scored_by(source)
     _refuse_without_truth(shown, detections, alignment)
     found = points if isinstance(points, Points) else read_points(as_path(points))
     errors = _errors(found, shown, detections, alignment, rig)
