@@ -59,8 +59,8 @@ def test_the_lens_is_named_as_its_test_says(found: HandheldCalibration) -> None:
 
 def test_the_page_says_nothing_of_agreement_where_views_disagree() -> None:
     made = pipeline.calibrate(examples.TARGET, examples.detections())
-    assert "without contradiction" in calibration_verdict(calibration_evidence(made)).reason
+    assert "without contradiction" in calibration_verdict(calibration_evidence(made)).sentence
     worse = replace(made, found=disagreeing(made.found, whole=0.015))
-    reason = calibration_verdict(calibration_evidence(worse)).reason
+    reason = calibration_verdict(calibration_evidence(worse)).sentence
     assert "without contradiction" not in reason
     assert "6.0 times" in reason
