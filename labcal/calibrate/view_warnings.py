@@ -38,9 +38,7 @@ def _shared(found: HandheldCalibration) -> str:
         if errors.board_mm > _LEAST:
             parts.append(f"{1000.0 * errors.board_mm:.2g} um on the board (it bends)")
         if errors.smooth_px > _LEAST:
-            parts.append(
-                f"{errors.smooth_px:.2g} px of neighbouring dots of a picture (by light or blur)"
-            )
+            parts.append(f"{errors.smooth_px:.2g} px of neighbouring dots of a picture (by light or blur)")
     if not parts:
         return "Likely causes: the board bends or moves, or light and blur move neighbouring dots alike."
     return f"Dots of a view have errors in common, 1 sigma: {', '.join(parts)}."

@@ -88,11 +88,12 @@ def capture(
         "settings": {**asdict(how.source_settings), "views": how.views},
         "stage": [one.view for one in readings],
     }
+    receiver = progress_of(progress)
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
     if len(made) == 1:
         source: Source = made[0]
     elif all(address.kind == "video" for address in addresses):
-        source = videos_together(addresses, shown, how.source_settings)
+        source = videos_together(addresses, shown, how.source_settings, receiver)
     else:
         source = SeveralSources(made)
-    return capture_shoot(source, as_path(folder), run, progress_of(progress))
+    return capture_shoot(source, as_path(folder), run, receiver)
