@@ -75,25 +75,29 @@ def offset_frames(
     return float(near[int(np.nanargmin([_left_over(ours, theirs, ratio, lag) for lag in near]))])
 
 
-def _looked_at(video: VideoFile) -> int:
+def _wanted(video: VideoFile) -> int:
     """Return the number of frames that are looked at, if the video has them."""
-    wanted = min(MOST_FRAMES, int(LOOKED_AT_S * video.rate))
-    return min(wanted, video.stated_frames or wanted)
+    return min(MOST_FRAMES, int(LOOKED_AT_S * video.rate))
+
+
+def _looked_at(video: VideoFile) -> int:
+    """Return how many of these the video has by its header."""
+    return min(_wanted(video), video.stated_frames or MOST_FRAMES)
 
 
 def _tracks(video: VideoFile, target: AnyTarget, progress: Progress) -> Tracks:
     """Return the dots of the first frames."""
-    count = _looked_at(video)
+    promised = _looked_at(video)
     tracks = []
-    for picture in islice(video.frames(), count):
+    for picture in islice(video.frames(), _wanted(video)):
         dots = detect_dots(picture, target)
         col, row = dots.index.T
         known = dots.has_id & (col >= 0) & (col < target.cols) & (row >= 0) & (row < target.rows)
         found = np.full((target.count, 2), np.nan)
         found[row[known] * target.cols + col[known]] = dots.position[known]
         tracks.append(found)
-        progress.advance()
-    progress.advance(count - len(tracks))  # frames that its header promised
+        progress.advance(1 if len(tracks) <= promised else 0)
+    progress.advance(max(0, promised - len(tracks)))
     return np.array(tracks)
 
 
