@@ -70,7 +70,10 @@ def prepared_cameras(
 
 
 def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
-    """Return the cameras; raise where one has pictures, but no dot that is a measurement."""
+    """Return the cameras; raise where one has pictures, but no dot that is a measurement.
+
+    Their order is that of all lines: what the first picture shows does not change the world.
+    """
     for name in detections.cameras:
         if name not in usable.cameras:
             views = len(set(detections.view[detections.camera == name].tolist()))
@@ -78,4 +81,4 @@ def _require_all(usable: Detections, detections: Detections) -> tuple[str, ...]:
                 f"Camera '{name}' has {counted(views, 'view')}, but not one dot with an id that is measured. "
                 "See the flags in the detections; take its pictures anew, or leave them out."
             )
-    return usable.cameras
+    return detections.cameras
