@@ -13,6 +13,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.named_pixels import NamedPixels
 from labcal.correspond.named_points import NamedPoints
 from labcal.guide.found_change import FoundChange
+from labcal.guide.print_difference import PrintDifference
 from labcal.guide.rig_check import FEWEST_VIEWS, ChangeCost, CheckVerdict, RigCheck
 from labcal.guide.smallest_change import SmallestChange
 from labcal.guide.volume_cost import Volume
@@ -42,8 +43,13 @@ def checked(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> 
         As of :func:`~labcal.calibrate.validity.tested.tested`.
     """
     found = _judged(rig, tested(rig, detections, target))
+    shown = target.target if isinstance(target, DotPlaces) else target
+    changed = found.verdict is CheckVerdict.CHANGED
+    difference = PrintDifference.of(found.tested, shown, changed=changed)
+    notes = () if difference is None else difference.words
     other = other_target_note(rig, target)
-    return found if other is None else replace(found, warnings=(*found.warnings, other))
+    notes = notes if other is None else (*notes, other)
+    return replace(found, warnings=(*found.warnings, *notes), print_difference=difference)
 
 
 def checked_by_marks(rig: Rig, pixels: NamedPixels, places: NamedPoints) -> RigCheck:
