@@ -7,9 +7,12 @@ import numpy as np
 from labcal.calibrate.validity.evidence import NewViews
 from labcal.calibrate.validity.explanation import Explanation, explained
 from labcal.calibrate.validity.tested import Tested
+from labcal.distributions import gain_tail
 
 PRINTED = 2e-3
 """Standard deviation of the relative scale of a print, before pictures are seen: printers stretch paper."""
+CHANCE = 1e-3
+"""Probability of an improvement by chance, below which a scale is an explanation at all."""
 _FIRST_STEP, _SHRINKS, _ROUNDS = 1e-3, 0.1, 2
 """Half of the first interval of scales, the ratio of the next one to it, and their number."""
 
@@ -67,6 +70,9 @@ def print_scale(found: Tested) -> PrintScale | None:
         step *= _SHRINKS
     best = _with_scale(found, scale)
     if best is None:
+        return None
+    gain = found.unchanged.cost - best.cost - (scale / PRINTED) ** 2
+    if gain_tail(gain, 1, found.made.noise_freedom) > CHANCE:
         return None
     half = 0.5 * curvature  # the cost grows by half of it times the square of the scale's error
     prior = (scale / PRINTED) ** 2 + np.log1p(PRINTED**2 * half)
