@@ -129,7 +129,7 @@ class RigCheck(PublicObject):
         return mended_rig(self)
 
     def plot(self) -> "matplotlib.figure.Figure":
-        """Draw how likely each change is, and the smallest changes that would have been found.
+        """Draw how likely each change is, or what would have been found, and the errors of points in mm.
 
         Examples
         --------

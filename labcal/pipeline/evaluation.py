@@ -31,8 +31,8 @@ def _kept_by(rig: Rig | Model | Collection[str] | AnyPath | None) -> AnyTarget |
     target = None if origin is None else kept_target(origin.rig)
     if target is None:
         raise InputError(
-            "It is not known what the points are of. Give `source`: the shoot, the target or the places of "
-            "its dots; or `rig`, of a calibration that keeps its target (those of older versions do not)."
+            "It is not known what the points are of. Give the shoot, the target or the places of its dots; "
+            "or a rig that keeps the target of its calibration (those of older versions do not)."
         )
     return dots_beside(rig, target) if isinstance(rig, str | os.PathLike) else target
 
