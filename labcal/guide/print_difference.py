@@ -61,7 +61,7 @@ class PrintDifference:
         displaced = displaced_dots(found)
         if scale is None and displaced is None:
             return None
-        by_scale = (None, None, None)
+        by_scale: tuple[float | None, float | None, float | None] = (None, None, None)
         if scale is not None:
             by_scale = (scale.ppm, scale.sigma_ppm, scale.probability)
         if displaced is None:
